@@ -19,8 +19,8 @@ MAX_FULL_PRECISION_END_RATIO = 100.0
 class Interval(NamedTuple):
     """Limits of an interval.
 
-    ``str(interval)`` rounds the limits to one digit of the half-width, as in "0.04 to 0.19". The larger limit has at
-    least two digits. Limits may be NaN or infinite.
+    ``str(interval)`` rounds both limits to the first significant digit of the half-width, as in "0.04 to 0.19". The
+    larger limit has at least two digits. `upper` may be infinite. An interval with NaN limits cannot be printed.
     """
 
     lower: float
@@ -40,13 +40,15 @@ class Interval(NamedTuple):
 
 @dataclass(frozen=True)
 class Estimate:
-    """Value with the limits of its 95 % interval. Estimates are formatted as in the package ``uncertainties``.
+    """Value with the limits of its 95 % interval.
 
-    ``str(estimate)`` rounds the half-width of the interval to one digit, as in "0.16 [0.10, 0.22]"; the text of a
-    value without an interval has two digits. ``f"{estimate:.2u}"`` rounds the half-width to two digits, as in
-    "0.157 [0.102, 0.216]"; the text of a value without an interval has three digits. The value has two to four
-    significant digits. The interval is omitted if both limits are equal to four digits. The text is "none" if the value
-    is NaN.
+    ``str(estimate)`` rounds the value and both limits to the first significant digit of the half-width, as in
+    "0.16 [0.10, 0.22]"; a value without an interval is printed with two digits. ``f"{estimate:.2u}"`` rounds to the
+    second significant digit of the half-width, as in "0.157 [0.102, 0.216]"; a value without an interval is printed
+    with up to three digits. The format ``.2u`` has the same meaning as in the package ``uncertainties``.
+
+    The value has up to four significant digits. The interval is omitted if both limits are equal after rounding. The
+    text is "none" if the value is NaN.
 
     Attributes
     ----------
@@ -113,7 +115,7 @@ class Estimate:
         return replace(self, lower=lower, upper=upper)
 
     def _format_with_interval(self, digits: int) -> str:
-        """Return the value and its interval; the half-width is printed to `digits` digits."""
+        """Return the value and its interval, rounded to `digits` significant digits of the half-width."""
         value, lower, upper = self.value, self.lower, self.upper
         if math.isinf(upper):
             decimals = _count_decimals(value, lower, 2 * value - lower, digits)

@@ -48,7 +48,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
     value : float
         Value in the core unit. For 0 and NaN, the core unit is returned.
     unit : str
-        Core unit, or "%" for a fraction. The name of any other unit, such as "1", is empty.
+        Core unit, or "%" for a fraction. For a unit without prefixes, such as "1", the returned name is empty.
     """
     units = _PREFIXED_UNITS.get(unit, ((0.0, 1.0, ""),))
     if value == 0 or math.isnan(value):

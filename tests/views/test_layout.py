@@ -2,9 +2,9 @@
 
 import pytest
 from stiction.views.layout import (
-    Line,
     ShortenedList,
     Table,
+    WrappedText,
     format_paragraph,
     format_paragraphs,
     format_table,
@@ -20,7 +20,7 @@ def test_table_wider_than_the_terminal_is_split_into_parts_with_fewer_columns():
 
 def test_split_table_repeats_label_columns():
     rows = [["load", "μ0", "first column", "second column"], ["1 mN", "0.2", "1", "2"]]
-    assert format_table(rows, 26, labels=2).splitlines() == [
+    assert format_table(rows, 26, num_labels=2).splitlines() == [
         "load  μ0   first column", "1 mN  0.2  1", "load  μ0   second column", "1 mN  0.2  2",
     ]  # fmt: skip
 
@@ -32,7 +32,7 @@ def test_wrapped_text_keeps_each_number_and_its_unit_on_one_line():
 
 def test_paragraphs_consist_of_lines_and_tables_and_are_separated_by_empty_lines(monkeypatch):
     monkeypatch.setenv("COLUMNS", "40")
-    long_line = Line("x" * 30 + " and more words", indent="  ", hanging_indent="    ")
+    long_line = WrappedText("x" * 30 + " and more words", indent="  ", hanging_indent="    ")
     paragraphs = [["title", Table([["a", "1"], ["bc", "2"]])], [], ["", long_line]]
     assert format_paragraphs(paragraphs).splitlines() == [
         "title", "a   1", "bc  2", "", "  " + "x" * 30 + " and", "      more words"
@@ -45,7 +45,7 @@ def test_paragraphs_consist_of_lines_and_tables_and_are_separated_by_empty_lines
 )
 def test_shortened_list_counts_the_omitted_lines(monkeypatch, min_shown, max_shown, max_height, num_shown):
     monkeypatch.setenv("COLUMNS", "40")
-    lines = [Line("- one"), Line("- " + "two " * 15), Line("- three"), Line("- four")]
+    lines = [WrappedText("- one"), WrappedText("- " + "two " * 15), WrappedText("- three"), WrappedText("- four")]
     text = format_paragraph([ShortenedList(lines, min_shown, max_shown, max_height, "more: all() shows all")])
     assert text.count("- ") == num_shown
     omission_line = f"  {4 - num_shown} more: all() shows all"

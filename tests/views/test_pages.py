@@ -585,7 +585,7 @@ def test_area_caption_names_errors_of_the_scans_if_the_interval_covers_alternati
     (tmp_path / "page.html").write_text(text.replace('"hasAlternatives": false', '"hasAlternatives": true'), "utf-8")
     for path, area_interval in (
         (pages["maps"], "sampling interval of positions only"),
-        (tmp_path / "page.html", "interval: sampling of positions, and errors of the scans"),
+        (tmp_path / "page.html", "interval from sampled positions and scan errors"),
     ):
         browser.open_page(driver, path)
         browser.open_more_section(driver)

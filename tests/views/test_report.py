@@ -65,7 +65,7 @@ def test_report_title_contains_the_study_or_the_scan_files(generated_dataset, ma
 
 def test_report_states_interpolation_errors_that_are_too_small_to_print():
     text = _interpolation_error_text(1e-8, 0.0121)
-    assert "coefficients differ by less than 0.001 %, and ends of intervals by up to 1.21 % of the interval." in text
+    assert "by less than 0.001 %, and interval limits by up to 1.21 % of the interval width." in text
 
 
 def test_report_rejects_a_dataset_without_study(generated_dataset):

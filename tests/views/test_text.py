@@ -166,11 +166,11 @@ def test_verbose_text_contains_directed_quantities_only_for_a_single_direction()
 
 def test_text_and_json_of_a_summary_without_points_state_the_reason():
     for study, text_function in ((measured_study(), main_values_text), (generated_study(), overview_text)):
-        summary = Summary(study, xarray.Dataset(), (), remark="the surfaces do not touch")
+        summary = Summary(study, xarray.Dataset(), (), no_points_reason="the surfaces do not touch")
         assert text_function(summary) == "μ_s  none: the surfaces do not touch"
         assert resolution_and_onset_text(summary) == ""
         record = json.loads(summary_json("pair", summary, dry=True))
-        assert (record["values"], record["remark"], record["dry"]) == ([], summary.remark, True)
+        assert (record["values"], record["remark"], record["dry"]) == ([], summary.no_points_reason, True)
 
 
 def test_number_without_an_interval_is_printed_with_two_digits():

@@ -46,7 +46,7 @@ def print_message(text: str, kind: str = "") -> None:
 
 def _redirect_to_null_device(stream: TextIO) -> None:
     """Redirect a stream after a failed write. Otherwise, flushing it at exit would raise the same error again."""
-    with suppress(OSError):  # a stream that only exists in Python has no descriptor
+    with suppress(OSError):  # a stream that exists only in Python has no file descriptor
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 

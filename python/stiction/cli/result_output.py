@@ -73,7 +73,10 @@ def print_result_json(result: Result, command: str, **fields: Any) -> None:
 
 
 def _summarize(result: Result) -> Summary:
-    """Return the summary of a result. If the surfaces do not touch, it has no points, and its remark is the reason."""
+    """Return the summary of a result.
+
+    If it raises a `ValueError`, return a summary without points and with the message as `no_points_reason`.
+    """
     import xarray
 
     from stiction.studies.store import StoreError
@@ -86,7 +89,7 @@ def _summarize(result: Result) -> Summary:
     except StoreError:
         raise
     except ValueError as error:
-        return Summary(result.study, xarray.Dataset(), (), remark=str(error))
+        return Summary(result.study, xarray.Dataset(), (), no_points_reason=str(error))
 
 
 def write_pair_files(result: Result, *, print_written: Callable[[str], None]) -> None:

@@ -232,8 +232,8 @@ def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, te
 def _depends_on_other_loads(result: Result, *, budget: bool) -> bool:
     """Return whether the intervals at the loads of the study would depend on additional loads.
 
-    All loads share the nodes of hardness, from which areas are interpolated. The number of all coefficients determines
-    whether there is a budget.
+    All loads share the nodes of hardness, from which areas are interpolated. The uncertainty budget is computed only up
+    to a maximum number of coefficients.
     """
     return budget or bool(result.study.contact.junction_growth) or has_areas_at_nodes(result)
 
@@ -619,7 +619,7 @@ class _CoefficientSamples:
             area = area * self._compute_area_growth_under_shear(hardness, tau0, pressure, modulus)
             hardness = pressure
         central_coefficient = self.friction.compute_coefficient(self.mu0, self.tau0, self.own_growth)
-        # If no input is uncertain, these arrays have a single number.
+        # If no input is uncertain, these arrays contain a single number.
         with np.errstate(invalid="ignore"):
             coefficients = self.value * self.friction.compute_coefficient(mu0, tau0, area) / central_coefficient
         seizing_mask = np.isinf(area)
@@ -646,8 +646,8 @@ class _CoefficientSamples:
     ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats | float]:
         """Draw samples of the inputs. Return uniform values, normal scores, input values, hardnesses and E* ratios.
 
-        An exact hardness is an array of a single number. The samples are cached, because they depend neither on the
-        load nor on exact values of mu0 and tau0.
+        An exact hardness is an array of a single number, unless contacts grow under shear or creep. The samples are
+        cached, because they depend neither on the load nor on exact values of mu0 and tau0.
         """
         from scipy.special import ndtri
 
@@ -658,7 +658,7 @@ class _CoefficientSamples:
                 name: np.full(NUM_INPUT_SAMPLES, quantile) for name, quantile in fixed.items() if name in probabilities
             }
             samples = {name: self.inputs[name].quantile(probabilities[name]) for name in self.inputs}
-            # Areas under shear are read from a table if there are many hardnesses.
+            # With junction growth, each sample needs its own hardness.
             num_exact = 1 if self.growth is None else NUM_INPUT_SAMPLES
             hardness = samples.get("hardness", np.full(num_exact, self.areas.hardness or np.nan))
             if (creep := find_creep_exponent(self.study)) is not None:

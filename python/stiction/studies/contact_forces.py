@@ -22,8 +22,8 @@ def compute_contact_forces(result: Result) -> xarray.Dataset | None:
     """Compute the forces on the upper profile of one pair.
 
     For measured profiles, the pair is the first member with contacts at the first load of the study. For generated
-    profiles, it is the first pair at the middle fractal dimension and the first amplitude, at the middle of the
-    approaches with contacts. mu0 and tau0 are the first values in the study.
+    profiles, it is the first pair at the middle fractal dimension and the first amplitude, at the median approach with
+    contacts. mu0 and tau0 are the first values in the study.
 
     Returns
     -------
@@ -69,27 +69,32 @@ def build_contact_forces(
     Returns
     -------
     xarray.Dataset
-        upper_height and lower_height (µm, at the approach) with dimension height_x. With dimension contact:
-        contact_radius (µm) of the contact patch, contact_force (mN) along the normal, and contact_friction (mN) along
-        the tangent, which is 0 at contacts that do not oppose the motion; also with dimension axis ("x", "z"):
-        contact_centre (µm), contact_normal and contact_tangent (unit vectors). Attributes: approach_um, spacing_um.
+        Dataset with these variables, and the attributes approach_um and spacing_um:
+
+        - upper_height, lower_height (height_x): heights at the approach (µm)
+        - contact_radius (contact): radius of the contact patch (µm)
+        - contact_force (contact): force along the normal (mN)
+        - contact_friction (contact): friction along the tangent (mN); 0 at contacts that do not oppose the motion
+        - contact_centre (contact, axis): position (µm); the coordinates of axis are "x" and "z"
+        - contact_normal, contact_tangent (contact, axis): unit vectors
     """
     import xarray
 
-    found = contacts(upper, lower, approach, **contact)
+    contact_table = contacts(upper, lower, approach, **contact)
+    friction = np.where(contact_table.opposing, mu0 * contact_table.force + tau0 * contact_table.area, 0.0)
     upper_heights = upper.heights - (float((upper.heights - lower.heights).min()) + approach)
     variables: dict[str, Any] = {
         "upper_height": ("height_x", upper_heights, {"units": "um"}),
         "lower_height": ("height_x", lower.heights, {"units": "um"}),
-        "contact_radius": ("contact", np.sqrt(found.radius * found.overlap), {"units": "um"}),
-        "contact_force": ("contact", found.force, {"units": "mN"}),
-        "contact_friction": (
-            "contact", np.where(found.opposing, mu0 * found.force + tau0 * found.area, 0.0), {"units": "mN"}
-        ),
-    }  # fmt: skip
+        "contact_radius": ("contact", np.sqrt(contact_table.radius * contact_table.overlap), {"units": "um"}),
+        "contact_force": ("contact", contact_table.force, {"units": "mN"}),
+        "contact_friction": ("contact", friction, {"units": "mN"}),
+    }
     for name, vectors, unit in (
-        ("centre", found.centre, "um"), ("normal", found.normal, "1"), ("tangent", found.tangent, "1")
-    ):  # fmt: skip
+        ("centre", contact_table.centre, "um"),
+        ("normal", contact_table.normal, "1"),
+        ("tangent", contact_table.tangent, "1"),
+    ):
         variables[f"contact_{name}"] = (("contact", "axis"), vectors[:, ::2], {"units": unit})
     coordinates = {"height_x": ("height_x", lower.x, {"units": "um"}), "axis": ["x", "z"]}
     return xarray.Dataset(variables, coordinates, {"approach_um": approach, "spacing_um": lower.spacing})
@@ -100,7 +105,7 @@ _PairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, flo
 
 
 def _find_first_touching_pair(result: Result) -> _PairAtApproach | None:
-    """Return the first measured profiles that touch at the first load of the study, or None if no pair touches."""
+    """Return the first pair of measured profiles that touches at the first load of the study, or None if none does."""
     load = float(result.study.friction.load[0])
     for piece in result.pieces(["approach", "contact_count"]):
         members = piece.isel(cut_off=0).sel(load=load, method="nearest")

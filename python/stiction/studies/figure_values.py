@@ -1,4 +1,4 @@
-"""Datasets and surfaces that figures draw. They are evaluated here, so that the views need no result for a figure."""
+"""Datasets and surfaces that figures draw, evaluated from a result or generated from a study."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 MAX_DRAWN_PROFILES = 5  # maximum number of fractal dimensions for which profiles are drawn
 MAX_DRAWN_CURVES = 8  # maximum number of fractal dimensions for which the area is drawn
 LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale for which surfaces are compared in a figure
-SURFACE_PICTURE_SIDE_POINTS = 400  # number of rows, and number of columns, of a surface in a figure
+MAX_SURFACE_SIDE_POINTS = 400  # maximum number of rows and of columns of a surface in a figure
 MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest are drawn
 CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
-"""Loads at which the onset of sliding is drawn, as fractions of the range of the logarithm of the load."""
+"""Loads at which the onset of sliding is drawn, as fractions of the logarithmic load range."""
 
 
 # ---- Measured surfaces -----------------------------------------------------------------------------------------------
@@ -45,7 +45,7 @@ def evaluate_positions(result: Result, point: xarray.Dataset) -> xarray.Dataset:
     return point.assign(member_friction=values.transpose("repetition", "direction", ...))
 
 
-def evaluate_first_positions(result: Result) -> xarray.Dataset:
+def evaluate_positions_at_first_load(result: Result) -> xarray.Dataset:
     """Evaluate the friction coefficients of single members at the first load, mu0 and tau0 in the study."""
     first_load = float(result.study.friction.load[0])
     points = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0)
@@ -72,17 +72,17 @@ class FrictionOverDimension:
     Attributes
     ----------
     study : Study
-    maps : xarray.Dataset
-        Result of `Result.at` at loads that cover the range of the result.
-    curves : xarray.Dataset
-        Result of `Result.at` at a load that nine of ten ensembles reach.
+    map_points : xarray.Dataset
+        Result of `Result.at` at loads that cover the load range of the result.
+    curve_points : xarray.Dataset
+        Result of `Result.at` at a load that nine of ten cells reach.
     strengths : list of str
         Values of tau0 with units.
     """
 
     study: Study
-    maps: xarray.Dataset
-    curves: xarray.Dataset
+    map_points: xarray.Dataset
+    curve_points: xarray.Dataset
     strengths: list[str]
 
 
@@ -106,15 +106,16 @@ def evaluate_friction_over_dimension(result: Result, mu0: Sequence[float]) -> li
     curve_load = _find_commonly_reached_load(result, float(loads[0]))
     tau0 = [float(strength) for strength in strengths]
     points = result.at([*loads, curve_load], mu0=mu0, tau0=tau0, quantities=())
-    maps, curves, texts = points.sel(load=loads), points.sel(load=curve_load), [each.text for each in strengths]
+    map_points, curve_points = points.sel(load=loads), points.sel(load=curve_load)
+    texts = [strength.text for strength in strengths]
     return [
-        FrictionOverDimension(result.study, maps.isel(mu0=index), curves.isel(mu0=index), texts)
+        FrictionOverDimension(result.study, map_points.isel(mu0=index), curve_points.isel(mu0=index), texts)
         for index in range(len(mu0))
     ]
 
 
 def _find_commonly_reached_load(result: Result, lowest: float) -> float:
-    """Return a load (mN) that nine of ten ensembles reach. Powers of ten from `lowest` upwards are preferred."""
+    """Return a load (mN) that nine of ten cells reach. Powers of ten from `lowest` upwards are preferred."""
     highest_loads = result.mean_elastic_loads.max(result.study.step_quantity).values
     common_load = float(np.quantile(highest_loads[highest_loads > 0], 0.1))
     power_of_ten = 10.0 ** np.floor(np.log10(0.9 * common_load))
@@ -122,7 +123,7 @@ def _find_commonly_reached_load(result: Result, lowest: float) -> float:
 
 
 def evaluate_area_over_load(result: Result) -> xarray.Dataset:
-    """Evaluate the true area of generated surfaces at loads that cover their range, for the first mu0 and tau0.
+    """Evaluate the true area of generated surfaces over the load range of the result, for the first mu0 and tau0.
 
     The dataset contains at most `MAX_DRAWN_CURVES` fractal dimensions.
     """
@@ -135,7 +136,7 @@ def evaluate_area_over_load(result: Result) -> xarray.Dataset:
 def evaluate_onset_over_dimension(result: Result) -> xarray.Dataset | None:
     """Evaluate the onset of sliding of generated surfaces at a few loads, or return None if it is not computed.
 
-    mu0 and tau0 are those of the onset in the study. Raises a `ValueError` if no pair is in contact.
+    mu0 and tau0 are taken from the onset table of the study. Raises a `ValueError` if no pair is in contact.
     """
     study = result.study
     if study.uses_half_space or study.contact.onset is None:
@@ -150,7 +151,7 @@ def evaluate_onset_over_dimension(result: Result) -> xarray.Dataset | None:
 
 
 def generate_profiles(study: Study) -> dict[float, Profile]:
-    """Generate profiles with equal phases by fractal dimension, for at most `MAX_DRAWN_PROFILES` dimensions."""
+    """Generate one profile for each of at most `MAX_DRAWN_PROFILES` fractal dimensions, all with the same phases."""
     surfaces: Any = study.surfaces
     dimensions, amplitude = surfaces.fractal_dimensions(), float(surfaces.amplitudes()[0])
     drawn_dimensions = dimensions[_evenly_spaced_indices(dimensions.size, MAX_DRAWN_PROFILES)]
@@ -163,10 +164,10 @@ def generate_profiles(study: Study) -> dict[float, Profile]:
 
 
 def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, Surface]]:
-    """Generate unscaled profiles and surfaces (Eq. 1) with equal phases by length scale (µm)."""
+    """Generate an unscaled profile and surface (Eq. 1) for each length scale (µm), all with the same phases."""
     surfaces: Any = study.surfaces
     dimension = surfaces.fractal_dimensions()[0]
-    num_points = int(min(SURFACE_PICTURE_SIDE_POINTS, surfaces.points))
+    num_points = int(min(MAX_SURFACE_SIDE_POINTS, surfaces.points))
     bodies = {}
     for length_scale in (factor * float(surfaces.length_scale) for factor in LENGTH_SCALE_FACTORS):
         scaled_study = study.with_changes({"surfaces.length_scale": exact_quantity(length_scale, "um")})

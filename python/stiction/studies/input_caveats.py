@@ -19,7 +19,7 @@ from stiction.studies.scan_defects import (
     MIN_SPIKE_HEIGHT_RATIO,
     MIN_SPIKE_SHARPNESS_RATIO,
     ScanDefects,
-    find_scan_defects,
+    get_scan_defects,
 )
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
@@ -182,7 +182,7 @@ def find_scan_caveats(
     filtered scan, and `elastic` is true if the study has no hardness. `alternatives` contains the names of the
     alternative preparations that the interval includes.
     """
-    defects = find_scan_defects(body, tip_radius, textured=textured)
+    defects = get_scan_defects(body, tip_radius, textured=textured)
     instrument_caveats = _find_instrument_caveats(defects, has_second_cutoff, elastic, TIP_ALTERNATIVE in alternatives)
     return [
         *_find_form_caveats(defects, form=form, has_masked_result=SPIKES_ALTERNATIVE in alternatives),
@@ -208,13 +208,12 @@ def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tupl
 def find_alternatives(study: Study) -> list[AlternativeName]:
     """Return the alternative preparations that the interval of a study of measured surfaces has to include.
 
-    Spikes require one, and a blunt tip requires another one, also for bodies with a hardness: the interval of their
-    coefficient includes all finer roughness, but the interval of their true area does not. Raises a `ValueError` if a
-    file cannot be read.
+    Spikes and a blunt tip each require one alternative. Bodies with a hardness need the tip alternative because the
+    interval of their true area does not include finer roughness. Raises a `ValueError` if a file cannot be read.
     """
     surfaces: Any = study.surfaces
     scans = [
-        (settings, find_scan_defects(body, settings.tip, textured=settings.texture is not None))
+        (settings, get_scan_defects(body, settings.tip, textured=settings.texture is not None))
         for side in SIDES
         for settings in getattr(surfaces, side).scans
         if not isinstance(body := settings.read(), JoinedSpectrum)

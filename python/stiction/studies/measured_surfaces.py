@@ -456,7 +456,10 @@ class _ScanFile:
 
 @functools.lru_cache(maxsize=16)
 def _read_body(file: _ScanFile) -> MeasuredBody:
-    """Read the body from a file. Because of the checksum, the cache holds each version of a file once."""
+    """Read the body from a file.
+
+    The cache key contains the checksum and the reading options, so a file is read once for each combination.
+    """
     settings = file.settings
     if is_spectrum_file(file.path):
         for name in ("unit", "spacing", "channel", "columns", "crop"):

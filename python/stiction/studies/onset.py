@@ -206,7 +206,7 @@ class OnsetValues:
     load: float  # normal load (mN)
     mu0: float
     tau0: float  # GPa
-    members: int  # number of members over which the values are averaged
+    num_members: int  # number of members over which the values are averaged
     poisson_ratio: tuple[float, ...]  # Poisson's ratios of both bodies
     is_poisson_ratio_given: bool  # False if `poisson_ratio` is the default value
     sliding_load: Estimate  # tangential load at which the bodies slide (mN)
@@ -232,7 +232,7 @@ def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
         load=float(attributes["load_mN"]),
         mu0=float(attributes["mu0"]),
         tau0=float(attributes["tau0_GPa"]),
-        members=int(attributes["members"]),
+        num_members=int(attributes["members"]),
         poisson_ratio=tuple(np.ravel(attributes["poisson_ratio"]).astype(float).tolist()),
         is_poisson_ratio_given=bool(attributes.get("poisson_given", 1)),
         **{name: read_estimate(onset[name]) for name in _ONSET_SCALAR_NAMES},

@@ -30,13 +30,14 @@ class SlidingRuleCoefficient(Estimate):
 
     _: KW_ONLY
     rule: str  # "all" or "opposing"
-    status: str = STATUS_OK  # "ok", or the reason why the coefficient is missing, possibly only in one direction
+    status: str = STATUS_OK  # "ok", or why a coefficient is missing in at least one direction
     positions: Interval = UNKNOWN_INTERVAL  # interval of the mean due to sampling of relative positions
     next_test: Interval = UNKNOWN_INTERVAL  # prediction interval for a single test in a single direction
     low: float = math.nan  # 10 % quantile of the coefficients of single members
     high: float = math.nan  # 90 % quantile of the coefficients of single members
     slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies
-    is_outside_asperity_model: bool = False  # True if the load is on contacts for which the asperity model is invalid
+    # True if more than half of the load is on contacts for which the asperity model is invalid
+    is_outside_asperity_model: bool = False
     # coefficients along the axes and in the directions (degree) of motion, with sampling intervals
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
@@ -94,22 +95,25 @@ def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float,
 
 
 @dataclass(frozen=True)
-class UndirectedQuantities:
-    """Quantities of a point that do not depend on the direction, for one sliding rule, by name."""
+class PointQuantities:
+    """Quantities with one value for a point and a sliding rule, by name.
+
+    If there are several directions, quantities that depend on the direction are not included.
+    """
 
     estimates: dict[str, Estimate]
     numbers: dict[str, float]  # quantities without an interval
     distributions: dict[str, dict[float, Estimate]]  # quantiles by the fraction of the distribution below them
 
 
-def read_undirected_quantities(point: xarray.Dataset, rule: str) -> UndirectedQuantities:
-    """Return the quantities of a point that do not depend on the direction.
+def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
+    """Return the quantities with one value for a point and a sliding rule.
 
     Selections from an `xarray.Variable` are much faster than selections from an `xarray.DataArray`.
     """
     statistics = find_statistic_indices(point)
     rule_index = point["sliding"].values.tolist().index(rule) if "sliding" in point.dims else 0
-    quantities = UndirectedQuantities({}, {}, {})
+    quantities = PointQuantities({}, {}, {})
     for name in map(str, point.data_vars):
         variable = point.variables[name]
         indices = {"sliding": rule_index} if "sliding" in variable.dims else {}

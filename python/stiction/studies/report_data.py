@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from stiction._checks import Floats
 from stiction.studies.figure_values import (
-    evaluate_first_positions,
     evaluate_height_factors,
     evaluate_onset_over_dimension,
+    evaluate_positions_at_first_load,
 )
 from stiction.studies.result import Result
 from stiction.studies.study_description import StudyDescription, describe_study
@@ -45,10 +45,10 @@ class ReportData:
     version : str
         Version of stiction that computed the result.
     num_members, num_solved : int
-        Numbers of finished members, and of members with a solution at all loads. Reports of measured surfaces include
-        members without a solution, so that both numbers are equal.
+        Numbers of finished members, and of members with a solution at all loads. Both numbers are equal for measured
+        surfaces, whose reports include members without a solution.
     rules, directions : list
-        Sliding rules and directions of motion (degrees), in the order of the arrays of `values`.
+        Sliding rules and directions of motion (degrees), in the axis order of `values`.
     """
 
     study: Study
@@ -76,7 +76,7 @@ class MeasuredReportData(ReportData):
     summary : Summary
     values : MeasuredValuesAtNodes
     positions : xarray.Dataset or None
-        Result of `evaluate_first_positions`, or None if there is only one member.
+        Result of `evaluate_positions_at_first_load`, or None if there is only one member.
     height_factors : dict
         Results of `evaluate_height_factors`.
     """
@@ -123,7 +123,7 @@ class GeneratedReportData(ReportData):
     dimensions, amplitudes : ndarray of float
         Fractal dimensions, and amplitudes (µm).
     loads : ndarray of float, mN
-        Loads of the page, or an empty array if no pair is in contact.
+        Loads shown on the page, or an empty array if no pair is in contact.
     num_steps : int
         Number of computed loads or approaches.
     values : GeneratedValuesAtNodes or None
@@ -178,7 +178,7 @@ def _collect_measured_data(result: Result, picture: xarray.Dataset | None) -> Me
         loading_cycle=result.loading_cycle,
         summary=result.summary(),
         values=evaluate_measured_nodes(result.nodes),
-        positions=evaluate_first_positions(result) if result.members.size > 1 else None,
+        positions=evaluate_positions_at_first_load(result) if result.members.size > 1 else None,
         height_factors={scaled: evaluate_height_factors(result, scaled) for scaled in result.height_factors},
     )
 

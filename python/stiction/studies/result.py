@@ -95,9 +95,10 @@ class Result:
 
     @cached_property
     def head(self) -> xarray.Dataset:
-        """Dataset with the coordinates and attributes of the result. A stored result has values of one member only.
+        """Dataset with the coordinates and attributes of the result.
 
-        Raises a `StoreError` if no member is finished.
+        For a stored result, this dataset contains the values of one member only. Raises a `StoreError` if no
+        member is finished.
         """
         if not isinstance(self.source, StoredResult):
             return self.source

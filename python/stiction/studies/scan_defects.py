@@ -16,19 +16,20 @@ from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface
 
 MIN_SPIKE_SHARPNESS_RATIO = 12.0
-"""Largest second difference at a point that is not a spike, as a multiple of the robust standard deviation.
+"""Second difference above which a point of a profile is sharp, as a multiple of the robust standard deviation.
 
-The robust standard deviation is the median of the absolute second differences, divided by 0.67.
+A sharp point that is also an outlier is a spike. The robust standard deviation is the median of the absolute second
+differences, divided by 0.67.
 """
 
 MIN_SPIKE_HEIGHT_RATIO = 6.0
-"""Largest distance between a point of a map and the median of its neighbourhood at which the point is not a spike.
+"""Distance from the median of the neighbourhood above which a point of a map is far from its neighbours.
 
-It is a multiple of the robust standard deviation of the heights. The distance is at most 4 for machined surfaces, and 5
-for white noise.
+A point far from its neighbours that is also an outlier is a spike. The distance is a multiple of the robust standard
+deviation of the heights. It is at most 4 for machined surfaces, and 5 for white noise.
 """
 
-# A defect is reported if it contributes more than this fraction of the mean square slope.
+# Noise or a tip limit is reported if it affects more than this fraction of the mean square slope.
 MAX_NOISE_SLOPE_FRACTION = 0.01
 
 
@@ -48,16 +49,16 @@ class ScanDefects:
 
     @cached_property
     def num_spikes(self) -> int:
-        """Number of spikes: outliers that are sharp points of a profile, or map points far from their neighbours.
+        """Number of outliers that are also sharp (profiles) or far from their neighbours (maps).
 
-        Cusps and edges of machined surfaces are sharp too, but they are not outliers.
+        Cusps and edges of machined surfaces are sharp too, but usually not outliers; narrow scratches can be outliers.
         """
         is_sharp = _find_sharp_points(self.body)
         return int(np.count_nonzero(is_sharp & find_outliers(self.body.heights))) if is_sharp.any() else 0
 
     @cached_property
     def instrument_limit(self) -> InstrumentLimit:
-        """Limit of the wavelengths that the noise and the pixels of the instrument leave.
+        """Shortest wavelength that pixels and noise leave usable.
 
         Raises a `ValueError` if the body is flat.
         """
@@ -65,15 +66,18 @@ class ScanDefects:
 
     @cached_property
     def hidden_noise(self) -> HiddenNoise | None:
-        """Noise that the spectrum may hide, or None if noise is visible, or if the spectrum belongs to a texture."""
+        """Hidden noise, or None if none is found.
+
+        None also if visible noise already exceeds a tenth of the mean square slope, or if the scan is textured.
+        """
         return None if self.instrument_limit.matters or self.textured else find_hidden_noise(self.body)
 
     @cached_property
     def tip_limit(self) -> InstrumentLimit | None:
-        """Limit of the wavelengths that the tip resolves, or None if shorter wavelengths have small slopes.
+        """Limit set by the tip.
 
-        It is None also if noise, rather than the tip, limits the resolved wavelengths. Raises a `ValueError` if the
-        body is flat.
+        None if no tip radius is given, if pixels or noise set the limit, or if shorter wavelengths contribute at most
+        1 % of the mean square slope. Raises a `ValueError` if the body is flat.
         """
         if self.tip_radius is None:
             return None
@@ -88,19 +92,19 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
         distances = np.pad(typical_distances, 1)
-        max_ratio = MIN_SPIKE_SHARPNESS_RATIO
+        threshold = MIN_SPIKE_SHARPNESS_RATIO
     else:
         heights = levelled(body, "plane").heights
         distances, typical_distances = (
             np.abs(heights - median_filter(heights, size=3)),
             np.abs(heights - np.median(heights)),
         )
-        max_ratio = MIN_SPIKE_HEIGHT_RATIO
+        threshold = MIN_SPIKE_HEIGHT_RATIO
     usual_distance = float(np.median(typical_distances)) / 0.6745
-    return np.asarray(distances > max_ratio * usual_distance) if usual_distance > 0 else np.zeros(distances.shape, bool)
+    return np.asarray(distances > threshold * usual_distance) if usual_distance > 0 else np.zeros(distances.shape, bool)
 
 
 @functools.lru_cache(maxsize=16)
-def find_scan_defects(body: Profile | Surface, tip_radius: float | None, *, textured: bool) -> ScanDefects:
-    """Return the defects of a scan. A pair, its alternative preparations and its caveats share them."""
+def get_scan_defects(body: Profile | Surface, tip_radius: float | None, *, textured: bool) -> ScanDefects:
+    """Return the defects of a scan. The object is cached for the pair, its alternatives and its caveats."""
     return ScanDefects(body, tip_radius, textured=textured)

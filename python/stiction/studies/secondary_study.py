@@ -1,6 +1,6 @@
 """A study that belongs to the result of a measured pair and is stored in a subfolder of the result.
 
-Examples are the cutoff study, alternative preparations of the scans, and other factors of the heights.
+Examples are the cutoff study, alternative preparations of the scans, and studies with scaled heights.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ class StudyDescription:
     Attributes
     ----------
     name : str
-        Names of the measured files; or the name of the built-in study that equals the study apart from the
+        For measured surfaces, the file names. Otherwise the name of the built-in study that differs at most in the
         repetitions, or "study".
     file_text : str
         Study file (TOML) with names of files but without their folders, which other computers do not have.
@@ -41,7 +41,7 @@ def describe_study(study: Study) -> StudyDescription:
 
 
 def get_pair_name(study: Study) -> str:
-    """Return the names of both files of a measured pair."""
+    """Return the file names of a pair, as in "a on b", or "gap a"."""
     upper, lower = (getattr(study.surfaces, side).name for side in SIDES)
     return f"gap {upper}" if study.is_gap else f"{upper} on {lower}"
 

@@ -42,7 +42,7 @@ from stiction.studies.point import (
     nominal_pressure_at,
     read_estimate,
     read_estimates_along,
-    read_undirected_quantities,
+    read_point_quantities,
     select_sliding_rule,
 )
 from stiction.studies.pull_off import PullOffValues, find_pull_off_values
@@ -111,9 +111,10 @@ class PointSummary:
     sticking : PullOffValues, optional
         Pull-off force, and friction without a load, of adhesive bodies.
     quantities : dict of Estimate
-        Quantities that do not depend on the direction, with 95 % intervals, for the reported sliding rule.
+        Quantities with one value for the point and their 95 % intervals, for the reported sliding rule: undirected
+        quantities, or all quantities if there is a single direction.
     numbers : dict of float
-        Quantities that do not depend on the direction and have no interval, for the reported sliding rule.
+        The same for quantities without an interval.
     distributions : dict of dict of Estimate
         Quantiles of the quantities that have a distribution, by the fraction of the distribution below the quantile.
     """
@@ -204,7 +205,7 @@ class PointSummary:
 
     @property
     def kappa(self) -> float:
-        """Ratio A E* h'/F of the true area to its small-slope estimate, or NaN without a root-mean-square gradient."""
+        """Dimensionless true area A E* h'/F (kappa), or NaN if the root-mean-square gradient is missing."""
         if "rms_gradient" not in self.quantities:
             return math.nan
         return self.quantities["rms_gradient"].value * self.effective_modulus / self.mean_pressure
@@ -273,7 +274,7 @@ class Summary:
         Onset of sliding at the first load, mu0 and tau0 of the study.
     values_at_cutoffs : xarray.Dataset, optional
         Values of a few members at several cutoff wavelengths.
-    remark : str
+    no_points_reason : str
         Reason why there are no points, as in "the surfaces do not touch"; empty if there are points.
     """
 
@@ -282,7 +283,7 @@ class Summary:
     points: tuple[PointSummary, ...]
     onset: xarray.Dataset | None = None
     values_at_cutoffs: xarray.Dataset | None = None
-    remark: str = ""
+    no_points_reason: str = ""
 
     @cached_property
     def resolution(self) -> ResolutionEffect | None:
@@ -396,7 +397,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     rules = tuple(_build_rule_coefficient(point, rule) for rule in list_sliding_rules_reported_first(study))
     # If the coefficient is missing in one direction, the mean over all directions is NaN.
     status = rules[0].status if math.isnan(rules[0].value) else friction.STATUS_OK
-    quantities = read_undirected_quantities(point, rules[0].rule)
+    quantities = read_point_quantities(point, rules[0].rule)
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     rule_with_sampling_interval = replace(rules[0], lower=rules[0].positions.lower, upper=rules[0].positions.upper)
     # A cutoff removes caveats only if the user requested this cutoff.
@@ -450,7 +451,7 @@ def _build_rule_coefficient(point: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return the first status of a direction that is not "ok", or "ok"."""
+    """Return "ok", or the first other status (alphabetically) of any direction."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 

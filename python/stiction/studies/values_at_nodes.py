@@ -60,7 +60,7 @@ class MeasuredValuesAtNodes:
         As for `InterpolationNodes`.
     loads : ndarray of float, mN
     motions : list of list of int
-        Indices of the directions over which each motion averages.
+        Indices of the directions that are averaged for each motion.
     member_kinds : list of str or None
         Kinds of members; None stands for all members.
     friction : ndarray of float

@@ -75,8 +75,8 @@ def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float
         bounds += [(None, None), exponents]
 
     def minimize_loss(parameters: Sequence[float], level_bounds: tuple[float, float | None]) -> OptimizeResult:
-        # The method L-BFGS-B of SciPy 1.17 solves its small systems of equations on several threads, which wait
-        # actively for a tenth of a second afterwards.
+        # The method L-BFGS-B of SciPy 1.17 solves its small systems of equations on several threads, which
+        # busy-wait for a tenth of a second afterwards.
         return minimize(loss, parameters, jac=True, bounds=[*bounds, level_bounds], method="TNC", tol=_FIT_TOLERANCE)
 
     fit_without_floor = minimize_loss([*initial_parameters, 0.0], (0.0, 0.0))

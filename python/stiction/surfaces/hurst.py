@@ -62,7 +62,7 @@ class PowerLawFit:
         for _ in range(_NUM_NEWTON_STEPS):  # The loss is a convex log-sum-exp function, so Newton's method converges.
             scaled_power = self._power * np.exp(self.exponent * self._log_q)
             scaled_power /= scaled_power.sum()
-            # unlike scalar products of BLAS, these sums do not depend on the number of threads
+            # unlike BLAS dot products, these sums do not depend on the number of threads
             gradient = float((scaled_power * self._log_q).sum())
             step = gradient / float((scaled_power * (self._log_q - gradient) ** 2).sum())
             self.exponent -= min(max(step, -2.0), 2.0)

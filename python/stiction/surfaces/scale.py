@@ -474,7 +474,7 @@ def instrument_limit(
         noise_kind = "quantisation"
     noise_wavelength = round_up_wavelength(noise_wavelength) if noise_wavelength > 0 else noise_wavelength
     limits = {"pixels": 2 * spacing, noise_kind: noise_wavelength, "tip": math.nan}
-    # for a limit of the pixels alone, the roughness at all scales is not needed
+    # if only the pixels set the limit, scale-dependent roughness is not needed
     roughness = None
     if radius is not None or noise_wavelength > 0:
         roughness = scale_dependent_roughness(body, periodic=periodic)
@@ -527,7 +527,7 @@ def cutoff_for_slope_fraction(roughness: ScaleDependentRoughness, fraction: floa
 def line_spectra(body: Profile | Surface, periodic: bool) -> list[LineSpectrum]:
     """Return the spectrum of a profile, or the mean line spectra of a surface along x and along y.
 
-    Raises a `ValueError` if a surface is a plane, or horizontal if it is periodic.
+    Raises a `ValueError` if the surface is flat (after levelling, unless it is periodic).
     """
     if isinstance(body, Profile):
         line_spectrum = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)

@@ -14,7 +14,7 @@ from stiction.studies.budget import (
     UPPER_SCANS_INPUT_NAME,
 )
 from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, PointSummary
-from stiction.views.layout import Line, Paragraph, ShortenedList
+from stiction.views.layout import Paragraph, ShortenedList, WrappedText
 
 COMPLETE_OUTPUT_METHOD = "summary()"  # method of a result that prints all points and caveats
 MAX_CAVEAT_GROUPS = 6  # maximum number of printed groups of caveats if a result has several points
@@ -27,13 +27,14 @@ def assessment_paragraph(
     """Return the assessment, the most useful measurement, and the caveats with their remedies.
 
     Caveats of several points are grouped. At most `max_lines` lines of caveats are printed or, without `max_lines`, at
-    most `max_groups` groups. `complete_command` names the option that shows all others.
+    most `max_groups` groups. `complete_command` names the option or method that shows all
+    caveats.
     """
     omission_text = f"more: {complete_command} shows all"
     if len({(point.verdict, point.caveats) for point in points}) == 1:
         caveat_lines, num_faults = [_caveat_line(caveat) for caveat in points[0].caveats], len(points[0].faults)
         return [
-            Line(_common_assessment_text(points), hanging_indent="  "),
+            WrappedText(_common_assessment_text(points), hanging_indent="  "),
             ShortenedList(caveat_lines, max(num_faults, 1), None, max_lines, omission_text),
         ]
     group_lines = [
@@ -70,9 +71,9 @@ _CAVEAT_NUMBER_PATTERN = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)
 """Pattern of a number with its unit. Caveats that differ only in numbers are grouped."""
 
 
-def _caveat_line(caveat: Caveat, suffix: str = "") -> Line:
+def _caveat_line(caveat: Caveat, suffix: str = "") -> WrappedText:
     marker = "!" if caveat.severity == "fault" else "-"
-    return Line(f"{marker} {caveat.text}{suffix}; {caveat.remedy}", indent="  ", hanging_indent="  ")
+    return WrappedText(f"{marker} {caveat.text}{suffix}; {caveat.remedy}", indent="  ", hanging_indent="  ")
 
 
 def uncertainty_budget_text(point: PointSummary) -> str:

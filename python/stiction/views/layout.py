@@ -1,4 +1,4 @@
-"""Layout of texts on a terminal: paragraphs of lines and tables are wrapped to the width of the terminal."""
+"""Layout of texts on a terminal: text is wrapped and tables are split to fit the width of the terminal."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TextRows = Sequence[Sequence[str]]
 
 
 @dataclass(frozen=True)
-class Line:
+class WrappedText:
     """Text that is wrapped to the width of the terminal."""
 
     text: str
@@ -39,18 +39,18 @@ class Table:
 class ShortenedList:
     """Lines of which only the first are printed, followed by a line that counts the omitted ones.
 
-    At most `max_shown` lines are printed, and not more than fit on `max_height` lines of the terminal, but at least
-    `min_shown` lines. None stands for any number.
+    Up to `max_shown` lines within `max_height` rows of the terminal are printed, but at least `min_shown` lines. None
+    means that there is no limit.
     """
 
-    lines: Sequence[Line]
+    lines: Sequence[WrappedText]
     min_shown: int
     max_shown: int | None
     max_height: int | None
     omission_text: str  # text that follows the number of omitted lines
 
 
-Paragraph = Sequence[str | Line | Table | ShortenedList]
+Paragraph = Sequence[str | WrappedText | Table | ShortenedList]
 """Items that follow one another without an empty line. A `str` is a line without indents."""
 
 
@@ -69,14 +69,14 @@ def format_paragraph(paragraph: Paragraph) -> str:
     return "\n".join(filter(None, map(_format_item, paragraph)))
 
 
-def _format_item(item: str | Line | Table | ShortenedList) -> str:
+def _format_item(item: str | WrappedText | Table | ShortenedList) -> str:
     match item:
         case str():
             return wrap_text(item)
-        case Line():
+        case WrappedText():
             return wrap_text(item.text, indent=item.indent, hanging_indent=item.hanging_indent)
         case Table():
-            return format_table(item.rows, labels=item.num_labels)
+            return format_table(item.rows, num_labels=item.num_labels)
         case ShortenedList():
             return _format_shortened_list(item)
 
@@ -106,11 +106,11 @@ def _format_shortened_list(shortened_list: ShortenedList) -> str:
     return "\n".join([*texts[:num_shown], *omission_lines])
 
 
-def format_table(rows: TextRows, width: int | None = None, *, labels: int = 1) -> str:
+def format_table(rows: TextRows, width: int | None = None, *, num_labels: int = 1) -> str:
     """Format rows as a table with aligned columns, by default within the width of the terminal.
 
     Rows may have different lengths. Columns that do not fit are moved to further tables, which repeat the first
-    `labels` columns. A first column that is too wide is wrapped.
+    `num_labels` columns. A first column that is too wide is wrapped.
     """
     available_width = width or terminal_width()
     columns = max(map(len, rows), default=0)
@@ -119,22 +119,22 @@ def format_table(rows: TextRows, width: int | None = None, *, labels: int = 1) -
         line for row in rows for line in _wrap_first_cell(row, max(available_width - other_widths - 2, MIN_LABEL_WIDTH))
     ]
     column_widths = [max(len(row[column]) if column < len(row) else 0 for row in rows) for column in range(columns)]
-    blocks, first_column = [], labels
-    while first_column < max(columns, labels + 1):
+    blocks, first_column = [], num_labels
+    while first_column < max(columns, num_labels + 1):
         last_column = first_column + 1
         while (
             last_column < columns
             and sum(
                 2 + column_width
-                for column_width in column_widths[:labels] + column_widths[first_column : last_column + 1]
+                for column_width in column_widths[:num_labels] + column_widths[first_column : last_column + 1]
             )
             - 2
             <= available_width
         ):
             last_column += 1
-        block_widths = column_widths[:labels] + column_widths[first_column:last_column]
+        block_widths = column_widths[:num_labels] + column_widths[first_column:last_column]
         blocks.append(
-            "\n".join(_join_cells([*row[:labels], *row[first_column:last_column]], block_widths) for row in rows)
+            "\n".join(_join_cells([*row[:num_labels], *row[first_column:last_column]], block_widths) for row in rows)
         )
         first_column = last_column
     return "\n".join(blocks)

@@ -65,7 +65,7 @@ PICOJOULE = 1e-3  # in mN µm
 
 def onset_note(onset: OnsetValues) -> str:
     """Return a note about the number of averaged members and the assumptions for the onset of sliding."""
-    count_text = "one member" if onset.members == 1 else f"{onset.members} members"
+    count_text = "one member" if onset.num_members == 1 else f"{onset.num_members} members"
     text = f"The onset of sliding is for {count_text}, with friction at all contacts."
     if not onset.is_poisson_ratio_given and math.isfinite(onset.stiffness.value):
         text += f" Poisson's ratio is assumed to be {onset.poisson_ratio[0]:g}."
@@ -88,7 +88,7 @@ def onset_record(onset: OnsetValues) -> dict[str, Any]:
         "load": onset.load,
         "mu0": onset.mu0,
         "tau0": onset.tau0,
-        "members": onset.members,
+        "members": onset.num_members,
         "poisson_ratio": list(onset.poisson_ratio),
         **{name: _estimate_record(getattr(onset, name)) for name in characteristic_names},
         **{model: parameters or None for model, parameters in onset.models.items()},

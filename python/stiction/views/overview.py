@@ -13,7 +13,7 @@ from stiction.studies.summary import PointSummary, Summary
 from stiction.views.assessment import COMPLETE_OUTPUT_METHOD, assessment_paragraph
 from stiction.views.layout import Table, format_paragraphs
 from stiction.views.point import COORDINATE_LABELS, SLIDING_RULE_DESCRIPTIONS, coordinate_text
-from stiction.views.text import missing_values_text
+from stiction.views.text import no_values_text
 
 if TYPE_CHECKING:
     from stiction.studies.study import Study
@@ -28,8 +28,8 @@ def overview_text(
     several values of them. Caveats follow in at most `max_lines` lines; `complete_command` names the option
     that shows all others.
     """
-    if summary.remark:
-        return missing_values_text(summary)
+    if summary.no_points_reason:
+        return no_values_text(summary)
     study, points = summary.study, summary.headlines
     printed_points = _select_overview_points(points)
     omission_note = _omission_text(printed_points, points, study)

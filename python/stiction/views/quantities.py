@@ -44,7 +44,8 @@ def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = Fals
     """Return means and 95 % intervals of quantities for the reported sliding rule.
 
     The quantities of a single point are a sentence, or a table with one row per quantity if `verbose` is True or if the
-    surfaces are generated. The table of several points has one row per point. `cell` describes the points.
+    surfaces are generated. The table of several points has one row per point. `cell` starts the heading of the first
+    column.
     """
     is_sentence = len(points) == 1 and points[0].study.is_measured and not verbose
     selected_rows = _select_rows(points, verbose=verbose, is_sentence=is_sentence)

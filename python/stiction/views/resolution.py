@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
-from stiction.views.layout import Line, Paragraph, Table, TextRows
+from stiction.views.layout import Paragraph, Table, TextRows, WrappedText
 from stiction.views.point import SLIDING_RULE_TITLES
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None) 
         paragraphs.append([resolved_wavelengths_text(scan)])
     if resolution.cutoffs:
         table = Table(cut_off_rows(resolution, hardness))
-        paragraphs.append([table, Line(cut_off_note(resolution), indent="  ")])
+        paragraphs.append([table, WrappedText(cut_off_note(resolution), indent="  ")])
     if scan is not None and resolution.yielding and (rows := yield_wavelength_rows(resolution.yielding[0][1], scan)):
         paragraphs.append([ELASTIC_RESULT_CAVEAT, Table(rows)])
     return paragraphs

@@ -281,8 +281,8 @@ def json_entry(
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
     """Return a JSON record of a command and its results: points, caveats, cutoff study and onset of sliding."""
-    if summary.remark:
-        return record_json(command, [], **fields, remark=summary.remark)
+    if summary.no_points_reason:
+        return record_json(command, [], **fields, remark=summary.no_points_reason)
     dataset, study = summary.at, summary.study
     fields = {"kind": "pair" if study.is_measured else "study", **fields}
     fields |= {name: str(dataset.attrs[name]) for name in ("upper", "lower", "reading") if name in dataset.attrs}

@@ -15,7 +15,7 @@ from stiction._estimate import Estimate
 from stiction._number_format import format_significant
 from stiction.studies.summary import PointSummary, Summary
 from stiction.views.assessment import COMPLETE_OUTPUT_METHOD, MAX_CAVEAT_GROUPS, assessment_paragraph
-from stiction.views.layout import Line, Paragraph, Table, format_paragraph, format_paragraphs
+from stiction.views.layout import Paragraph, Table, WrappedText, format_paragraph, format_paragraphs
 from stiction.views.onset import onset_paragraph
 from stiction.views.point import (
     COORDINATE_LABELS,
@@ -75,8 +75,8 @@ def main_values_text(
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:
     """Return `result_text` without the cutoff study and the onset of sliding."""
-    if summary.remark:
-        return missing_values_text(summary)
+    if summary.no_points_reason:
+        return no_values_text(summary)
     points = summary.headlines
     printed_points = points if verbose else _select_printed_points(points)
     points_of_first_cell = _select_points_of_first_cell(points, {point.at["load"] for point in printed_points})
@@ -111,9 +111,9 @@ def _join_paragraphs(*paragraphs: Paragraph) -> str:
     return format_paragraphs(paragraphs) + "\n"
 
 
-def missing_values_text(summary: Summary) -> str:
+def no_values_text(summary: Summary) -> str:
     """Return the reason why a result has no values."""
-    return f"μ_s  none: {summary.remark}"
+    return f"μ_s  none: {summary.no_points_reason}"
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
@@ -222,7 +222,7 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
             f"{coefficient_text(point, rule)}  {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in point.rules
         ]
         lines = [
-            Line(f"{'      ' if index else 'μ_s = '}{line}", hanging_indent=" " * 8)
+            WrappedText(f"{'      ' if index else 'μ_s = '}{line}", hanging_indent=" " * 8)
             for index, line in enumerate(rule_lines)
         ]
         return [*lines, roughness_text(point)]
@@ -235,7 +235,7 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
             for name in varying_names
         ]
         rows.append([*coordinates, *coefficients, point.verdict])
-    return [Table(rows, num_labels=len(varying_names)), Line(shared_conditions_text(points), indent="  ")]
+    return [Table(rows, num_labels=len(varying_names)), WrappedText(shared_conditions_text(points), indent="  ")]
 
 
 # ---- Directions ------------------------------------------------------------------------------------------------------
@@ -312,4 +312,4 @@ def _history_paragraph(point: PointSummary) -> Paragraph:
     if study.contact.mechanics == "asperities" and study.surfaces.kind != "surface":
         model_texts += [str(getattr(study.contact, name)) for name in ("law", "detection", "curvature")]
     descriptions["model"] = ", ".join(model_texts)
-    return [Line(f"{name:<9}{text}", hanging_indent=" " * 9) for name, text in descriptions.items()]
+    return [WrappedText(f"{name:<9}{text}", hanging_indent=" " * 9) for name, text in descriptions.items()]

@@ -153,7 +153,7 @@ def _draw_forces(
 
     Slopes are magnified by the same factor as heights.
     """
-    # The components are x and z.
+    # The vector components are x and z.
     positions, normals, tangents = (forces[f"contact_{name}"].values for name in ("centre", "normal", "tangent"))
     positions = positions * (1.0, scale)
 

@@ -134,7 +134,7 @@ def friction_figure(values: FrictionOverDimension) -> Figure:
     There is one map for each tau0, and a row for each amplitude. Cells are hatched if the model is not valid, and grey
     if the 95 % interval is wide.
     """
-    study, maps, curves, strengths = values.study, values.maps, values.curves, values.strengths
+    study, maps, curves, strengths = values.study, values.map_points, values.curve_points, values.strengths
     mu0, load, amplitudes = float(maps["mu0"]), float(curves["load"]), maps["amplitude"].values
     lines = heading_lines(maps, study)
     handles = _legend_handles(maps, has_asperities=not study.uses_half_space)

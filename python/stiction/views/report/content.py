@@ -36,23 +36,23 @@ class ReportContent:
     ----------
     name : str
         Title.
-    head : list of str
+    heading_lines : list of str
         Lines below the title.
     pairs_text : str
         Number and kind of pairs.
     description_markup : str
         Markup that describes the study and its surfaces.
     facts : dict
-        Data of the scripts: texts and numbers.
+        Data for the scripts: texts and numbers.
     arrays : dict
-        Data of the scripts: arrays of numbers, by name.
+        Data for the scripts: arrays of numbers, by name.
     panels : sequence of FigurePanel
     quantities : sequence of QuantityTable
         Quantities that do not depend on mu0 and tau0.
     """
 
     name: str
-    head: list[str]
+    heading_lines: list[str]
     pairs_text: str
     description_markup: str
     facts: dict[str, Any]
@@ -101,14 +101,14 @@ def _status_reason(status: str) -> str:
 
 
 def _interpolation_error_text(value_error: float, end_error: float) -> str:
-    """Return a clause that states the measured interpolation error."""
+    """Return a sentence fragment that states the measured interpolation error."""
     value_text, end_text = (
         text if text.startswith("less than") else f"up to {text}"
         for text in map(format_percent, (value_error, end_error))
     )
     return (
-        f"at other values that were evaluated, coefficients differ by {value_text}, and ends of intervals by "
-        f"{end_text} of the interval."
+        f"at other evaluated μ0 and τ0, interpolated coefficients differ from evaluated ones by {value_text}, and "
+        f"interval limits by {end_text} of the interval width."
     )
 
 

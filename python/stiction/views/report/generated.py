@@ -39,7 +39,7 @@ def generated_report_content(data: GeneratedReportData, name: str) -> ReportCont
             arrays |= {f"colours_{quantity_name}_low": low, f"colours_{quantity_name}_high": high}
     return ReportContent(
         name=name,
-        head=_heading_lines(data),
+        heading_lines=_heading_lines(data),
         pairs_text=_describe_pairs(data),
         description_markup=_changed_settings_markup(data.description.changed_settings),
         facts=facts,

@@ -42,7 +42,7 @@ def measured_report_content(data: MeasuredReportData, name: str) -> ReportConten
         arrays=_friction_arrays(data.values),
         quantities=_list_quantity_tables(data.values.load_quantities),
         pairs_text=f"{format_count(data.num_members, 'pair')} of pieces of the two surfaces",
-        head=_heading_lines(data),
+        heading_lines=_heading_lines(data),
         description_markup=_summary_markup(data.summary) + "".join(histories),
         panels=list_measured_panels(data),
     )
@@ -110,7 +110,10 @@ _CURVE_PANELS: dict[str, dict[str, Any]] = {
 
 
 def _friction_arrays(values: MeasuredValuesAtNodes) -> dict[str, ReportArray]:
-    """Return friction at the nodes. Values without an interval have the decimals of the mean over directions."""
+    """Return friction at the nodes.
+
+    Values without an interval are printed with the decimals of the mean over directions.
+    """
     no_limit = np.full(values.slopes.shape, np.nan)
     return {
         "friction": EstimateArray(values.friction, reference=values.friction[0, :, :, :1]),

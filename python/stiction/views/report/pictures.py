@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 class FigurePanel:
     """Panel of a page that contains a figure. The figure is drawn when the page is rendered.
 
-    `description` is for screen readers, and `caption` is markup. A main panel is shown next to the answer, and other
+    `description` is for screen readers, and `caption` is markup. A main panel is shown next to the result, and other
     panels among the details.
     """
 
@@ -62,7 +62,7 @@ class FigurePanel:
 
 
 def list_generated_panels(data: GeneratedReportData) -> list[FigurePanel]:
-    """Return the panels of a report on generated surfaces for which there are data."""
+    """Return the panels that have data, for a report on generated surfaces."""
     panels = []
     if data.contact_forces is not None:
         panels.append(_contact_forces_panel(data.contact_forces))
@@ -101,7 +101,7 @@ def _onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> FigurePan
 
 
 def list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
-    """Return the panels of a report on measured surfaces for which there are data."""
+    """Return the panels that have data, for a report on measured surfaces."""
     title, panels = format_print_title(data.description.name), []
     if data.contact_picture is not None:
         panels.append(_contact_panel(data.contact_picture, data.directions[0]))
@@ -222,7 +222,7 @@ def inline_svg(figure: Figure, description: str) -> str:
             artist.set_rasterized(sum(len(path.vertices) for path in paths) > MAX_SVG_VERTICES)
     if (layout_engine := figure.get_layout_engine()) is not None:
         layout_engine.execute(figure)
-        # With a layout engine, `savefig` would draw twice. The engine "none" is a placeholder that counts as one.
+        # With a layout engine, `savefig` would draw twice. The placeholder engine "none" would have the same effect.
         figure.set_layout_engine(None)
     text = io.StringIO()
     figure.savefig(text, format="svg", dpi=RASTER_DPI, transparent=True, metadata={"Date": None, "Creator": None})

@@ -85,7 +85,7 @@ function showParameters() {
  * The interval of the true area also covers results for alternative preparations of the scans, if there are any. */
 function intervalName(isCombined, isArea = false) {
   if (!isMeasured) return "interval";
-  if (isArea && facts.hasAlternatives && facts.combined[state.kind]) return "interval: sampling of positions, and errors of the scans";
+  if (isArea && facts.hasAlternatives && facts.combined[state.kind]) return "interval from sampled positions and scan errors";
   if (!isCombined) return "sampling interval of positions only";
   return `interval, combined uncertainty${facts.ranged && !isAtRange() ? ", μ0 and τ0 exact where the study has other values" : ""}`;
 }

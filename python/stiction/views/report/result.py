@@ -142,7 +142,7 @@ def _render_page(data: MeasuredReportData | GeneratedReportData, content: Report
     )
     return HtmlPage(
         name=content.name,
-        head=content.head,
+        head=content.heading_lines,
         body=body,
         versions=f"Computed by stiction {data.version}",
         scripts=script_markup(facts, packed_arrays.texts),

@@ -48,19 +48,19 @@ class EstimateArray:
     """Array of values, lower ends and upper ends (last axis).
 
     A page also stores the numbers of decimals to print. Values without an interval have the decimals of the estimates
-    in `reference`, if it is given; the shapes must be compatible.
+    in `reference`, if it is given; the shapes must broadcast.
     """
 
-    points: Floats
+    values: Floats
     reference: Floats | None = None
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the values, interval ends and numbers of decimals, by the endings of their names."""
-        value_decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(self.points, -1, 0))
+        """Return the values, interval ends and numbers of decimals, by name suffix."""
+        value_decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(self.values, -1, 0))
         if self.reference is not None:
             reference_decimals, _ = count_estimate_decimals(*np.moveaxis(self.reference, -1, 0))
-            value_decimals = np.where(np.isnan(self.points[..., 1]), reference_decimals, value_decimals)
-        columns = {end: self.points[..., index] for index, end in enumerate(("value", "lower", "upper"))}
+            value_decimals = np.where(np.isnan(self.values[..., 1]), reference_decimals, value_decimals)
+        columns = {end: self.values[..., index] for index, end in enumerate(("value", "lower", "upper"))}
         return columns | {"decimals": value_decimals, "upper_decimals": upper_decimals}
 
 
@@ -70,7 +70,10 @@ ReportArray = NDArray[Any] | EstimateArray
 
 @dataclass(frozen=True)
 class PackedArrays:
-    """Encoded arrays of a page. `offsets` maps the name of each array to its start in the text of its type."""
+    """Encoded arrays of a page.
+
+    `offsets` maps each column to the index of its first number in the decoded array of its type.
+    """
 
     offsets: dict[str, int]
     texts: dict[str, str]
