@@ -219,6 +219,15 @@ def test_area_interval_of_pair_with_hardness_includes_result_without_blunt_tip(t
     assert tip_caveat.severity == "caution"
 
 
+def test_budget_at_a_load_of_the_study_does_not_depend_on_another_load(spiked_result):
+    (load,) = (float(load) for load in spiked_result.study.friction.load)
+    points = spiked_result.at([load, 3 * load], budget=True).sel(load=[load])
+    expected_points = spiked_result.at(budget=True)
+    for name in ("friction_known", "friction_if_known", "width_if_known", "contact_area"):
+        assert points[name].dims == expected_points[name].dims
+        np.testing.assert_allclose(points[name].values, expected_points[name].values, rtol=1e-12)
+
+
 def test_result_without_stored_alternative_has_own_interval_until_pair_runs_again(blunt_result, blunt_scans, tmp_path):
     folder = tmp_path / "result"
     shutil.copytree(blunt_result.path, folder)

@@ -360,7 +360,8 @@ def _merge_load_datasets(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
     merged = xarray.concat(
         parts, "load", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )
-    return merged.sortby("load").transpose(*parts[0].dims)
+    sorted_dataset = merged.sortby("load")
+    return sorted_dataset.assign({name: sorted_dataset[name].transpose(*parts[0][name].dims) for name in parts[0]})
 
 
 def _get_combined_coefficients(
