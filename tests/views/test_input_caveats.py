@@ -74,6 +74,14 @@ def test_spikes_of_a_profile_add_a_caveat_that_states_their_number(rough_profile
     ]
 
 
+@pytest.mark.parametrize("points", [[0], [-1], [700, 701, 702]], ids=["first point", "last point", "three points"])
+def test_spikes_at_the_ends_and_of_several_points_of_a_profile_add_a_caveat(rough_profile, points):
+    heights = rough_profile.heights.copy()
+    heights[points] += 6 * heights.std()
+    caveats = find_scan_caveats(Profile(heights, spacing=rough_profile.spacing))
+    assert any("as sharp as usual" in caveat.text for caveat in caveats)
+
+
 @pytest.mark.parametrize("kind", [kind for kind in MACHINED_SURFACES if kind != "milled"])
 def test_cusps_of_machined_profiles_are_not_spikes(kind):
     for seed in range(3):

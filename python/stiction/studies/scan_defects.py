@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -86,12 +84,13 @@ class ScanDefects:
 
 
 def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
-    """Find points of a profile with a large second difference, or map points far from the median of 3 x 3 points."""
-    from scipy.ndimage import median_filter
+    """Find points next to a large second difference of a profile, or map points far from the median of 3 x 3 points."""
+    from scipy.ndimage import maximum_filter, median_filter
 
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
-        distances = np.pad(typical_distances, 1)
+        # The second difference is large beside wider spikes, and it is unknown at both ends.
+        distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold = MIN_SPIKE_SHARPNESS_RATIO
     else:
         heights = levelled(body, "plane").heights
@@ -104,7 +103,9 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     return np.asarray(distances > threshold * usual_distance) if usual_distance > 0 else np.zeros(distances.shape, bool)
 
 
-@functools.lru_cache(maxsize=16)
 def get_scan_defects(body: Profile | Surface, tip_radius: float | None, *, textured: bool) -> ScanDefects:
-    """Return the defects of a scan. The object is cached for the pair, its alternatives and its caveats."""
-    return ScanDefects(body, tip_radius, textured=textured)
+    """Return the defects of a scan. The body keeps them for the pair, its alternatives and its caveats."""
+    defects = vars(body).setdefault("_defects", {})
+    if (tip_radius, textured) not in defects:
+        defects[tip_radius, textured] = ScanDefects(body, tip_radius, textured=textured)
+    return defects[tip_radius, textured]  # type: ignore[no-any-return]
