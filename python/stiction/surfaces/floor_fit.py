@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
 # initial level of the fitted floor, as a fraction of the maximum level; the lowest density sets this maximum
 _INITIAL_FLOOR_FRACTION = 0.3
-_FIT_TOLERANCE = 1e-12  # tolerance of the minimisation; it leaves relative errors of up to 3e-6 in the floor level
+_FIT_TOLERANCE = 1e-12  # tolerance of the minimisation; typical relative errors of the floor level are below 3e-6
+_MAX_FIT_EVALUATIONS = 2000  # maximum number of evaluations in a minimisation; nearly all need fewer than 100
 
 
 class BinnedSpectrum(NamedTuple):
@@ -77,7 +78,10 @@ def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float
     def minimize_loss(parameters: Sequence[float], level_bounds: tuple[float, float | None]) -> OptimizeResult:
         # The method L-BFGS-B of SciPy 1.17 solves its small systems of equations on several threads, which
         # busy-wait for a tenth of a second afterwards.
-        return minimize(loss, parameters, jac=True, bounds=[*bounds, level_bounds], method="TNC", tol=_FIT_TOLERANCE)
+        return minimize(
+            loss, parameters, jac=True, bounds=[*bounds, level_bounds], method="TNC", tol=_FIT_TOLERANCE,
+            options={"maxfun": _MAX_FIT_EVALUATIONS},
+        )  # fmt: skip
 
     fit_without_floor = minimize_loss([*initial_parameters, 0.0], (0.0, 0.0))
     fit_with_floor = minimize_loss([*fit_without_floor.x[:-1], _INITIAL_FLOOR_FRACTION], (0.0, None))
