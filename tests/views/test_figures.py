@@ -13,6 +13,7 @@ from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load, choose_loads_in_range
 from stiction.studies.figure_values import evaluate_area_over_load, evaluate_friction_over_dimension
 from stiction.studies.maps import friction_map
+from stiction.studies.resolution import build_resolution_limits
 from stiction.studies.study import parse_study_of_dataset
 from stiction.views import style
 from stiction.views.figures import draw_figures
@@ -29,6 +30,7 @@ from stiction.views.figures.ensemble import (
     area_figure,
     friction_figure,
 )
+from stiction.views.figures.loads import cut_off_figure
 from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
 from stiction.views.report.pictures import inline_svg
@@ -351,3 +353,15 @@ def test_labels_of_curves_do_not_overlap_and_are_in_the_order_of_their_values():
     assert np.array_equal(np.argsort(label_positions), [2, 0, 1, 3])
     assert np.diff(np.sort(label_positions)).min() == pytest.approx(0.1)
     assert label_positions[3] == 3.0
+
+
+def test_unfiltered_scans_are_drawn_to_the_left_of_the_first_cutoff(maps_at_two_cutoffs):
+    result = Result.of(maps_at_two_cutoffs)
+    points = result.at().isel(load=0, mu0=0, tau0=0)
+    assert points["cut_off"].values[0] == 0
+    first_cutoff = float(points["cut_off"].values[1])
+    limits = build_resolution_limits(points, result.study)
+    for shortest_wavelength in (0.7 * first_cutoff, first_cutoff, 2 * first_cutoff):
+        (axes, _) = cut_off_figure(points, limits=limits | {"shortest": shortest_wavelength}).axes
+        position, *_ = axes.lines[0].get_xdata()
+        assert position < first_cutoff

@@ -135,13 +135,16 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
     """Draw a figure, 80 mm wide, of friction coefficient and true area at one load against the cutoff wavelength.
 
     `points` is a result of `evaluate_at_cutoffs` at one load, mu0 and tau0. Unfiltered surfaces (cutoff 0) are drawn at
-    their shortest wavelength or, if this is unknown, to the left of the first cutoff. `limits` adds a line at the
-    plastic limit, dashed extrapolated values, and grey unresolved wavelengths.
+    their shortest resolved wavelength or, if this is unknown or not below the first cutoff, to the left of the first
+    cutoff. `limits` adds a line at the plastic limit, dashed extrapolated values, and grey unresolved wavelengths.
     """
     limits = limits or {}
     cut_off = np.asarray(points["cut_off"].values, dtype=np.float64)
     shortest_cutoff = cut_off[cut_off > 0].min(initial=2.0)
-    positions = np.where(cut_off > 0, cut_off, limits.get("shortest") or shortest_cutoff / UNFILTERED_POSITION_RATIO)
+    unfiltered_position = limits.get("shortest") or shortest_cutoff
+    if not unfiltered_position < shortest_cutoff:
+        unfiltered_position = shortest_cutoff / UNFILTERED_POSITION_RATIO
+    positions = np.where(cut_off > 0, cut_off, unfiltered_position)
     figure = _friction_and_area_figure(points, "cut_off", positions, title, limits)
     figure.axes[1].set_xlabel(axis_label("cut_off") + ("; first point: none" if (cut_off == 0).any() else ""))
     return figure
