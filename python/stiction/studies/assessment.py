@@ -155,7 +155,7 @@ STATUS_EXPLANATIONS = {
     "seizure": (
         "the interface is stronger than the bulk (τ0 is at least H/√α), or its junctions grow over the whole area; "
         "the model has no coefficient",
-        "check τ0, the hardness and α",
+        "check τ0, the hardness and α, or reduce the load",
     ),
     "no-contact": ("the bodies do not touch", "use a larger load or a larger approach"),
     "": ("there is no coefficient", "check how many members have a value"),
@@ -501,11 +501,13 @@ def _find_seizure_caveats(
     if seizing_fraction > 0:
         text = (
             f"the contacts seize for {format_percent(seizing_fraction)} of the samples of the inputs: τ0 is at least "
-            "H/√α, and junctions grow without limit"
+            "H/√α, or the junctions grow over the whole area"
             + ("; the interval has no upper limit" if seizing_fraction > MAX_SEIZING_FRACTION else "")
         )
         yield Caveat(
-            text, "measure the hardness and τ0", "fault" if seizing_fraction > MAX_SEIZING_FRACTION else "caution"
+            text,
+            "measure the hardness and τ0, or reduce the load",
+            "fault" if seizing_fraction > MAX_SEIZING_FRACTION else "caution",
         )
     elif tau0 > NEARLY_BULK_STRENGTH_RATIO * shear_strength:
         text = (

@@ -117,6 +117,7 @@ def _check_size(result: Result) -> None:
 
 def _render_page(data: MeasuredReportData | GeneratedReportData, content: ReportContent) -> HtmlPage:
     """Draw the figures of the page, encode its numbers, and insert them into the template."""
+    notices_markup = _incompleteness_notices(data, content.name)
     packed_arrays = pack_arrays(content.arrays)
     facts = common_facts(data) | content.facts
     facts |= {"quantities": [table.record() for table in content.quantities]}
@@ -131,7 +132,7 @@ def _render_page(data: MeasuredReportData | GeneratedReportData, content: Report
         for name, (title, description, options) in PLOT_PANELS.items()
     }
     body = Template(read_package_file("result.html")).substitute(
-        unfinished=_incompleteness_notices(data, content.name),
+        unfinished=notices_markup,
         percent=f"{100 * CONFIDENCE_LEVEL:g} %",
         pairs=escape_html(content.pairs_text),
         touching=panels[True],
