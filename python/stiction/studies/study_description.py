@@ -34,10 +34,8 @@ def describe_study(study: Study) -> StudyDescription:
     """Return the description of a study."""
     if study.is_measured:
         return StudyDescription(get_pair_name(study), _strip_folders(study).to_toml(), [])
-    differences = find_table_differences(Study(), study)
-    return StudyDescription(
-        _find_built_in_name(study), study.to_toml(), [(key, value) for key, _, value in differences]
-    )
+    name, file_text = _find_built_in_name(study), study.to_toml()
+    return StudyDescription(name, file_text, [(key, value) for key, _, value in find_table_differences(Study(), study)])
 
 
 def get_pair_name(study: Study) -> str:
