@@ -90,11 +90,32 @@ def test_command_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_st
     text = get_stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_folder)
     assert text.splitlines()[0].endswith("τ0 = 0, 100 MPa (--tau0).")
     assert [line.split()[0] for line in text.splitlines()[1:6]] == ["D", "1", "1", "1.2", "1.2"]
-    text = get_stiction_output(
-        "at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", "--tau0", "0 MPa", cwd=results_folder
+    record = json.loads(
+        get_stiction_output(
+            "at", "study", "--load", "1 uN,1 N", "--d", "1.3", "--mu0", "0.3", "--json", cwd=results_folder
+        )
     )
-    assert text.startswith("μ_s = not-reached")
-    assert "! no computed load" in text
+    assert [answer["status"] for answer in record["answers"]] == ["ok", "ok", "not-reached", "not-reached"]
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [("study", ("--load", "1 N", "--d", "1.3")), ("maps", ("--load", "1 Pa")), ("maps", ("--load", "1 Pa,1 TPa"))],
+)
+@pytest.mark.parametrize("json_options", [(), ("--json",)])
+def test_command_at_rejects_loads_that_are_all_outside_the_computed_loads(results_folder, name, options, json_options):
+    completed = call_stiction("at", name, *options, *json_options, cwd=results_folder)
+    assert_rejected(completed, "no values at ", "the computed loads are ")
+    assert completed.stdout == ""
+
+
+@pytest.mark.parametrize("more_options", [(), ("--scale-heights", "1")])
+def test_command_at_omits_loads_outside_the_computed_loads_with_a_warning(results_folder, more_options):
+    arguments = ("at", "maps", *more_options, "--tau0", "0 MPa")
+    completed = check_stiction(*arguments, "--load", "1 Pa,10 MPa", cwd=results_folder, without_figures=True)
+    assert completed.stdout == get_stiction_output(*arguments, "--load", "10 MPa", cwd=results_folder)
+    assert completed.stderr.count("no values at ") == 1
+    assert "(1 Pa)" in completed.stderr
 
 
 def test_command_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_study(results_folder):

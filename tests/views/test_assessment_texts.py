@@ -207,7 +207,7 @@ def test_sentence_without_coefficient_states_the_reason():
         measured_result(status="not-reached", all_contacts=np.nan, opposing=np.nan, ok=0), measured_study()
     )
     assert (point.status, point.verdict) == ("not-reached", "Do not quote")
-    assert "no computed load is as large" in quotable_sentence(point)
+    assert "the load is above the computed loads" in quotable_sentence(point)
     point_without_status = summarize_single_point(
         measured_result(all_contacts=np.nan, opposing=np.nan), measured_study()
     )

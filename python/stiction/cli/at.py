@@ -20,7 +20,7 @@ from stiction._arguments import (
     validate_nonnegative_values,
 )
 from stiction._errors import ArgumentError
-from stiction.cli.application import command, print_output, report_interruption, show_status
+from stiction.cli.application import command, print_output, print_warning, report_interruption, show_status
 from stiction.cli.execution import WorkersOption
 from stiction.cli.options import JsonOption, VerboseOption, option, reject_options
 from stiction.cli.result_output import VERBOSE_OPTION, open_result_with_warning
@@ -105,10 +105,12 @@ def at(
 ) -> None:
     """Print the static friction, true contact area and stiffness of a result at given loads, with intervals.
 
-    Loads, mu0 and tau0 default to the values of the study. Other values need no new contact computation. If there are
-    more points than fit on a screen, a selection is printed; --verbose and --json contain all points. Each factor of
-    --scale-heights is computed once and stored with the result.
+    Loads, mu0 and tau0 default to the values of the study. Other values need no new contact computation, but loads must
+    be between the smallest and the largest computed load: a warning names other loads, and if no load has values, the
+    exit status is 2. If there are more points than fit on a screen, a selection is printed; --verbose and --json
+    contain all points. Each factor of --scale-heights is computed once and stored with the result.
     """
+    from stiction.studies.computed_loads import find_loads_without_values
     from stiction.views import rows, text
 
     result = open_result_with_warning(directory)
@@ -140,13 +142,27 @@ def at(
     values = _select_nearest_parameters(values, dimensions, None if amplitude_length is None else [amplitude_length])
     if direction is not None:
         values = _select_direction(values, direction)
-    summary = result.summarize_dataset(values)
+    missing_loads = find_loads_without_values(result, values)
+    _report_missing_loads(result, values, missing_loads)
     if as_json:
-        print_output(rows.summary_json("at", summary))
+        print_output(rows.summary_json("at", result.summarize_dataset(values)))
     else:
+        summary = result.summarize_dataset(values.drop_sel(load=missing_loads))
         if default_text := text.default_friction_parameters_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
             print_output(default_text)
         print_output(text.result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
+
+
+def _report_missing_loads(result: Result, values: xarray.Dataset, missing_loads: Sequence[float]) -> None:
+    """Print a warning that names the loads without values. If no load has values, raise a `ValueError` instead."""
+    from stiction.views.text import missing_loads_text
+
+    if not missing_loads:
+        return
+    message = missing_loads_text(result, values, missing_loads)
+    if len(missing_loads) == values["load"].size:
+        raise ValueError(message)
+    print_warning(message)
 
 
 def _print_height_factor_results(
@@ -154,12 +170,14 @@ def _print_height_factor_results(
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Print a result for several height factors. If `compute` is True, first compute the missing results."""
+    from stiction.studies.computed_loads import find_loads_outside_range
     from stiction.studies.executors import thread_pool_executor
     from stiction.studies.height_scale import (
         compute_results_at_height_factors,
         evaluate_at_height_factors,
         parse_height_factors,
     )
+    from stiction.studies.result import Result
     from stiction.views.height_scale import height_scale_json, height_scale_text
 
     scaled_bodies: Any = scaled
@@ -175,7 +193,13 @@ def _print_height_factor_results(
                 "; results of finished factors are stored; run the same command again to resume"
             ) from None
     values = evaluate_at_height_factors(stored_result, height_factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
-    print_output((height_scale_json if as_json else height_scale_text)(values, stored_result.study))
+    result = Result(stored_result)
+    missing_loads = find_loads_outside_range(result, loads)
+    _report_missing_loads(result, values, missing_loads)
+    if as_json:
+        print_output(height_scale_json(values, stored_result.study))
+    else:
+        print_output(height_scale_text(values.drop_sel(load=missing_loads), stored_result.study))
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:

@@ -146,10 +146,13 @@ VERDICTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "
 
 STATUS_EXPLANATIONS = {
     "not-reached": (
-        "no computed load is as large as this one, or the nearest computed loads differ by more than a factor of 10",
-        "use a smaller load, or add larger loads (or approaches) to the study",
+        "the load is above the computed loads, or between two computed loads that differ by more than a factor of 10",
+        "use a smaller load, or compute larger loads (or approaches)",
     ),
-    "below-range": ("the first step of the result carries more than this load", "use a larger load, or smaller steps"),
+    "below-range": (
+        "the load is below the computed loads",
+        "use a larger load, or compute smaller loads (or approaches)",
+    ),
     "not-solved": ("the half-space solver did not reach its tolerance", "try another load, or the asperity model"),
     "self-locked": ("the slopes are so steep that they resist any tangential load", "check μ0 and τ0"),
     "seizure": (

@@ -13,6 +13,10 @@ import numpy as np
 
 from stiction._estimate import Estimate
 from stiction._number_format import format_significant
+from stiction.studies.assessment import STATUS_EXPLANATIONS
+from stiction.studies.computed_loads import find_computed_load_range
+from stiction.studies.point import has_nominal_area
+from stiction.studies.study import find_step_dimension
 from stiction.studies.summary import PointSummary, Summary
 from stiction.views.assessment import COMPLETE_OUTPUT_METHOD, MAX_CAVEAT_GROUPS, assessment_paragraph
 from stiction.views.layout import Paragraph, Table, WrappedText, format_paragraph, format_paragraphs
@@ -23,6 +27,7 @@ from stiction.views.point import (
     SLIDING_RULE_TITLES,
     coefficient_text,
     coordinate_text,
+    load_text,
     motion_direction_text,
     point_load_text,
 )
@@ -37,6 +42,9 @@ from stiction.views.sentence import (
 )
 
 if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.result import Result
     from stiction.studies.study import Study
 
 MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table if a result has several points
@@ -146,6 +154,33 @@ def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> 
         assignment_texts.append(f"τ0 = {', '.join(tau0_texts)} (--tau0)")
     text = f"Values of the study by default: {'; '.join(assignment_texts)}." if assignment_texts else ""
     return format_paragraph([text])
+
+
+def missing_loads_text(result: Result, values: xarray.Dataset, missing_loads: Sequence[float]) -> str:
+    """Return a sentence that names loads without values, the range of the computed loads, and how to compute others.
+
+    `values` is a dataset of `Result.at`, or a selection from it.
+    """
+    study = result.study
+    load_range = find_computed_load_range(result, values)
+
+    def describe_load(load: float) -> str:
+        return load_text(load, load / float(values["nominal_area"]) if has_nominal_area(values, study) else math.nan)
+
+    load_texts = list(map(describe_load, missing_loads))
+    listed_texts = f"{', '.join(load_texts[:-1])} and {load_texts[-1]}" if len(load_texts) > 1 else load_texts[0]
+    is_inside_range = any(load_range[0] <= load <= load_range[1] for load in missing_loads)
+    reason = (
+        STATUS_EXPLANATIONS[str(values["status"].sel(load=missing_loads[0]).values.flat[0])][0]
+        if is_inside_range and "status" in values
+        else f"the computed loads are {' to '.join(map(describe_load, load_range))}"
+    )
+    remedy = (
+        "repeat stiction pair with --load"
+        if study.is_measured
+        else f"change contact.{find_step_dimension(result.head)} in the study"
+    )
+    return f"no values at {listed_texts}: {reason}; to compute other loads, {remedy}"
 
 
 # ---- Selection of points ---------------------------------------------------------------------------------------------
