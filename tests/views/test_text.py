@@ -22,6 +22,7 @@ from stiction.views.text import (
     main_values_text,
     resolution_and_onset_text,
     result_text,
+    study_result_text,
 )
 from support.synthetic_results import generated_result, generated_study, measured_result, measured_study, value_and_ends
 
@@ -207,6 +208,15 @@ def test_overview_states_the_number_of_omitted_caveats():
         overview_text(summary, 1, complete_command="--verbose").splitlines()[-1].endswith(" more: --verbose shows all")
     )
     assert len(short_text.splitlines()) < len(text.splitlines())
+
+
+def test_text_of_a_study_result_is_an_overview_of_generated_surfaces_only():
+    measured, generated = (summarize(*DATASETS_AND_STUDIES[name]) for name in ("with caveats", "generated"))
+    for verbose in (False, True):
+        text = study_result_text(measured, verbose=verbose, max_overview_lines=1, complete_command="--verbose")
+        assert text == result_text(measured, verbose=verbose, complete_command="--verbose")
+    texts = study_result_text(generated, max_overview_lines=1), study_result_text(generated, verbose=True)
+    assert texts == (overview_text(generated, 1), overview_text(generated))
 
 
 def test_result_text_for_many_conditions_has_at_most_40_lines():

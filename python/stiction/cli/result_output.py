@@ -37,16 +37,10 @@ def open_result_with_warning(directory: Path) -> Result:
 
 def print_result(result: Result, *, verbose: bool = False) -> None:
     """Print a result at the loads of its study: values, assessment, cutoff study and onset of sliding."""
-    from stiction.views.overview import overview_text
-    from stiction.views.text import result_text
+    from stiction.views.text import study_result_text
 
-    summary = _summarize(result)
-    if summary.study.is_measured:
-        text = result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION)
-    else:
-        max_lines = None if verbose else MAX_CAVEAT_LINES
-        text = overview_text(summary, max_lines, complete_command=VERBOSE_OPTION)
-    print_output(text)
+    options: dict[str, Any] = {"max_overview_lines": MAX_CAVEAT_LINES, "complete_command": VERBOSE_OPTION}
+    print_output(study_result_text(_summarize(result), verbose=verbose, **options))
 
 
 def print_pair_values(result: Result, *, verbose: bool = False) -> None:

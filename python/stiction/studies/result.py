@@ -607,17 +607,12 @@ class Result:
 
     def __repr__(self) -> str:
         """Return the text that is shown if the result is printed on a terminal."""
+        from stiction.views.text import study_result_text
+
         try:
-            return self._render_terminal_text().rstrip()
+            return study_result_text(self.summary()).rstrip()
         except ValueError as error:  # an exception means that there is no contact or no finished member
             return f"no answer: {error}"
-
-    def _render_terminal_text(self) -> str:
-        from stiction.views.overview import overview_text
-        from stiction.views.text import result_text
-
-        summary = self.summary()
-        return result_text(summary) if self.study.is_measured else overview_text(summary)
 
     def _repr_html_(self) -> str:
         """Return HTML that contains a figure and the text that is shown on a terminal."""

@@ -13,7 +13,7 @@ from stiction.studies.summary import PointSummary, Summary
 from stiction.views.assessment import COMPLETE_OUTPUT_METHOD, assessment_paragraph
 from stiction.views.layout import Table, format_paragraphs
 from stiction.views.point import COORDINATE_LABELS, SLIDING_RULE_DESCRIPTIONS, coordinate_text
-from stiction.views.text import no_values_text
+from stiction.views.sentence import no_values_text
 
 if TYPE_CHECKING:
     from stiction.studies.study import Study

@@ -16,7 +16,7 @@ from stiction.mechanics.closed_forms import gentle_friction
 from stiction.studies.hardness import find_uncertain_inputs
 from stiction.studies.interfaces import find_interface
 from stiction.studies.point import get_contact_law_name, has_limited_pressure
-from stiction.studies.summary import PointSummary
+from stiction.studies.summary import PointSummary, Summary
 from stiction.surfaces.pairing import SIDES
 from stiction.views.point import (
     SLIDING_RULE_DESCRIPTIONS,
@@ -354,3 +354,8 @@ def dwell_time_text(point: PointSummary) -> str:
     )
     rate_text = f"; {format_significant(point.ageing)} for each factor e of time" if math.isfinite(point.ageing) else ""
     return f"After a dwell time: {', '.join(estimate_texts)}{ageing_reason}{rate_text}." if estimate_texts else ""
+
+
+def no_values_text(summary: Summary) -> str:
+    """Return the reason why a result has no values."""
+    return f"μ_s  none: {summary.no_points_reason}"

@@ -21,6 +21,7 @@ from stiction.studies.summary import PointSummary, Summary
 from stiction.views.assessment import COMPLETE_OUTPUT_METHOD, MAX_CAVEAT_GROUPS, assessment_paragraph
 from stiction.views.layout import Paragraph, Table, WrappedText, format_paragraph, format_paragraphs
 from stiction.views.onset import onset_paragraph
+from stiction.views.overview import overview_text
 from stiction.views.point import (
     COORDINATE_LABELS,
     SLIDING_RULE_DESCRIPTIONS,
@@ -35,6 +36,7 @@ from stiction.views.pull_off import pull_off_text
 from stiction.views.quantities import quantities_paragraph
 from stiction.views.resolution import resolution_paragraphs
 from stiction.views.sentence import (
+    no_values_text,
     point_detail_sentences,
     roughness_text,
     shared_conditions_text,
@@ -48,6 +50,33 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table if a result has several points
+
+
+def study_result_text(
+    summary: Summary,
+    *,
+    verbose: bool = False,
+    max_overview_lines: int | None = None,
+    complete_command: str = COMPLETE_OUTPUT_METHOD,
+) -> str:
+    """Return a summary at the loads of its study as terminal text.
+
+    For measured surfaces, this is `result_text`. Generated surfaces have many cells and loads, of which `overview_text`
+    shows the coefficients only.
+
+    Parameters
+    ----------
+    summary : Summary
+    verbose : bool
+        True to print all caveats and, for measured surfaces, the inputs, every direction and every quantity.
+    max_overview_lines : int, optional
+        Maximum number of lines for caveats of an overview, unless `verbose` is true.
+    complete_command : str
+        Option or method that shows omitted points and caveats.
+    """
+    if summary.study.is_measured:
+        return result_text(summary, verbose=verbose, complete_command=complete_command)
+    return overview_text(summary, None if verbose else max_overview_lines, complete_command=complete_command)
 
 
 def result_text(
@@ -117,11 +146,6 @@ def main_values_text(
 
 def _join_paragraphs(*paragraphs: Paragraph) -> str:
     return format_paragraphs(paragraphs) + "\n"
-
-
-def no_values_text(summary: Summary) -> str:
-    """Return the reason why a result has no values."""
-    return f"μ_s  none: {summary.no_points_reason}"
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
