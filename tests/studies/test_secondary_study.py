@@ -10,6 +10,7 @@ from stiction import pair
 from stiction.studies.executors import executor_or_thread_pool
 from stiction.studies.height_scale import scale_study_heights
 from stiction.studies.member_solution import estimate_member_time
+from stiction.studies.result import Result
 from stiction.studies.runner import compute_missing_blocks
 from stiction.studies.secondary_study import complete_secondary_study, compute_missing_areas, lacks_areas_at_nodes
 from support.rough_surfaces import rough_maps
@@ -57,10 +58,10 @@ def test_changed_study_replaces_the_stored_members(studies, pool, tmp_path):
 def test_areas_at_other_hardnesses_are_computed_once(pool, tmp_path):
     bodies = rough_maps(7, points=48, rms=0.02, shortest_wavelength=0.6)
     study = pair(*bodies, hardness="2..3 GPa", **PAIR_OPTIONS).study
-    stored_result = complete_secondary_study(study, tmp_path, pool)
+    result = Result(complete_secondary_study(study, tmp_path, pool))
     announced_times = []
-    assert lacks_areas_at_nodes(stored_result)
+    assert lacks_areas_at_nodes(result)
     for _ in range(2):
-        compute_missing_areas(stored_result, pool, announce_time=announced_times.append)
-        assert not lacks_areas_at_nodes(stored_result)
+        compute_missing_areas(result, pool, announce_time=announced_times.append)
+        assert not lacks_areas_at_nodes(result)
     assert len(announced_times) == 1

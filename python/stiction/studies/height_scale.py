@@ -189,12 +189,12 @@ def get_factor_folder(path: Path, factor: float, scaled: ScaledBodies) -> Path:
     return path / HEIGHT_SCALE_FOLDER / f"{scaled}-{factor:.6g}"
 
 
-def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[float, StoredResult]:
+def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[float, Result]:
     """Open all finished results that are stored for height factors, and sort them by factor.
 
     The given result is included as factor 1. All results are opened with its friction parameters.
     """
-    results = {1.0: result}
+    results = {1.0: Result(result)}
     for folder in (result.path / HEIGHT_SCALE_FOLDER).glob(f"{scaled}-*"):
         try:
             factor = float(folder.name.removeprefix(f"{scaled}-"))
@@ -206,10 +206,11 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
             continue
         # The stored blocks are combined with the friction parameters of the given result.
         stored_result = StoredResult(stored_result.path, expected_study, stored_result.blocks)
-        if stored_result.num_finished == expected_study.ensemble.repetitions and not lacks_areas_at_nodes(
-            stored_result
-        ):
-            results[factor] = stored_result
+        if stored_result.num_finished < expected_study.ensemble.repetitions:
+            continue
+        factor_result = Result(stored_result)
+        if not lacks_areas_at_nodes(factor_result):
+            results[factor] = factor_result
     return dict(sorted(results.items()))
 
 
@@ -254,7 +255,7 @@ def compute_results_at_height_factors(
             factor_result = complete_secondary_study(
                 study, get_factor_folder(result.path, factor, scaled), pool, progress=progress
             )
-            compute_missing_areas(factor_result, pool)
+            compute_missing_areas(Result(factor_result), pool)
 
 
 # ---- Evaluation at a load --------------------------------------------------------------------------------------------
@@ -303,8 +304,8 @@ def evaluate_at_height_factors(
     scale_study_heights(study, 1.0, scaled)
     if result.num_finished < study.ensemble.repetitions:
         raise ArgumentError("{height_scale} needs a finished result")
-    stored_results = open_results_by_factor(result, scaled)
-    solved_factors = np.array(list(stored_results))
+    results = open_results_by_factor(result, scaled)
+    solved_factors = np.array(list(results))
     if (missing_factors := find_missing_factors(factors, solved_factors)).size:
         raise MissingHeightFactorsError(missing_factors, estimate_height_factor_time(study, missing_factors.size))
     neighbor_pairs = [
@@ -314,9 +315,9 @@ def evaluate_at_height_factors(
     ]
     points_by_factor = [
         add_uncertainty(at_load(scaled_result, loads, mu0=mu0, tau0=tau0), scaled_result, budget=False).isel(cut_off=0)
-        for scaled_result in map(Result, stored_results.values())
+        for scaled_result in results.values()
     ]
-    unscaled_point = points_by_factor[list(stored_results).index(1.0)]
+    unscaled_point = points_by_factor[list(results).index(1.0)]
     variables: dict[str, Any] = {}
     for name in (name for name in _INTERPOLATED_VARIABLES if all(name in point for point in points_by_factor)):
         values = np.stack([point[name].transpose(*unscaled_point[name].dims).values for point in points_by_factor])

@@ -98,7 +98,7 @@ def complete_result(
         return Result(stored_result)
     result = Result(stored_result)
     if is_measured and not has_only_negligible_loads(result):
-        _compute_areas_if_possible(stored_result, executor, print_remark)
+        _compute_areas_if_possible(result, executor, print_remark)
         _compute_alternatives(stored_result, executor, progress=progress, print_remark=print_remark)
     if num_existing < num_members and (num_existing or not is_measured):
         print_finished(
@@ -121,15 +121,11 @@ def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: flo
         print_remark(f"{task}: about {format_duration(seconds)} of one core")
 
 
-def _compute_areas_if_possible(
-    stored_result: StoredResult, executor: Executor, print_remark: LinePrintFunction
-) -> None:
+def _compute_areas_if_possible(result: Result, executor: Executor, print_remark: LinePrintFunction) -> None:
     """Compute areas at other hardnesses and moduli. Do nothing if files of the bodies are missing."""
     with contextlib.suppress(ValueError):
         compute_missing_areas(
-            stored_result,
-            executor,
-            announce_time=partial(_print_time_if_long, print_remark, "at other hardnesses and moduli"),
+            result, executor, announce_time=partial(_print_time_if_long, print_remark, "at other hardnesses and moduli")
         )
 
 
@@ -154,7 +150,7 @@ def _compute_alternatives(
                 progress=progress,
                 announce_time=partial(_print_time_if_long, print_remark, f"interval for {label}"),
             )
-            _compute_areas_if_possible(alternative_result, executor, print_remark)
+            _compute_areas_if_possible(Result(alternative_result), executor, print_remark)
         except (ValueError, ArithmeticError, OSError, MemoryError) as error:
             print_remark(f"the interval does not include {label}: {error}")
 

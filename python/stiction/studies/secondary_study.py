@@ -16,7 +16,7 @@ from stiction.studies.hardness import (
     choose_hardness_and_modulus_nodes,
     compute_areas_at_nodes,
     count_contact_solutions_at_nodes,
-    load_areas_at_nodes,
+    has_areas_at_nodes,
 )
 from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
 from stiction.studies.onset import ONSET_FILE, ONSET_TABLE_FILE
@@ -50,18 +50,17 @@ def complete_secondary_study(
     return open_stored_result(folder)
 
 
-def compute_missing_areas(
-    stored_result: StoredResult, executor: Executor, *, announce_time: TimeAnnouncer = lambda _: None
-) -> None:
-    """Compute the true areas at other hardnesses and moduli that a result requires, unless they are stored.
+def compute_missing_areas(result: Result, executor: Executor, *, announce_time: TimeAnnouncer = lambda _: None) -> None:
+    """Compute the true areas at other hardnesses and moduli that a stored result requires, unless they are stored.
 
     Raises a `ValueError` if files of the bodies are missing.
     """
-    if not lacks_areas_at_nodes(stored_result):
+    folder = result.path
+    if folder is None or not lacks_areas_at_nodes(result):
         return
-    announce_time(estimate_areas_time(stored_result.study))
-    if (areas := compute_areas_at_nodes(stored_result.study, executor)) is not None:
-        export(areas, stored_result.path / AREAS_BY_HARDNESS_FILE, replace=True)
+    announce_time(estimate_areas_time(result.study))
+    if (areas := compute_areas_at_nodes(result.study, executor)) is not None:
+        export(areas, folder / AREAS_BY_HARDNESS_FILE, replace=True)
 
 
 def estimate_areas_time(study: Study) -> float:
@@ -69,12 +68,10 @@ def estimate_areas_time(study: Study) -> float:
     return count_contact_solutions_at_nodes(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
 
 
-def lacks_areas_at_nodes(stored_result: StoredResult) -> bool:
-    """Return True if a result requires true areas at hardnesses or moduli other than its own, and none are stored."""
-    needs_areas = bool(
-        choose_hardness_and_modulus_nodes(stored_result.study)[0].size
-    ) and not has_only_negligible_loads(Result(stored_result))
-    return needs_areas and load_areas_at_nodes(stored_result) is None
+def lacks_areas_at_nodes(result: Result) -> bool:
+    """Return whether a result requires true areas at hardnesses or moduli other than its own, and has none."""
+    hardnesses, _ = choose_hardness_and_modulus_nodes(result.study)
+    return bool(hardnesses.size) and not has_only_negligible_loads(result) and not has_areas_at_nodes(result)
 
 
 def remove_result(stored_result: StoredResult) -> None:
