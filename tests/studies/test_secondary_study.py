@@ -10,7 +10,6 @@ from stiction import pair
 from stiction.studies.executors import executor_or_thread_pool
 from stiction.studies.height_scale import scale_study_heights
 from stiction.studies.member_solution import estimate_member_time
-from stiction.studies.result import Result
 from stiction.studies.runner import compute_missing_blocks
 from stiction.studies.secondary_study import complete_secondary_study, compute_missing_areas, lacks_areas_at_nodes
 from support.rough_surfaces import rough_maps
@@ -47,18 +46,16 @@ def test_changed_study_replaces_the_stored_members(studies, pool, tmp_path):
     study, study_of_doubled_heights = studies
     announced_times = []
     complete_secondary_study(study, tmp_path, pool)
-    stored_result = complete_secondary_study(
-        study_of_doubled_heights, tmp_path, pool, announce_time=announced_times.append
-    )
+    result = complete_secondary_study(study_of_doubled_heights, tmp_path, pool, announce_time=announced_times.append)
     assert announced_times == [3 * estimate_member_time(study_of_doubled_heights)]
-    assert stored_result.num_finished == 3
-    assert stored_result.study.surfaces.upper.height_factor == 2.0
+    assert result.members.tolist() == [0, 1, 2]
+    assert result.study.surfaces.upper.height_factor == 2.0
 
 
 def test_areas_at_other_hardnesses_are_computed_once(pool, tmp_path):
     bodies = rough_maps(7, points=48, rms=0.02, shortest_wavelength=0.6)
     study = pair(*bodies, hardness="2..3 GPa", **PAIR_OPTIONS).study
-    result = Result(complete_secondary_study(study, tmp_path, pool))
+    result = complete_secondary_study(study, tmp_path, pool)
     announced_times = []
     assert lacks_areas_at_nodes(result)
     for _ in range(2):

@@ -255,7 +255,7 @@ def compute_results_at_height_factors(
             factor_result = complete_secondary_study(
                 study, get_factor_folder(result.path, factor, scaled), pool, progress=progress
             )
-            compute_missing_areas(Result(factor_result), pool)
+            compute_missing_areas(factor_result, pool)
 
 
 # ---- Evaluation at a load --------------------------------------------------------------------------------------------

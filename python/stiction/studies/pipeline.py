@@ -150,7 +150,7 @@ def _compute_alternatives(
                 progress=progress,
                 announce_time=partial(_print_time_if_long, print_remark, f"interval for {label}"),
             )
-            _compute_areas_if_possible(Result(alternative_result), executor, print_remark)
+            _compute_areas_if_possible(alternative_result, executor, print_remark)
         except (ValueError, ArithmeticError, OSError, MemoryError) as error:
             print_remark(f"the interval does not include {label}: {error}")
 

@@ -21,7 +21,7 @@ from stiction.studies.hardness import (
 from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
 from stiction.studies.onset import ONSET_FILE, ONSET_TABLE_FILE
 from stiction.studies.result import Result
-from stiction.studies.runner import compute_missing_blocks
+from stiction.studies.runner import complete_blocks, prepare_result_folder
 from stiction.studies.store import BLOCKS_FOLDER, STUDY_FILE, StoredResult, export, open_stored_result
 from stiction.studies.study import Study, find_member_differences
 
@@ -31,23 +31,19 @@ TimeAnnouncer = Callable[[float], Any]  # function that receives the estimated t
 def complete_secondary_study(
     study: Study, folder: Path, executor: Executor, *, progress: bool = False,
     announce_time: TimeAnnouncer = lambda _: None,
-) -> StoredResult:  # fmt: skip
-    """Compute the members of a secondary study that its folder does not contain yet, and open the result.
+) -> Result:  # fmt: skip
+    """Compute the members of a secondary study that its folder does not contain yet, and return the result.
 
     A stored study with other members, for example of another pair, is removed first. Raises the errors of
     `compute_missing_blocks`.
     """
-    num_missing = study.ensemble.repetitions
-    if (folder / STUDY_FILE).exists():
-        stored_result = open_stored_result(folder)
-        if find_member_differences(stored_result.study, study):
-            remove_result(stored_result)
-        else:
-            num_missing -= stored_result.num_finished
-    if num_missing > 0:
+    existing_result = open_stored_result(folder) if (folder / STUDY_FILE).exists() else None
+    if existing_result and find_member_differences(existing_result.study, study):
+        remove_result(existing_result)
+    stored_result = prepare_result_folder(study, folder)
+    if num_missing := study.ensemble.repetitions - stored_result.num_finished:
         announce_time(num_missing * estimate_member_time(study))
-    compute_missing_blocks(study, folder, executor=executor, progress=progress)
-    return open_stored_result(folder)
+    return Result(complete_blocks(stored_result, executor=executor, progress=progress))
 
 
 def compute_missing_areas(result: Result, executor: Executor, *, announce_time: TimeAnnouncer = lambda _: None) -> None:
