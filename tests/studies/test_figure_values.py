@@ -7,6 +7,7 @@ from stiction import Profile, Result, contacts, open_result, run
 from stiction.studies.contact_forces import build_contact_forces
 from stiction.studies.figure_values import (
     evaluate_positions,
+    find_opposing_contacts,
     generate_bodies_by_length_scale,
     generate_profiles,
     iterate_motions,
@@ -35,6 +36,14 @@ def test_contact_forces_equal_the_forces_from_contacts(create_circular_arc):
     np.testing.assert_array_equal(forces["contact_friction"], friction)
     # The bodies overlap by the approach.
     assert float((forces["upper_height"] - forces["lower_height"]).min()) == pytest.approx(-0.02)
+
+
+def test_contacts_oppose_motion_along_their_mean_slope():
+    slopes = {"contact_slope_x": [0.2, -0.2, -0.1], "contact_slope_y": [0.1, 0.1, -0.3]}
+    picture = xarray.Dataset({name: ("contact", values) for name, values in slopes.items()})
+    expected_masks = {0.0: [1, 0, 0], 90.0: [1, 1, 0], 180.0: [0, 1, 1], 225.0: [0, 1, 1], 270.0: [0, 0, 1]}
+    masks = {direction: find_opposing_contacts(picture, direction).tolist() for direction in expected_masks}
+    assert masks == expected_masks
 
 
 def test_contact_forces_of_measured_profiles_come_from_the_first_member_in_contact(result_of_profiles):

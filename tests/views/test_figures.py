@@ -11,18 +11,17 @@ from stiction import Profile, Result
 from stiction.studies.contact_forces import build_contact_forces
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load, choose_loads_in_range
-from stiction.studies.figure_values import evaluate_area_over_load, evaluate_friction_over_dimension
+from stiction.studies.figure_values import (
+    evaluate_area_over_load,
+    evaluate_friction_over_dimension,
+    find_opposing_contacts,
+)
 from stiction.studies.maps import friction_map
 from stiction.studies.resolution import build_resolution_limits
 from stiction.studies.study import parse_study_of_dataset
 from stiction.views import style
 from stiction.views.figures import draw_figures
-from stiction.views.figures.contact import (
-    contact_forces_figure,
-    contact_map_figure,
-    contacts_and_pressure_figure,
-    opposing_contact_mask,
-)
+from stiction.views.figures.contact import contact_forces_figure, contact_map_figure, contacts_and_pressure_figure
 from stiction.views.figures.ensemble import (
     FADING_PARAMETERS,
     _compute_fading,
@@ -299,7 +298,7 @@ def test_contact_map_draws_every_contact(maps_at_two_cutoffs, profiles_dataset):
     picture = contact_picture(maps_at_two_cutoffs)
     (axes,) = contact_map_figure(picture, direction=90.0).axes
     contact_kinds = np.ma.filled(axes.images[1].get_array(), np.nan)
-    contact_numbers, is_opposing = picture["patch"].values, opposing_contact_mask(picture, 90.0)
+    contact_numbers, is_opposing = picture["patch"].values, find_opposing_contacts(picture, 90.0)
     assert np.array_equal(np.isfinite(contact_kinds), contact_numbers > 0)
     assert np.array_equal(np.unique(contact_numbers[contact_kinds == 1]), 1 + np.flatnonzero(is_opposing))
     assert len(axes.collections) == bool((picture["contact_at_edge"].values > 0).any())

@@ -52,6 +52,15 @@ def evaluate_positions_at_first_load(result: Result) -> xarray.Dataset:
     return evaluate_positions(result, points.sel(load=first_load, method="nearest"))
 
 
+def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
+    """Return a mask of the contacts of a contact picture that oppose a motion of the upper body.
+
+    The direction of motion is in degrees from +x towards +y.
+    """
+    slope_x, slope_y = (picture[f"contact_slope_{axis}"].values for axis in "xy")
+    return np.asarray(slope_x * np.cos(np.radians(direction)) + slope_y * np.sin(np.radians(direction)) > 0)
+
+
 def evaluate_height_factors(
     result: Result, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_COLOUR_MAP, PRESSURE_COLOUR_MAP, add_scale_bar
 from stiction._number_format import format_with_unit
+from stiction.studies.figure_values import find_opposing_contacts
 from stiction.views.style import (
     FORCE_COLOUR,
     FRICTION_COLOUR,
@@ -192,12 +193,6 @@ def _draw_forces(
 _MAX_MARKER_AREA = 60.0  # area of the largest marker (square points), for the contact with the largest load
 
 
-def opposing_contact_mask(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
-    """Return a mask of the contacts that oppose motion of the upper body in a given direction (degrees)."""
-    x, y = (picture[f"contact_slope_{axis}"].values for axis in "xy")
-    return np.asarray(x * np.cos(np.radians(direction)) + y * np.sin(np.radians(direction)) > 0)
-
-
 def contacts_and_pressure_figure(
     picture: xarray.Dataset, *, direction: float = 0.0, hardness: float | None = None, title: str = ""
 ) -> Figure:
@@ -212,7 +207,7 @@ def contacts_and_pressure_figure(
     panels = figure.subplots(2 if has_pressure else 1, 1, squeeze=False)[:, 0]
     axes = panels[0]
     draw_height_map(figure, axes, picture["lower_height"].values, map_extent(picture, "height"))
-    is_opposing = opposing_contact_mask(picture, direction)
+    is_opposing = find_opposing_contacts(picture, direction)
     x, y = picture["contact_x"].values, picture["contact_y"].values
     marker_areas = np.maximum(_MAX_MARKER_AREA * force / force.max(initial=1e-300), 3.0)
     for mask, colour, marker, caption in (
@@ -302,7 +297,7 @@ def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Fi
     `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees). The figure is
     80 mm wide.
     """
-    is_opposing, is_cut = opposing_contact_mask(picture, direction), picture["contact_at_edge"].values > 0
+    is_opposing, is_cut = find_opposing_contacts(picture, direction), picture["contact_at_edge"].values > 0
     colours_and_labels = [(OPPOSING_COLOUR, "opposes motion"), (NOT_OPPOSING_COLOUR, "assists motion")] + [
         (EDGE_CONTACT_COLOUR, "cut by the edge")
     ] * bool(is_cut.any())

@@ -15,9 +15,10 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction._number_format import format_percent, format_with_unit
+from stiction.studies.figure_values import find_opposing_contacts
 from stiction.studies.report_data import GeneratedReportData, MeasuredReportData
 from stiction.studies.study import Study
-from stiction.views.figures.contact import contact_forces_figure, contact_map_figure, opposing_contact_mask
+from stiction.views.figures.contact import contact_forces_figure, contact_map_figure
 from stiction.views.figures.distributions import positions_figure
 from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure
@@ -118,7 +119,7 @@ def list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
 def _contact_panel(picture: xarray.Dataset, direction: float) -> FigurePanel:
     """Return the panel that shows the contacts for a direction of motion (degrees)."""
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
-    num_opposing = int(opposing_contact_mask(picture, direction).sum())
+    num_opposing = int(find_opposing_contacts(picture, direction).sum())
     text = (
         f"The position whose true area is nearest to the mean: {format_count(force.size, 'contact')} at "
         f"{format_with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {motion_direction_text(direction)}, "
