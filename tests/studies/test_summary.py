@@ -7,9 +7,10 @@ from dataclasses import astuple
 
 import numpy as np
 import pytest
-from stiction import Study, open_result, run, self_affine_surface, write_surface
+from stiction import Result, Study, open_result, run, self_affine_surface, write_surface
 from stiction.cli import application
 from stiction.studies import budget, input_caveats, summary
+from support.generated_studies import TINY_STUDY, empty_dataset
 
 COMMAND_OPTIONS = [
     "--effective-modulus", "80 GPa", "--hardness", "2 GPa", "--mu0", "0.2", "--tau0", "50 MPa", "--load", "20 MPa",
@@ -72,6 +73,16 @@ def test_result_caches_its_summary_including_onset_and_resolution(surface_folder
     assert first_summary.points is second_summary.points
     assert first_summary.onset is second_summary.onset is not None
     assert first_summary.values_at_cutoffs.sizes["cut_off"] > 1
+
+
+def test_result_without_contact_caches_the_error_that_states_the_reason():
+    result = Result(empty_dataset(TINY_STUDY))
+    errors = []
+    for _ in range(2):
+        with pytest.raises(ValueError, match="no pair of this result is in contact") as error_info:
+            result.summary()
+        errors.append(error_info.value)
+    assert errors[0] is errors[1]
 
 
 def test_summary_for_explicitly_given_study_values_equals_the_default_summary(surface_folder, call_counts):

@@ -16,7 +16,7 @@ from stiction._repr import figure_html, preformatted_html, render_png
 from stiction._units import loads_to_core_units, short_repr, to_core_units
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.layout import compute_members_per_piece
-from stiction.studies.store import StoredResult, export, open_stored_result
+from stiction.studies.store import StoredResult, StoreError, export, open_stored_result
 from stiction.studies.study import Study, parse_study_of_dataset
 
 if TYPE_CHECKING:
@@ -458,8 +458,15 @@ class Result:
 
         By default the loads, mu0 and tau0 are the values in the study.
         The default summary is computed only once.
+
+        Raises
+        ------
+        ValueError
+            If no member is in contact or could be computed at the loads of the study, or if an argument is invalid.
         """
         if load is None and mu0 is None and tau0 is None:
+            if isinstance(self._study_summary, ValueError):
+                raise self._study_summary
             return replace(self._study_summary, onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
         return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
@@ -470,8 +477,17 @@ class Result:
         return summarize(at, self.study, input_caveats=self.input_caveats)
 
     @cached_property
-    def _study_summary(self) -> Summary:
-        return self.summarize_dataset(self.at_study_loads)
+    def _study_summary(self) -> Summary | ValueError:
+        """Summary at the loads of the study, or the error that states why the result has no values.
+
+        The error is cached too, because it takes as long to compute as a summary.
+        """
+        try:
+            return self.summarize_dataset(self.at_study_loads)
+        except StoreError:  # The files may be repaired.
+            raise
+        except ValueError as error:
+            return error
 
     @property
     def _first_reported_point(self) -> PointSummary:
