@@ -433,7 +433,7 @@ def test_combined_interval_contains_the_confidence_interval_due_to_sampling_for_
     for computed_point in computed_points:
         rule = computed_point.rules[0]
         assert rule.rule == "all"
-        assert 0 < rule.lower <= rule.positions[0] <= rule.value <= rule.positions[1] <= rule.upper
+        assert 0 < rule.lower <= rule.sampling_interval[0] <= rule.value <= rule.sampling_interval[1] <= rule.upper
         assert 0 < rule.next_test[0] <= rule.value <= rule.next_test[1]
         if computed_point.bracket is not None:
             assert rule.lower <= computed_point.bracket[0] <= computed_point.bracket[1] <= rule.upper
@@ -513,7 +513,7 @@ def test_combined_interval_contains_the_confidence_interval_due_to_sampling_and_
         for rule in point.rules:
             width = rule.upper - rule.lower
             assert rule.lower + 0.01 * width < rule.value < rule.upper - 0.01 * width
-            assert rule.lower <= rule.positions[0] < rule.positions[1] <= rule.upper
+            assert rule.lower <= rule.sampling_interval[0] < rule.sampling_interval[1] <= rule.upper
         if "hardness" in inputs and point.bracket is not None:
             assert point.rules[0].lower <= point.bracket[0] <= point.bracket[1] <= point.rules[0].upper
 

@@ -216,7 +216,7 @@ def test_values_at_nodes_of_measured_surfaces_equal_the_summary_at_the_inputs_of
             rule_index = result.study.contact.sliding_rules().index(rule.rule)
             index = (0, 0, rule_index, 0, load_index, mu0_index, tau0_index)
             assert values.friction[index].tolist() == pytest.approx([rule.value, rule.lower, rule.upper], rel=1e-9)
-            assert values.sampling[index].tolist() == pytest.approx([rule.value, *rule.positions], rel=1e-9)
+            assert values.sampling[index].tolist() == pytest.approx([rule.value, *rule.sampling_interval], rel=1e-9)
             assert values.slopes[(*index[:4], mu0_index, tau0_index)] == pytest.approx(rule.slopes, rel=1e-9)
             assert ORDERED_STATUSES[values.status_codes[index]] == point.status
             assert values.num_solved[index] == point.members

@@ -31,7 +31,7 @@ class SlidingRuleCoefficient(Estimate):
     _: KW_ONLY
     rule: str  # "all" or "opposing"
     status: str = STATUS_OK  # "ok", or why a coefficient is missing in at least one direction
-    positions: Interval = UNKNOWN_INTERVAL  # interval of the mean due to sampling of relative positions
+    sampling_interval: Interval = UNKNOWN_INTERVAL  # sampling interval of the mean over positions
     next_test: Interval = UNKNOWN_INTERVAL  # prediction interval for a single test in a single direction
     low: float = math.nan  # 10 % quantile of the coefficients of single members
     high: float = math.nan  # 90 % quantile of the coefficients of single members

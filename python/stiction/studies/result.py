@@ -506,7 +506,7 @@ class Result:
     @property
     def of_positions(self) -> tuple[float, float]:
         """Limits of the 95 % confidence interval of the mean over positions. Inputs have their central values."""
-        lower, upper = self._first_reported_point.rules[0].positions
+        lower, upper = self._first_reported_point.rules[0].sampling_interval
         return lower, upper
 
     @property

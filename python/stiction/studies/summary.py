@@ -399,7 +399,8 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     status = rules[0].status if math.isnan(rules[0].value) else friction.STATUS_OK
     quantities = read_point_quantities(point, rules[0].rule)
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
-    rule_with_sampling_interval = replace(rules[0], lower=rules[0].positions.lower, upper=rules[0].positions.upper)
+    sampling_interval = rules[0].sampling_interval
+    rule_with_sampling_interval = replace(rules[0], lower=sampling_interval.lower, upper=sampling_interval.upper)
     # A cutoff removes caveats only if the user requested this cutoff.
     kept_caveats = [each for each in input_caveats if study.surfaces.both_readings or cut_off < each.cut_off]
     caveats = [*kept_caveats, *find_point_caveats(point, study, rule_with_sampling_interval, status)]
@@ -431,14 +432,14 @@ def _build_rule_coefficient(point: xarray.Dataset, rule: str) -> SlidingRuleCoef
     table = select_sliding_rule(point, rule)
     name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
     mean = read_estimate(table[name])
-    positions = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
-    combined_interval = _get_interval(table, "friction_known") or positions
+    sampling_interval = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
+    combined_interval = _get_interval(table, "friction_known") or sampling_interval
     low, high, slopes = (mean_over_directions(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
     return SlidingRuleCoefficient(
         mean.value,
         *combined_interval,
         rule=rule,
-        positions=positions,
+        sampling_interval=sampling_interval,
         next_test=_get_interval(table, "friction_next_test") or UNKNOWN_INTERVAL,
         status=_find_first_failure(table),
         low=low,

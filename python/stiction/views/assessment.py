@@ -27,8 +27,7 @@ def assessment_paragraph(
     """Return the assessment, the most useful measurement, and the caveats with their remedies.
 
     Caveats of several points are grouped. At most `max_lines` lines of caveats are printed or, without `max_lines`, at
-    most `max_groups` groups. `complete_command` names the option or method that shows all
-    caveats.
+    most `max_groups` groups. `complete_command` names the option or method that shows all caveats.
     """
     omission_text = f"more: {complete_command} shows all"
     if len({(point.verdict, point.caveats) for point in points}) == 1:
@@ -49,8 +48,8 @@ def _common_assessment_text(points: Sequence[PointSummary]) -> str:
     point = points[0]
     if point.is_unloaded:
         return f"{point.verdict} a coefficient"
-    budget_sentence = uncertainty_budget_text(point) if len(points) == 1 else ""
-    return f"{point.verdict}. {budget_sentence}" if budget_sentence else point.verdict
+    measurement_text = most_useful_measurement_text(point) if len(points) == 1 else ""
+    return f"{point.verdict}. {measurement_text}" if measurement_text else point.verdict
 
 
 def _assessment_counts_text(points: Sequence[PointSummary]) -> str:
@@ -76,8 +75,8 @@ def _caveat_line(caveat: Caveat, suffix: str = "") -> WrappedText:
     return WrappedText(f"{marker} {caveat.text}{suffix}; {caveat.remedy}", indent="  ", hanging_indent="  ")
 
 
-def uncertainty_budget_text(point: PointSummary) -> str:
-    """Return text that names the measurement that would reduce the uncertainty most, and the resulting interval."""
+def most_useful_measurement_text(point: PointSummary) -> str:
+    """Return a sentence that names the measurement that would narrow the interval most, and the resulting interval."""
     dominant_input = point.dominant_input
     if dominant_input is None or any(fault.text != WIDE_INTERVAL_TEXT for fault in point.faults):
         return ""

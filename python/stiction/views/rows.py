@@ -322,7 +322,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
                 "members_from": rule.low,
                 "members_to": rule.high,
                 "by_slopes_alone": rule.slopes,
-                "of_positions": rule.positions._asdict(),
+                "of_positions": rule.sampling_interval._asdict(),
                 "next_test": rule.next_test._asdict(),
             }
             for rule in point.rules

@@ -339,8 +339,9 @@ def single_test_text(point: PointSummary) -> str:
     if not math.isfinite(estimate.next_test.lower) or estimate.next_test == estimate.interval:
         return ""
     sampled_items = "positions" if point.scans == (1, 1) else "scans and positions"
-    has_sampling_interval = math.isfinite(estimate.positions.lower) and estimate.positions != estimate.interval
-    sampling_text = f"; {sampled_items} alone: {estimate.positions}" if has_sampling_interval else ""
+    sampling_interval = estimate.sampling_interval
+    is_printed = math.isfinite(sampling_interval.lower) and sampling_interval != estimate.interval
+    sampling_text = f"; {sampled_items} alone: {sampling_interval}" if is_printed else ""
     return f"Single test in one direction: {estimate.next_test}{sampling_text}."
 
 

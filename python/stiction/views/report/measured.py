@@ -16,7 +16,7 @@ from stiction.studies.assessment import find_smallest_check_limit
 from stiction.studies.report_data import MAX_FILE_READINGS, BodyHistory, MeasuredReportData
 from stiction.studies.summary import PointSummary, Summary
 from stiction.studies.values_at_nodes import ORDERED_STATUSES, MeasuredValuesAtNodes
-from stiction.views.assessment import uncertainty_budget_text
+from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import averaged_directions_text, material_names_text, motion_direction_text
 from stiction.views.pull_off import pull_off_text
@@ -204,7 +204,7 @@ def _assessment_record(point: PointSummary) -> dict[str, Any]:
         ],
         "slopes": small_slope_estimate_text(point),
         "bar": _contribution_record(point),
-        "most": " ".join(filter(None, (uncertainty_budget_text(point), dwell_time_text(point)))) or None,
+        "most": " ".join(filter(None, (most_useful_measurement_text(point), dwell_time_text(point)))) or None,
     }  # fmt: skip
 
 
