@@ -14,7 +14,7 @@ def result_whose_summary_raises(error, study):
     def summary():
         raise error
 
-    return SimpleNamespace(study=study, summary=summary)
+    return SimpleNamespace(study=study, summary=summary, path=None)
 
 
 @pytest.mark.parametrize("study", [measured_study(), Study()], ids=["measured", "generated"])

@@ -46,7 +46,7 @@ def test_paragraphs_consist_of_lines_and_tables_and_are_separated_by_empty_lines
 def test_shortened_list_counts_the_omitted_lines(monkeypatch, min_shown, max_shown, max_height, num_shown):
     monkeypatch.setenv("COLUMNS", "40")
     lines = [WrappedText("- one"), WrappedText("- " + "two " * 15), WrappedText("- three"), WrappedText("- four")]
-    text = format_paragraph([ShortenedList(lines, min_shown, max_shown, max_height, "more: all() shows all")])
+    text = format_paragraph([ShortenedList(lines, min_shown, max_shown, max_height, "line", "all()")])
     assert text.count("- ") == num_shown
-    omission_line = f"  {4 - num_shown} more: all() shows all"
+    omission_line = f"  {4 - num_shown} more line{'s' * (num_shown < 3)}: all() shows all"
     assert text.splitlines()[-1] == omission_line if num_shown < 4 else "more" not in text

@@ -197,17 +197,32 @@ def test_overview_has_one_row_for_each_combination_of_parameters_and_marks_inval
     assert "* outside the model" in text
 
 
-def test_overview_states_the_number_of_omitted_caveats():
-    dataset = generated_result(dimensions=(1.1, 1.2), contact_count=3.0)
-    dataset["share_beyond_hertz"].loc[{"fractal_dimension": 1.2}] = 0.6
+@pytest.mark.parametrize("shorten", [{"max_lines": 1}, {"max_groups": 1}])
+def test_shortened_caveats_of_several_points_contain_all_faults_and_count_the_others(shorten):
+    faults = [Caveat(f"fault {name}", "repair it", "fault") for name in "ab"]
+    cautions = [Caveat(f"caution {name}", "check it", "caution") for name in "ab"]
+    points = [
+        replace(point, caveats=caveats)
+        for point, caveats in zip(
+            summarize(generated_result(dimensions=(1.1, 1.2)), generated_study()).points,
+            ((*cautions, faults[0]), (*cautions, *faults)),
+            strict=False,
+        )
+    ]
+    lines = format_paragraph(assessment_paragraph(points, complete_command="stiction info DIR", **shorten)).splitlines()
+    assert [line[:10] for line in lines[1:]] == ["  ! fault ", "  ! fault ", "  2 more c"]
+    assert lines[-1] == "  2 more caveats: stiction info DIR shows all"
+    assert len(format_paragraph(assessment_paragraph(points)).splitlines()) == 5
+
+
+def test_overview_omits_caveats_of_low_severity_beyond_the_maximum_number_of_lines():
+    dataset = generated_result(dimensions=(1.1, 1.2), contact_count=20.0)
     summary = summarize(dataset, generated_study())
-    text, short_text = overview_text(summary), overview_text(summary, 1)
-    assert " more: " not in text
-    assert short_text.splitlines()[-1].endswith(" more: summary() shows all")
-    assert (
-        overview_text(summary, 1, complete_command="--verbose").splitlines()[-1].endswith(" more: --verbose shows all")
-    )
-    assert len(short_text.splitlines()) < len(text.splitlines())
+    caveats = tuple(Caveat(f"caution {name}", "check it", "caution") for name in "ab")
+    summary = replace(summary, points=tuple(replace(point, caveats=caveats) for point in summary.points))
+    assert " more caveat" not in overview_text(summary)
+    short_text = overview_text(summary, 1, complete_command="stiction info DIR --verbose")
+    assert short_text.splitlines()[-1] == "  1 more caveat: stiction info DIR --verbose shows all"
 
 
 def test_text_of_a_study_result_is_an_overview_of_generated_surfaces_only():
@@ -229,7 +244,7 @@ def test_result_text_for_many_conditions_has_at_most_40_lines():
     assert f"Shown: {len(rows)} of {len(summary.headlines)} points; --verbose shows all." in lines
     verbose_text = result_text(summary, verbose=True)
     assert "Shown" not in verbose_text
-    assert " more: " not in verbose_text
+    assert " more caveat" not in verbose_text
     all_rows = [line for line in verbose_text.splitlines() if line.endswith(tuple(VERDICTS_BY_SEVERITY.values()))]
     assert sum(line[0].isdigit() for line in all_rows) == len(summary.headlines)
 

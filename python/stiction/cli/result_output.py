@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -19,6 +20,11 @@ if TYPE_CHECKING:
 MAX_CAVEAT_LINES = 5
 
 VERBOSE_OPTION = "--verbose"  # option that shows all points and caveats
+
+
+def complete_output_command(result: Result) -> str:
+    """Return the command that prints all points and caveats of a stored result without computing it again."""
+    return f"stiction info {shlex.quote(printable_path(result.path or Path()))} {VERBOSE_OPTION}"
 
 
 def open_result_with_warning(directory: Path) -> Result:
@@ -39,7 +45,8 @@ def print_result(result: Result, *, verbose: bool = False) -> None:
     """Print a result at the loads of its study: values, assessment, cutoff study and onset of sliding."""
     from stiction.views.text import study_result_text
 
-    options: dict[str, Any] = {"max_overview_lines": MAX_CAVEAT_LINES, "complete_command": VERBOSE_OPTION}
+    command = complete_output_command(result)
+    options: dict[str, Any] = {"max_overview_lines": MAX_CAVEAT_LINES, "complete_command": command}
     print_output(study_result_text(_summarize(result), verbose=verbose, **options))
 
 
@@ -47,7 +54,7 @@ def print_pair_values(result: Result, *, verbose: bool = False) -> None:
     """Print the values of a measured pair without the cutoff study and the onset of sliding."""
     from stiction.views.text import main_values_text
 
-    options: dict[str, Any] = {"max_lines": MAX_CAVEAT_LINES, "complete_command": VERBOSE_OPTION}
+    options: dict[str, Any] = {"max_lines": MAX_CAVEAT_LINES, "complete_command": complete_output_command(result)}
     print_output(main_values_text(_summarize(result), verbose=verbose, **options))
 
 

@@ -27,20 +27,23 @@ def assessment_paragraph(
     """Return the assessment, the most useful measurement, and the caveats with their remedies.
 
     Caveats of several points are grouped. At most `max_lines` lines of caveats are printed or, without `max_lines`, at
-    most `max_groups` groups. `complete_command` names the option or method that shows all caveats.
+    most `max_groups` groups. Faults come first and are always printed. `complete_command` names the option, command or
+    method that shows all caveats.
     """
-    omission_text = f"more: {complete_command} shows all"
     if len({(point.verdict, point.caveats) for point in points}) == 1:
         caveat_lines, num_faults = [_caveat_line(caveat) for caveat in points[0].caveats], len(points[0].faults)
         return [
             WrappedText(_common_assessment_text(points), hanging_indent="  "),
-            ShortenedList(caveat_lines, max(num_faults, 1), None, max_lines, omission_text),
+            ShortenedList(caveat_lines, max(num_faults, 1), None, max_lines, "caveat", complete_command),
         ]
-    group_lines = [
-        _caveat_line(group[0], f" ({len(group)} of {len(points)})") for group in _group_similar_caveats(points)
-    ]
+    groups = _group_similar_caveats(points)
+    num_fault_groups = sum(group[0].severity == "fault" for group in groups)
+    group_lines = [_caveat_line(group[0], f" ({len(group)} of {len(points)})") for group in groups]
     max_shown = max_groups if max_lines is None else None
-    return [_assessment_counts_text(points), ShortenedList(group_lines, 1, max_shown, max_lines, omission_text)]
+    return [
+        _assessment_counts_text(points),
+        ShortenedList(group_lines, max(num_fault_groups, 1), max_shown, max_lines, "caveat", complete_command),
+    ]
 
 
 def _common_assessment_text(points: Sequence[PointSummary]) -> str:

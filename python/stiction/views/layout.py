@@ -47,7 +47,8 @@ class ShortenedList:
     min_shown: int
     max_shown: int | None
     max_height: int | None
-    omission_text: str  # text that follows the number of omitted lines
+    noun: str  # what a line is, for the number of omitted lines, such as "caveat"
+    complete_command: str  # option, command or method that shows all lines
 
 
 Paragraph = Sequence[str | WrappedText | Table | ShortenedList]
@@ -102,8 +103,12 @@ def _format_shortened_list(shortened_list: ShortenedList) -> str:
         num_shown = min(num_shown, sum(height <= shortened_list.max_height for height in heights))
     num_shown = max(num_shown, shortened_list.min_shown)
     num_omitted = len(texts) - num_shown
-    omission_lines = [f"  {num_omitted} {shortened_list.omission_text}"] if num_omitted > 0 else []
-    return "\n".join([*texts[:num_shown], *omission_lines])
+    lines = texts[:num_shown]
+    if num_omitted > 0:
+        noun = shortened_list.noun + "s" * (num_omitted > 1)
+        # The line is not wrapped, so that the command can be copied.
+        lines.append(f"  {num_omitted} more {noun}: {shortened_list.complete_command} shows all")
+    return "\n".join(lines)
 
 
 def format_table(rows: TextRows, width: int | None = None, *, num_labels: int = 1) -> str:
