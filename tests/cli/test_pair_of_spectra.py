@@ -1,6 +1,7 @@
 """Tests of `stiction pair` with joined spectra instead of scans."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from stiction import (
     write_spectrum,
     write_surface,
 )
+from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.studies.resolution import build_resolution_limits, evaluate_at_cutoffs
 from stiction.studies.store import open_stored_result
 from stiction.surfaces.pairing import SpectralSurfacePairs
@@ -212,6 +214,13 @@ def test_spectrum_file_preserves_all_digits(spectra, tmp_path):
         write_spectrum(spectrum_read, tmp_path / "joined.txt")
     with pytest.raises(ValueError, match="must be a JoinedSpectrum"):
         write_spectrum("joined", tmp_path / "other.csv")
+
+
+def test_checksum_of_a_spectrum_in_memory_depends_on_all_digits_of_its_wave_numbers(spectra):
+    other_spectrum = replace(spectra[0], wave_number=spectra[0].wave_number * (1 + 1e-12))
+    assert other_spectrum.history == spectra[0].history
+    checksums = {MeasuredBodySettings.from_body(each, "first").sha256 for each in (spectra[0], other_spectrum)}
+    assert len(checksums) == 2
 
 
 def test_pair_command_accepts_a_spectrum_from_a_table_without_metadata(tmp_path):

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from stiction import HertzCylinder, JacksonGreen, Study, friction_map, run, study_names
+from stiction import HertzCylinder, JacksonGreen, Study, Surface, friction_map, run, study_names
 from stiction._units import exact_quantity_text, quantity
 from stiction.mechanics.quantities import AREAL_SUM_QUANTITIES, HALF_SPACE_SUM_QUANTITIES, SUM_QUANTITIES
+from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.studies.study import find_table_differences, parse_study
 from stiction.studies.values import StudyError
 from stiction.views.study_keys import list_key_tables, study_keys_text
@@ -363,6 +364,29 @@ class TestMeasuredStudies:
         with pytest.raises(ValueError, match="cannot be read"):
             MEASURED_AREA_STUDY.surfaces.upper.with_absolute_paths(tmp_path / "none").with_checksums()
         assert Study().with_checksums() == Study()
+
+
+def test_checksum_of_a_body_in_memory_depends_on_its_numbers_and_not_on_the_words_of_its_history(tmp_path):
+    heights = np.random.default_rng(1).normal(size=(6, 4))
+    entries = [
+        MeasuredBodySettings.from_body(Surface(heights, spacing=(0.5, 0.25), history=(step,)), "first")
+        for step in ("turned over", "flipped")
+    ]
+    assert entries[0].sha256 == entries[1].sha256
+    assert entries[0] != entries[1]  # A result in memory prints the history.
+    saved_entries = [entry.with_saved_bodies(tmp_path, "upper") for entry in entries]
+    assert saved_entries[0] == saved_entries[1]
+    assert saved_entries[1].read().history == ("read from upper.npy", "turned over")
+    missing = np.zeros(heights.shape, bool)
+    missing[2, 3] = True
+    other_bodies = (
+        Surface(heights, spacing=(0.25, 0.25)),
+        Surface(heights.reshape(4, 6), spacing=(0.5, 0.25)),
+        Surface(heights * (1 + 1e-15), spacing=(0.5, 0.25)),
+        Surface(heights, spacing=(0.5, 0.25), missing=missing),
+    )
+    checksums = {MeasuredBodySettings.from_body(body, "first").sha256 for body in other_bodies}
+    assert len({entries[0].sha256, *checksums}) == 5
 
 
 RANDOM_VALUE_TEXTS = [

@@ -152,14 +152,15 @@ class MeasuredBodySettings(SettingsTable):
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
     def __eq__(self, value: object) -> bool:
-        """Compare all fields except the body, which the checksum identifies."""
+        """Compare all fields. A body in memory is compared by its checksum and its history."""
         return isinstance(value, MeasuredBodySettings) and self._comparison_key() == value._comparison_key()
 
     def __hash__(self) -> int:
         return hash(self._comparison_key())
 
     def _comparison_key(self) -> tuple[Any, ...]:
-        return tuple(value for name, value in self if name != "body")
+        history = () if self.body is None else self.body.body.history
+        return *(value for name, value in self if name != "body"), history
 
     file: str = Field(min_length=1, max_length=MAX_FILE_NAME_LENGTH, description="Name of the file.")
     sha256: str | None = Field(
@@ -438,11 +439,15 @@ def _scale_heights(factor: float, body: Any) -> Any:
 
 
 def _compute_checksum(body: MeasuredBody) -> str:
-    """Compute the SHA-256 checksum of a body in memory, including its grid and history."""
+    """Compute the SHA-256 checksum of the numbers of a body in memory.
+
+    The history is not included, because it only describes the body, and later versions may describe it in other words.
+    """
     if isinstance(body, JoinedSpectrum):
-        content = repr(body.history).encode() + body.density.tobytes()
+        arrays = body.wave_number, body.density, body.count, body.contribution, body.ratio
+        content = repr((body.bands, body.names)).encode() + b"".join(values.tobytes() for values in arrays)
     else:
-        content = repr((body.spacing, body.history)).encode() + heights_with_nan(body).tobytes()
+        content = repr((body.heights.shape, body.spacing)).encode() + heights_with_nan(body).tobytes()
     return hashlib.sha256(content).hexdigest()
 
 
