@@ -416,9 +416,7 @@ def test_contact_functions_require_a_modulus_for_measured_surfaces(upper, scanne
 
 def test_contact_functions_warn_about_a_surface_pressed_on_itself(scanned_surface, lower):
     mirrored_surface = Surface(
-        0.3 - scanned_surface.heights,
-        spacing=scanned_surface.spacing,
-        history=(*scanned_surface.history, "turned over"),
+        0.3 - scanned_surface.heights, spacing=scanned_surface.spacing, history=(*scanned_surface.history, "flipped")
     )
     for call, words in (
         (lambda: half_space(scanned_surface, scanned_surface, "1 mN", effective_modulus=10.0), "face the same way"),

@@ -172,7 +172,7 @@ def test_dataset_of_member_values_has_units_and_names_and_a_history(result):
         10.0,
     )
     assert result.study.contact.detection == "gap-minimum"
-    assert "turned over" in members.attrs["upper"]
+    assert "flipped" in members.attrs["upper"]
     assert members.attrs["stiction_version"] == stiction.__version__
 
 

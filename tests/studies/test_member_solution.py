@@ -95,7 +95,7 @@ def test_dataset_built_from_member_results_has_the_variables_declared_by_its_stu
         assert "long_name" in dataset[name].attrs
     assert set(MEMBER_COORDINATE_TYPES) <= set(dataset.coords)
     assert float(dataset["nominal_area"]) == pytest.approx(3.6**2)
-    assert "turned over" in dataset.attrs["upper"]
+    assert "flipped" in dataset.attrs["upper"]
 
 
 def test_member_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, monkeypatch):

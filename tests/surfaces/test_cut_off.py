@@ -100,7 +100,10 @@ def test_low_pass_filter_is_linear_and_symmetric_and_invariant_under_scaling():
 def test_low_pass_filter_is_recorded_in_the_history_and_preserves_the_grid():
     profile = Profile(np.arange(60.0), spacing=0.1, history=("ground",))
     smoothed_profile = cut_off(profile, 0.5)
-    assert smoothed_profile.history == ("ground", "waves shorter than 0.5 µm cut off (Gaussian filter, 50 % at 0.5 µm)")
+    assert smoothed_profile.history == (
+        "ground",
+        "low-pass filtered at 0.5 µm (cutoff wavelength of a Gaussian filter)",
+    )
     assert smoothed_profile.spacing == profile.spacing
     surface = Surface(np.eye(12), spacing=(0.5, 0.25))
     assert isinstance(cut_off(surface, 0.5), Surface)

@@ -10,11 +10,14 @@ from stiction import (
     flipped,
     levelled,
     on_common_grid,
+    read_surface,
     rotated,
     surface_parameters,
     surface_spectrum,
     surrogate,
+    write_surface,
 )
+from stiction.surfaces.preparation import count_flips, list_history_without_flips
 
 # Relative round-off of sums over some hundred points.
 ROUND_OFF = 1e-12
@@ -50,7 +53,17 @@ def test_flipping_rotates_a_surface_about_the_x_axis():
     flipped_surface = flipped(surface)
     assert flipped_surface.heights[0, 5] == -surface.heights[-1, 5]
     assert np.array_equal(flipped(flipped_surface).heights, surface.heights)
-    assert flipped_surface.history == ("turned over",)
+    assert flipped_surface.history == ("flipped",)
+    assert count_flips(flipped(flipped_surface)) == 2
+    assert list_history_without_flips(flipped_surface) == ()
+
+
+def test_flip_in_a_file_of_an_earlier_version_is_recognised(tmp_path):
+    surface = Surface(np.eye(8), spacing=1.0, history=("turned over", "levelled by a plane"))
+    write_surface(surface, tmp_path / "old.npy")
+    read_back = read_surface(tmp_path / "old.npy")
+    assert count_flips(read_back) == 1
+    assert list_history_without_flips(read_back) == ("read from old.npy", "levelled by a plane")
 
 
 def test_adjacent_crops_joined_together_equal_the_original_surface():

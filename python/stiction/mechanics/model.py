@@ -15,6 +15,7 @@ import stiction._core
 from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, check_instance, validate_number
 from stiction.mechanics.law import ContactLaw, HertzCylinder, LawName, parse_contact_law
+from stiction.surfaces.preparation import count_flips, list_history_without_flips
 from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
@@ -26,7 +27,6 @@ SlidingRule = Literal["opposing", "all"]
 DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus used in the paper, GPa
 PROFILE_WIDTH = 1.0  # width of a profile, µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-FLIPPED_HISTORY_ENTRY = "turned over"  # history entry that the function `flipped` adds
 # Two heights count as equal if they differ by at most this fraction of the height range.
 _SAME_HEIGHT_TOLERANCE = 1e-9
 
@@ -284,11 +284,9 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
 
 def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> None:
     """Warn if the two surfaces of a pair are the same surface, or mirror images of each other."""
-    upper_history, is_same = (
-        _history_without_flips(upper),
-        _history_without_flips(upper) == _history_without_flips(lower),
-    )
-    flip_parities = [body.history.count(FLIPPED_HISTORY_ENTRY) % 2 for body in (upper, lower)]
+    upper_history, lower_history = map(list_history_without_flips, (upper, lower))
+    is_same = upper_history == lower_history
+    flip_parities = [count_flips(body) % 2 for body in (upper, lower)]
     message = ""
     if (
         is_same
@@ -309,16 +307,11 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
             )
         elif _differ_by_a_constant(upper.heights, -lower.heights[::-1]):
             message = (
-                "upper is lower turned over, so the gap is the same on both sides of its middle row, and slopes "
+                "upper is lower flipped, so the gap is the same on both sides of its middle row, and slopes "
                 "along y cancel; move one of the surfaces, or press another piece"
             )
     if message:
         warnings.warn(message, stacklevel=3)
-
-
-def _history_without_flips(body: Profile | Surface) -> tuple[str, ...]:
-    """Return the history of a surface without the entries for flips."""
-    return tuple(step for step in body.history if step != FLIPPED_HISTORY_ENTRY)
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:

@@ -55,5 +55,5 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     check_bool("periodic", periodic)
     body = as_body("body", body)
     cutoff_length = validate_cutoff("wavelength", wavelength, body, longest=MAX_CUTOFF_FRACTION)
-    history_entry = f"waves shorter than {cutoff_length:g} µm cut off (Gaussian filter, 50 % at {cutoff_length:g} µm)"
+    history_entry = f"low-pass filtered at {cutoff_length:g} µm (cutoff wavelength of a Gaussian filter)"
     return body.changed(gaussian_low_pass(body, cutoff_length, periodic=periodic), history_entry)  # type: ignore[return-value]

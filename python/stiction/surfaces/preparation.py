@@ -32,6 +32,12 @@ _LEVELLING_HISTORY_ENTRIES = {
     "plane": "levelled by a plane",
 }
 
+FLIPPED_HISTORY_ENTRY = "flipped"
+"""Entry that `flipped` adds to the history of a body."""
+
+_FLIP_HISTORY_ENTRIES = FLIPPED_HISTORY_ENTRY, "turned over"
+"""Entries that record a flip. The second entry is in files that earlier versions wrote."""
+
 # At this distance from the end of a spline, in points, the effect of the end condition is negligible.
 _SPLINE_MARGIN_POINTS = 32
 _ALIGNMENT_TEXTS = {"start": "first", "middle": "middle"}
@@ -165,10 +171,20 @@ def flipped(body: AnyBody) -> AnyBody:
     """
     body = as_body("body", body)
     if isinstance(body, Profile):
-        return body.changed(-body.heights, "turned over")
+        return body.changed(-body.heights, FLIPPED_HISTORY_ENTRY)
     return body.changed(
-        -body.heights[::-1], "turned over", missing=select_from_mask(body.missing, slice(None, None, -1))
+        -body.heights[::-1], FLIPPED_HISTORY_ENTRY, missing=select_from_mask(body.missing, slice(None, None, -1))
     )
+
+
+def count_flips(body: Profile | Surface) -> int:
+    """Return how often a profile or a surface was flipped, according to its history."""
+    return sum(step in _FLIP_HISTORY_ENTRIES for step in body.history)
+
+
+def list_history_without_flips(body: Profile | Surface) -> tuple[str, ...]:
+    """Return the history of a profile or a surface without the entries for flips."""
+    return tuple(step for step in body.history if step not in _FLIP_HISTORY_ENTRIES)
 
 
 @overload

@@ -35,7 +35,9 @@ from stiction.studies.pair_options import (
     format_python_name,
 )
 from stiction.surfaces.measured.interpret import MissingPointTreatment, OutlierTreatment
-from stiction.surfaces.profile import LineOrientation
+from stiction.surfaces.preparation import count_flips
+from stiction.surfaces.profile import LineOrientation, Profile
+from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
     from stiction.studies.result import Result
@@ -250,7 +252,7 @@ def pair(
     from stiction.studies.pipeline import complete_result
 
     for name, body in (("first", first), ("second", second)):
-        if any(step == "turned over" for step in getattr(body, "history", ())):
+        if isinstance(body, (Profile, Surface)) and count_flips(body):
             warn(
                 f"{name} is flipped, but pair flips the first body itself: give both bodies as they were scanned, "
                 "with heights that point out of the material",
