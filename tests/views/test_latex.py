@@ -45,6 +45,12 @@ def test_latex_table_states_common_conditions_in_comments():
     assert "(MPa)" in header[1]
 
 
+def test_latex_table_shows_unfiltered_scans_as_none():
+    assert "% cutoff (um) = none" in latex_table(SUMMARIES["pair"])
+    cutoff_cells = [row[0] for row in table_cells(latex_table(SUMMARIES["readings"]))]
+    assert cutoff_cells == ["cutoff (um)", "none", "0.5"]
+
+
 def test_export_writes_latex_table_without_overwriting_files(tmp_path):
     study = Study.named("quick").with_changes({"ensemble.repetitions": 8, "surfaces.points": 3000})
     run(study, store=tmp_path / "result")

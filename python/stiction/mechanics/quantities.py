@@ -441,7 +441,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     # ---- Coordinates -----------------------------------------------------------------------------------------------
     "cut_off": _coordinate_quantity(
-        "um", "cutoff wavelength of the low-pass filter; 0 for the unfiltered scan", "cutoff"
+        "um", "cutoff wavelength of the low-pass filter; 0 for unfiltered scans", "cutoff"
     ),
     "height_scale": _coordinate_quantity("1", "factor by which the heights are multiplied"),
     "fraction_below": _coordinate_quantity("1", "fraction of values that are smaller"),

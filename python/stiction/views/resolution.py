@@ -10,7 +10,7 @@ from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
 from stiction.views.layout import Paragraph, Table, TextRows, WrappedText
-from stiction.views.point import SLIDING_RULE_TITLES
+from stiction.views.point import SLIDING_RULE_TITLES, coordinate_text
 
 if TYPE_CHECKING:
     from stiction.studies.resolution import ResolutionEffect, ResolvedRoughness, YieldWavelengthEstimate
@@ -60,7 +60,7 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
         values, cut_off, status = point.values, point.at["cut_off"], point.contact_status
         rows.append(
             [
-                format_with_unit(cut_off, "um") if cut_off else "none",
+                coordinate_text("cut_off", cut_off),
                 str(Estimate(values["rms_gradient"])),
                 format_percent(values["contact_area_fraction"]) if status == STATUS_OK else status,
                 format_with_unit(values["mean_pressure"], "GPa"),
