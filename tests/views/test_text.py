@@ -75,6 +75,13 @@ def test_result_text_starts_with_coefficient_and_verdict():
     assert lines[verdict_index + 1].startswith("  ! 60 % of the load is on contacts at the edge")
 
 
+def test_lines_with_coefficients_of_four_digits_are_not_wrapped():
+    dataset = measured_result(all_contacts=0.21, opposing=0.1022, half_width_ratio=0.002)
+    lines = result_text(summarize(dataset, measured_study())).splitlines()
+    assert lines[0].endswith("]  friction at all contacts")
+    assert lines[1] == "      0.1022 [0.1020, 0.1024]  friction at opposing contacts only"
+
+
 def test_result_text_of_maps_fits_in_24_lines():
     text = result_text(summarize(*DATASETS_AND_STUDIES["maps"]))
     assert len(text.splitlines()) <= 24

@@ -15,10 +15,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
     from stiction.studies.summary import PointSummary
 
-SLIDING_RULE_DESCRIPTIONS = {
-    "all": "friction at all contacts",
-    "opposing": "friction at opposing contacts only (the paper's rule)",
-}
+SLIDING_RULE_DESCRIPTIONS = {"all": "friction at all contacts", "opposing": "friction at opposing contacts only"}
 """Descriptions of the sliding rules, in the order in which results are reported."""
 
 SLIDING_RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
