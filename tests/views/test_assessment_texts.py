@@ -283,6 +283,18 @@ def test_text_about_the_small_slope_estimate_lists_neglected_effects():
     )
 
 
+def test_caveat_about_the_interval_is_part_of_the_text_only_at_points_with_an_interval():
+    note = "; the interval includes the result for masked outliers"
+    caveat = Caveat("2 points are sharp", "mask them", "caution", interval_note=note)
+    dataset = measured_result(loads=(1.0, 10.0))
+    for name in ("friction_all_round", "friction_coefficient"):
+        dataset[name].loc[{"load": 1.0, "statistic": ["lower", "upper"]}] = np.nan
+    points = summarize(dataset, measured_study(), input_caveats=[caveat]).points
+    assert [point.rules[0].has_interval for point in points] == [False, True]
+    texts = [next(each.text for each in point.caveats if each.remedy == "mask them") for point in points]
+    assert texts == [caveat.text, caveat.text + note]
+
+
 @pytest.mark.parametrize("is_floor", [True, False])
 def test_interval_contains_filtered_and_unfiltered_results(is_floor):
     cut_offs = (0.5, 0.0) if is_floor else (0.0, 0.5)

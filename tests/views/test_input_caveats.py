@@ -184,13 +184,13 @@ def test_wavelengths_that_the_tip_does_not_resolve_add_a_caveat():
     assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [0.0]
     (caveat,) = find_input_caveats(scan, scan, study)
     assert "does not resolve: the surface is steeper" in caveat.text
-    assert "interval does not include" in caveat.text
+    assert "interval does not include" in caveat.interval_note
     assert instrument_limit(scan, tip_radius=20.0).slope_fraction > 0.1
     assert caveat.severity == "fault"  # The elastic result has no limit at short wavelengths.
     plastic_study = study.with_changes({"contact.mechanics": "half-space", "contact.hardness": "2 GPa"})
     (plastic_caveat,) = find_input_caveats(scan, scan, plastic_study)
     assert plastic_caveat.severity == "caution"
-    assert "interval" not in plastic_caveat.text  # the range for finer scans already allows for steeper surfaces
+    assert plastic_caveat.interval_note == ""  # the range for finer scans already allows for steeper surfaces
     # A noise floor is also filtered if a tip radius is given.
     noisy_scan = Profile(scan.heights + 1e-3 * np.random.default_rng(1).normal(size=3000), spacing=0.01)
     study = pair_study(noisy_scan, noisy_scan, tip="20 um", **options)

@@ -102,6 +102,8 @@ class Caveat:
     """Value of the named number, in core units."""
     limit: float = field(default=math.nan, compare=False)
     """Limit that the number exceeds."""
+    interval_note: str = ""
+    """Clause about the interval, which ends the text if the point of the caveat has an interval."""
 
 
 class LimitCheck(NamedTuple):

@@ -284,12 +284,12 @@ def _find_instrument_caveats(
         yield Caveat(text, f"{remedy}; {REPEATED_SCANS_REMEDY}", "caution", hidden_noise.cut_off, has_second_cutoff)
     if tip_limit is not None:
         text = f"{_describe_slope_fraction(tip_limit)}, which the tip does not resolve: the surface is steeper"
-        if elastic or has_tip_estimate:
-            text += f", and the interval {'includes an estimate of' if has_tip_estimate else 'does not include'} this"
+        note = f", and the interval {'includes an estimate of' if has_tip_estimate else 'does not include'} this"
+        note = note if elastic or has_tip_estimate else ""
         # If no hardness is given, the true area decreases indefinitely with increasing slope.
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
-        yield Caveat(text, remedy, peak_severity, tip_limit.cut_off)
+        yield Caveat(text, remedy, peak_severity, tip_limit.cut_off, interval_note=note)
     body = defects.body
     if not isinstance(body, Profile):
         return
@@ -341,6 +341,6 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, has_masked_result: b
             else f"more than {MIN_SPIKE_HEIGHT_RATIO:g} rms heights from their neighbours"
         )
         text = f"{points_text} {description}, and would come into contact first"
-        if has_masked_result:
-            text += "; the interval includes the result for masked outliers"
-        yield Caveat(text, "if they are instrument spikes, remove them (--outliers mask)", "caution")
+        note = "; the interval includes the result for masked outliers" if has_masked_result else ""
+        remedy = "if they are instrument spikes, remove them (--outliers mask)"
+        yield Caveat(text, remedy, "caution", interval_note=note)

@@ -402,7 +402,11 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     sampling_interval = rules[0].sampling_interval
     rule_with_sampling_interval = replace(rules[0], lower=sampling_interval.lower, upper=sampling_interval.upper)
     # A cutoff removes caveats only if the user requested this cutoff.
-    kept_caveats = [each for each in input_caveats if study.surfaces.both_readings or cut_off < each.cut_off]
+    kept_caveats = [
+        replace(each, text=each.text + (each.interval_note if rules[0].has_interval else ""), interval_note="")
+        for each in input_caveats
+        if study.surfaces.both_readings or cut_off < each.cut_off
+    ]
     caveats = [*kept_caveats, *find_point_caveats(point, study, rule_with_sampling_interval, status)]
     return PointSummary(
         study=study,
