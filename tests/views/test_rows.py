@@ -44,6 +44,14 @@ def test_data_frame_contains_all_numeric_variables():
     assert set(friction["sliding"]) == {"all", "opposing"}
 
 
+def test_area_intervals_are_combined_intervals_only_if_they_cover_alternative_preparations():
+    dataset = measured_result()
+    for alternatives, kind in ([], "sampling"), (["tip"], "combined"):
+        rows = values_frame(dataset.assign_attrs(alternatives=alternatives)).set_index("name")
+        assert set(rows.loc[["contact_area", "contact_area_fraction", "mean_pressure"], "interval"]) == {kind}
+        assert set(rows.loc[["contact_count"], "interval"]) == {"sampling"}
+
+
 def test_data_frame_contains_the_status_of_values():
     dataset = measured_result(loads=(1.0, 10.0))
     dataset["status"].loc[{"load": 10.0}] = "not-reached"

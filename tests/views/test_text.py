@@ -75,6 +75,20 @@ def test_result_text_starts_with_coefficient_and_verdict():
     assert lines[verdict_index + 1].startswith("  ! 60 % of the load is on contacts at the edge")
 
 
+def test_verbose_tables_of_axes_and_directions_are_labelled_as_sampling_intervals():
+    dataset = measured_result()
+    text = result_text(summarize(dataset, measured_study()), verbose=True)
+    tables = text.split("\n\n")
+    for label in ("along x", "upper body to +x"):
+        (table,) = [table for table in tables if f"\n{label} " in table]
+        assert table.startswith("μ_s [sampling]")
+    assert "95 % sampling intervals for exact inputs." in text
+    assert "alternative preparations" not in text
+    dataset = dataset.assign_attrs(alternatives=["tip"])
+    text = " ".join(result_text(summarize(dataset, measured_study()), verbose=True).split())
+    assert "The intervals of the true area and of the mean pressure also cover" in text
+
+
 def test_lines_with_coefficients_of_four_digits_are_not_wrapped():
     dataset = measured_result(all_contacts=0.21, opposing=0.1022, half_width_ratio=0.002)
     lines = result_text(summarize(dataset, measured_study())).splitlines()
@@ -154,7 +168,7 @@ def test_grooves_are_reported_if_friction_intervals_along_the_axes_are_disjoint(
     point = summarize(measured_result(by_axis=by_axis), measured_study()).first
     text = format_paragraph(grooves_paragraph(point, verbose=True))
     assert expected_words in " ".join(text.split())
-    assert [line.split()[0] for line in text.splitlines()[1:3]] == ["x", "y"]
+    assert [line.split()[:2] for line in text.splitlines()[1:3]] == [["along", "x"], ["along", "y"]]
     expected_text = text.split("\n", 3)[3] if expected_words.startswith("Grooves: friction") else ""
     assert format_paragraph(grooves_paragraph(point)) == expected_text
     point_with_one_axis = summarize(measured_result(directions=(0.0, 180.0)), measured_study()).first

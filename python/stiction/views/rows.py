@@ -19,6 +19,7 @@ from stiction._core import __version__
 from stiction._number_format import format_time, to_json
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_title_and_factor, quantity_names_shown_in
+from stiction.studies.budget import AREA_NAMES
 from stiction.studies.point import CELL_DIMENSIONS, list_sliding_rules_reported_first
 from stiction.studies.summary import PointSummary, Summary
 from stiction.views.onset import onset_record
@@ -116,7 +117,8 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
     else:
         columns["value"] = broadcast_to_rows(table).astype(float)
     has_interval = "statistic" in table.dims and name in QUANTITIES
-    columns["interval"] = QUANTITIES[name].interval if has_interval else ""
+    is_combined = name in AREA_NAMES and bool(dataset.attrs.get("alternatives"))
+    columns["interval"] = ("combined" if is_combined else QUANTITIES[name].interval) if has_interval else ""
     unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
     columns["unit"] = str(table.attrs.get("units", unit)).replace("um^2", "um2") or "1"
     if name == "contact_area_fraction" and "contact_status" in dataset:

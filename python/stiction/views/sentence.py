@@ -338,11 +338,10 @@ def single_test_text(point: PointSummary) -> str:
     estimate = point.rules[0]
     if not math.isfinite(estimate.next_test.lower) or estimate.next_test == estimate.interval:
         return ""
-    sampled_items = "positions" if point.scans == (1, 1) else "scans and positions"
     sampling_interval = estimate.sampling_interval
     is_printed = math.isfinite(sampling_interval.lower) and sampling_interval != estimate.interval
-    sampling_text = f"; {sampled_items} alone: {sampling_interval}" if is_printed else ""
-    return f"Single test in one direction: {estimate.next_test}{sampling_text}."
+    sampling_text = f"; sampling interval: {sampling_interval}" if is_printed else ""
+    return f"Single test, one direction: {estimate.next_test}{sampling_text}."
 
 
 def dwell_time_text(point: PointSummary) -> str:

@@ -134,6 +134,8 @@ def main_values_text(
         table_paragraph = quantities_paragraph(
             points_of_first_cell, verbose=verbose, cell=_first_cell_coordinates_text(points)
         )
+        if verbose:
+            table_paragraph = [sampling_intervals_note(points[0]), *table_paragraph]
         for point in [point for point in points_of_first_cell if not point.is_unloaded][:1]:
             direction_paragraphs = _direction_paragraphs(point, verbose=verbose)
     if verbose:
@@ -142,6 +144,17 @@ def main_values_text(
             *direction_paragraphs,
         )  # fmt: skip
     return _join_paragraphs(values_paragraph, [*details_paragraph, *table_paragraph], *direction_paragraphs)
+
+
+def sampling_intervals_note(point: PointSummary) -> str:
+    """Return a note above tables whose intervals are sampling intervals, apart from the intervals of the true area."""
+    areas_note = (
+        " The intervals of the true area and of the mean pressure also cover the results for alternative preparations "
+        "of the scans."
+        if point.values.attrs.get("alternatives")
+        else ""
+    )
+    return f"Intervals in the following tables are 95 % sampling intervals for exact inputs.{areas_note}"
 
 
 def _join_paragraphs(*paragraphs: Paragraph) -> str:
@@ -307,7 +320,7 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
     by_direction = {rule.rule: rule.by_direction for rule in point.rules}
     return [
         grooves_paragraph(point, verbose=True),
-        _coefficients_table("μ_s, upper body", by_direction, motion_direction_text),
+        _coefficients_table(by_direction, lambda degrees: f"upper body {motion_direction_text(degrees)}"),
     ]
 
 
@@ -319,7 +332,7 @@ def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragrap
         return []
     sentence = _grooves_text(by_axis)
     if verbose:
-        return [*_coefficients_table("μ_s along an axis", coefficients, _axis_label), sentence]
+        return [*_coefficients_table(coefficients, lambda degrees: f"along {_axis_label(degrees)}"), sentence]
     return [sentence] if sentence.startswith("Grooves: friction") else []
 
 
@@ -340,15 +353,16 @@ def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
 
 
 def _coefficients_table(
-    title: str, coefficients: Mapping[str, Mapping[float, Estimate]], format_coordinate: Callable[[float], str]
+    coefficients: Mapping[str, Mapping[float, Estimate]], format_coordinate: Callable[[float], str]
 ) -> Paragraph:
-    """Return a table of coefficients with one row per coordinate and one column per sliding rule."""
+    """Return a table of coefficients with sampling intervals: a row per coordinate, and a column per sliding rule."""
     rules = [rule for rule in SLIDING_RULE_DESCRIPTIONS if rule in coefficients]
     rows = [
         [format_coordinate(coordinate), *(coefficients[rule][coordinate].table_text for rule in rules)]
         for coordinate in coefficients[rules[0]]
     ]
-    return [Table([[title, *(SLIDING_RULE_TITLES[rule] for rule in rules)], *rows])] if rows else []
+    headings = ["μ_s [sampling]", *(SLIDING_RULE_TITLES[rule] for rule in rules)]
+    return [Table([headings, *rows])] if rows else []
 
 
 def _axis_label(degrees: float) -> str:
