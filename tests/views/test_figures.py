@@ -1,8 +1,10 @@
 """Tests of the figures of results."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -19,8 +21,10 @@ from stiction.studies.figure_values import (
 from stiction.studies.maps import friction_map
 from stiction.studies.resolution import build_resolution_limits
 from stiction.studies.study import parse_study_of_dataset
+from stiction.studies.summary import UncertaintyBudgetEntry, summarize
 from stiction.views import style
 from stiction.views.figures import draw_figures
+from stiction.views.figures.budget import uncertainty_budget_figure
 from stiction.views.figures.contact import contact_forces_figure, contact_map_figure, contacts_and_pressure_figure
 from stiction.views.figures.ensemble import (
     FADING_PARAMETERS,
@@ -38,6 +42,7 @@ from stiction.views.style import FIGURE_FORMATS, save_figure, spread_label_posit
 from support.generated_studies import SMALL_STUDY, empty_dataset
 from support.report_numbers import ReportEvaluator
 from support.studies_of_files import run_pair_of_maps
+from support.synthetic_results import measured_result, measured_study
 
 
 @pytest.fixture(scope="module")
@@ -309,6 +314,24 @@ def test_contact_map_draws_every_contact(maps_at_two_cutoffs, profiles_dataset):
     lower_limit, upper_limit = zoomed_axes.get_xlim()
     assert lower_limit <= position_of_largest_force <= upper_limit
     assert upper_limit - lower_limit < np.ptp(full_axes.get_xlim())
+
+
+def test_budget_figure_contains_all_of_its_labels_and_names_inputs_without_article():
+    point = summarize(measured_result(), measured_study()).first
+    labels = ("the junction growth α", "the roughness that the tip of the instrument did not reach")
+    budget = tuple(
+        UncertaintyBudgetEntry(point.value, 0.205, 0.215, words=label, width=width)
+        for label, width in zip(labels, (0.001, 0.002), strict=True)
+    )
+    with mpl.rc_context(style.MATPLOTLIB_STYLE):
+        figure = uncertainty_budget_figure(replace(point, budget=budget))
+        figure.draw_without_rendering()
+    (axes,) = figure.axes
+    for label in (axes.xaxis.label, *axes.get_yticklabels(), *figure.legends[0].get_texts()):
+        frame = label.get_window_extent()
+        assert figure.bbox.x0 <= frame.x0 < frame.x1 <= figure.bbox.x1, label.get_text()
+    row_labels = [label.get_text().replace("\n", " ") for label in axes.get_yticklabels()]
+    assert row_labels == ["contributions", "combined interval", *(label.removeprefix("the ") for label in labels)]
 
 
 def test_force_arrows_stay_inside_their_frame(create_circular_arc, tmp_path):

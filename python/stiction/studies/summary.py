@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 # name of the budget entry for wavelengths not attributed to the surface
-UNATTRIBUTED_WAVELENGTHS_INPUT_NAME = "waves of unknown origin"
+UNATTRIBUTED_WAVELENGTHS_INPUT_NAME = "wavelengths of unknown origin"
 # An input counts as dominant only if making it exact would narrow the interval by more than this fraction.
 MIN_DOMINANT_INPUT_FRACTION = 0.1
 

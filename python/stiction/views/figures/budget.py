@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -20,6 +21,7 @@ from stiction.views.style import (
 # an input is drawn only if making it exact would narrow the interval by at least this fraction
 MIN_DRAWN_REDUCTION = 0.02
 MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure
+MAX_ROW_LABEL_WIDTH = 20  # maximum width of the labels of inputs in characters; longer labels are wrapped
 
 
 def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure:
@@ -29,9 +31,10 @@ def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure
         :MAX_DRAWN_INPUTS
     ]
     test_interval = point.rules[0].next_test
-    rows = [("combined", point.lower, point.upper)]
-    rows += [(f"{item.words} known", item.lower, item.upper) for item in remaining_inputs]
-    figure = new_figure(34 + 5 * len(rows))
+    rows = [("combined interval", point.lower, point.upper)]
+    rows += [(item.words.removeprefix("the "), item.lower, item.upper) for item in remaining_inputs]
+    row_labels = [textwrap.fill(label, MAX_ROW_LABEL_WIDTH) for label, _, _ in rows]
+    figure = new_figure(42 + 6 * len(rows))
     axes: Any = figure.subplots()
     contribution_start = 0.0
     labels = (r"$\mu_0$", r"$\tau_0$ on the true area", "slopes")
@@ -44,10 +47,12 @@ def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure
         contribution_start += contribution
     interval_distances = [[point.value - point.lower], [point.upper - point.value]]
     axes.errorbar([point.value], [0], xerr=interval_distances, color="black", capsize=3, linewidth=1.2)
-    axes.plot(test_interval, [0.45, 0.45], color=FRICTION_COLOUR, linewidth=2, label="next test, 95 %")
+    axes.plot(test_interval, [0.45, 0.45], color=FRICTION_COLOUR, linewidth=2, label="single test, 95 %")
     for row, (_, low, high) in enumerate(rows, 1):
-        axes.plot([low, high], [row, row], color="black", linewidth=3 if row == 1 else 1.5, solid_capstyle="butt")
-    axes.set_yticks(range(len(rows) + 1), ["contributions", *(name for name, _, _ in rows)])
+        label = "95 % if this input were exact" if row == 2 else ""
+        linewidth = 3 if row == 1 else 1.5
+        axes.plot([low, high], [row, row], color="black", linewidth=linewidth, solid_capstyle="butt", label=label)
+    axes.set_yticks(range(len(rows) + 1), ["contributions", *row_labels])
     axes.invert_yaxis()
     title = f"{title}\n{point.rules[0]}".strip()
     axes.set(xlim=(0, None), xlabel=axis_label("friction_coefficient"), title=title)
