@@ -74,6 +74,23 @@ def test_interval_at_a_load_is_independent_of_the_other_requested_loads() -> Non
         np.testing.assert_array_equal(table[name].sel(load=study_loads), result.at_study_loads[name])
 
 
+@pytest.mark.parametrize("hardness", [None, "2 GPa ± 10 %"])
+def test_budget_at_a_load_is_independent_of_the_number_of_other_loads(monkeypatch, hardness) -> None:
+    options = PAIR_OPTIONS | {"hardness": hardness, "mu0": "0.2..0.3", "tau0": "50 MPa"}
+    result = pair(*rough_surfaces(), load="2 MPa", effective_modulus="80 GPa", **options)
+    study_load = float(result.study.friction.load[0])
+    friction = result.at_study_loads["friction_all_round"]
+    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", friction.size // friction.sizes["statistic"])
+    other_loads = [factor * study_load for factor in (1.1, 1.2, 1.3)]
+    all_loads = [study_load, *other_loads]
+    table_of_all = result.at(all_loads, budget=True)
+    assert (table_of_all["width_if_known"].sel(input="mu0", sliding="all") > 0).all()
+    for load in all_loads:
+        for name in ("friction_if_known", "width_if_known"):
+            expected = result.at(load, budget=True)[name].sel(load=load)
+            np.testing.assert_allclose(table_of_all[name].sel(load=load), expected, rtol=1e-12)
+
+
 def test_friction_interval_equals_the_interval_of_mu0_if_only_mu0_is_uncertain() -> None:
     kwargs = dict(load="2 MPa", tau0=0.0, effective_modulus="80 GPa", **PAIR_OPTIONS)
     result = pair(*rough_surfaces(rms=0.001), mu0="0.2±0.02", **kwargs)

@@ -55,7 +55,9 @@ SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITION
 INTERFACE_INPUT_NAME = "interface"  # name of the input that combines mu0 and tau0
 # quantiles of an input; the uncertainty budget is computed with the input fixed at each of these quantiles
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
-MAX_BUDGETED_COEFFICIENTS = 100  # maximum number of coefficients for which uncertainty budgets are computed
+MAX_BUDGETED_COEFFICIENTS = 100
+"""Maximum number of coefficients, at the loads of the study, for which uncertainty budgets are computed."""
+
 # mu0 or tau0 counts as equal to its value in the study up to this relative difference
 SAME_INPUT_TOLERANCE = 1e-3
 # upper bound on ln(coefficient of a single test / mean coefficient), which prevents overflow
@@ -116,7 +118,7 @@ def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, te
     """Add the variables of `add_uncertainty` without the results for alternative preparations of the scans."""
     study = result.study
     is_study_load = np.isin(at["load"].values, [float(load) for load in study.friction.load])
-    if is_study_load.any() and not is_study_load.all() and _depends_on_other_loads(result, budget=budget):
+    if is_study_load.any() and not is_study_load.all() and _depends_on_other_loads(result):
         parts = [
             _add_own_uncertainty(at.isel(load=np.flatnonzero(mask)), result, budget=budget, tests=tests)
             for mask in (is_study_load, ~is_study_load)
@@ -161,6 +163,7 @@ def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, te
         np.full((len(input_names), *shape), np.nan),
     )
     dwell_intervals, seizing_fractions = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
+    has_budget = _find_budgeted_loads(is_study_load, math.prod(shape))
     areas = build_area_interpolator(at, result)
     interval_variables = {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}
     values_by_name = _get_arrays_over_dims(
@@ -193,9 +196,7 @@ def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, te
         for index, wait in enumerate(study.friction.wait):
             dwell_intervals[(*position, index)] = samples.friction_after_dwell(float(wait), pressures[samples.load])
         is_quoted = str(at["sliding"].values[indices["sliding"]]) == "all"
-        for index, name in enumerate(
-            input_names if budget and is_quoted and np.prod(shape) <= MAX_BUDGETED_COEFFICIENTS else ()
-        ):
+        for index, name in enumerate(input_names if budget and is_quoted and has_budget[indices["load"]] else ()):
             if name in samples.names:
                 remaining_intervals[(index, *position)] = samples.value, *samples.interval({name: 0.5})
                 remaining_widths[(index, *position)] = samples.remaining_interval_width(name)
@@ -229,13 +230,23 @@ def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, te
     return at.assign(variables).assign_coords(coordinates)
 
 
-def _depends_on_other_loads(result: Result, *, budget: bool) -> bool:
+def _depends_on_other_loads(result: Result) -> bool:
     """Return whether the intervals at the loads of the study would depend on additional loads.
 
-    All loads share the nodes of hardness, from which areas are interpolated. The uncertainty budget is computed only up
-    to a maximum number of coefficients.
+    All loads share the nodes of hardness, from which areas are interpolated.
     """
-    return budget or bool(result.study.contact.junction_growth) or has_areas_at_nodes(result)
+    return bool(result.study.contact.junction_growth) or has_areas_at_nodes(result)
+
+
+def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int) -> NDArray[np.bool_]:
+    """Return a mask of the loads at which uncertainty budgets are computed.
+
+    The limit applies to the coefficients at all loads of the study together, and to each other load on its own.
+    Therefore, the budget at a load does not depend on other loads that are evaluated in addition.
+    """
+    num_coefficients_per_load = num_coefficients // is_study_load.size
+    num_counted_loads = np.where(is_study_load, np.count_nonzero(is_study_load), 1)
+    return np.asarray(num_counted_loads * num_coefficients_per_load <= MAX_BUDGETED_COEFFICIENTS)
 
 
 def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]) -> xarray.Dataset:
