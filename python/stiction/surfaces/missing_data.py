@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
@@ -13,6 +17,7 @@ MIN_OUTLIER_DEVIATIONS = 6.0
 
 The robust standard deviation is 1.4826 times the median absolute deviation.
 """
+_MIN_OUTLIER_RATIO = MIN_OUTLIER_DEVIATIONS * 1.4826  # the same deviation as a multiple of the median deviation
 MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; a larger group is a feature of the surface
 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles (1) and for maps (2)
@@ -23,6 +28,7 @@ _MIN_NEIGHBOUR_ESTIMATES = 3
 # These lines connect neighbouring points, and there are at least five of them.
 _MAX_COINCIDENT_LINES = 2
 _MAX_OUTLIER_PASSES = 8
+_MAX_WINDOWS = 100_000  # maximum number of neighbourhoods whose medians are computed at a time
 # The scatter of edge points is estimated separately only if there are at least this many edge points.
 _MIN_EDGE_POINTS = 20
 
@@ -84,34 +90,70 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
     from scipy.ndimage import label, maximum_filter
 
     is_measured, remaining_heights, is_outlier = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
-    typical_deviations: list[Floats] = []
+    typical_deviations: list[_TypicalDeviations] = []
     for _ in range(_MAX_OUTLIER_PASSES):
         mean_deviations, line_deviations, at_edge = _deviations_from_neighbours(heights, remaining_heights)
-        is_judged = is_measured & ~is_outlier & np.isfinite(line_deviations)
         if not typical_deviations:
             typical_deviations = [
-                np.asarray(_typical_deviations(mean_deviations, is_measured, np.zeros_like(is_measured))),
-                np.asarray(_typical_deviations(line_deviations, is_measured, at_edge)),
+                _find_typical_deviations(mean_deviations, is_measured, np.zeros_like(is_measured)),
+                _find_typical_deviations(line_deviations, is_measured, at_edge),
             ]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = np.fmin(mean_deviations / typical_deviations[0], line_deviations / typical_deviations[1])
-        ratio = np.where(is_judged & np.isfinite(remaining_heights) & ~np.isnan(ratio), ratio, 0.0)
-        is_local_maximum = (ratio > MIN_OUTLIER_DEVIATIONS * 1.4826) & (ratio >= maximum_filter(ratio, size=3))
+        deviations = mean_deviations, line_deviations
+        ratio = _find_smaller_ratio(deviations, [typical.of_scan for typical in typical_deviations])
+        # Neighbourhoods only increase typical deviations, so they matter only at the candidates of the whole scan.
+        is_judged = is_measured & ~is_outlier & np.isfinite(line_deviations)
+        candidates = np.nonzero(is_judged & (ratio > _MIN_OUTLIER_RATIO))
+        ratio = np.zeros(heights.shape)
+        ratio[candidates] = _find_smaller_ratio(
+            [each[candidates] for each in deviations], [typical.at_points(candidates) for typical in typical_deviations]
+        )
+        is_local_maximum = (ratio > _MIN_OUTLIER_RATIO) & (ratio >= maximum_filter(ratio, size=3))
         if not is_local_maximum.any():
             break
         is_outlier |= is_local_maximum
         remaining_heights[is_local_maximum] = np.nan
+    if not is_outlier.any():
+        return is_outlier
     group_numbers, _ = label(is_outlier, np.ones((3,) * heights.ndim))
     return np.asarray(is_outlier & (np.bincount(group_numbers.ravel())[group_numbers] <= MAX_OUTLIER_GROUP_SIZE))
 
 
-def _typical_deviations(distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_]) -> Floats:
-    """Return, for each point, the median deviation over all points or over its neighbourhood, whichever is larger.
+def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
+    """Return the smaller of two ratios of deviation to typical deviation. A ratio that is NaN is ignored."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.fmin(deviations[0] / typical_values[0], deviations[1] / typical_values[1])
 
-    Edge points are treated separately.
+
+@dataclass(frozen=True, eq=False)
+class _TypicalDeviations:
+    """Median deviations of a scan, and the deviations of its points relative to these medians.
+
+    The medians differ between edge points and other points.
     """
-    from scipy.ndimage import median_filter
 
+    of_scan: Floats
+    relative: Floats
+
+    def at_points(self, points: tuple[NDArray[np.intp], ...]) -> Floats:
+        """Return the median deviation of the scan or of the neighbourhood of each point, whichever is larger.
+
+        A worn surface is smoother on plateaus than in valleys, so points are compared with their neighbourhood, too.
+        """
+        width = _WINDOW_WIDTHS[self.relative.ndim]
+        padded_values = np.pad(self.relative, width // 2, mode="symmetric")
+        windows = sliding_window_view(padded_values, (width,) * self.relative.ndim)
+        window_axes = tuple(range(1, 1 + self.relative.ndim))
+        local_medians = np.empty(points[0].size)
+        for start in range(0, local_medians.size, _MAX_WINDOWS):
+            part = slice(start, start + _MAX_WINDOWS)
+            local_medians[part] = np.median(windows[tuple(index[part] for index in points)], axis=window_axes)
+        return np.asarray(self.of_scan[points] * np.maximum(local_medians, 1.0))
+
+
+def _find_typical_deviations(
+    distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_]
+) -> _TypicalDeviations:
+    """Find the median deviation of edge points and of all other points."""
     typical_values = np.zeros(distances.shape)
     for group_mask in (~at_edge, at_edge):
         values = distances[group_mask & is_measured & np.isfinite(distances)]
@@ -119,9 +161,7 @@ def _typical_deviations(distances: Floats, is_measured: NDArray[np.bool_], at_ed
             typical_values[group_mask | (typical_values == 0)] = np.median(values)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(is_measured & np.isfinite(distances) & (typical_values > 0), distances / typical_values, 1.0)
-    # A worn surface is smoother on plateaus than in valleys.
-    # Points are therefore also compared with their neighbourhood.
-    return np.asarray(typical_values * np.maximum(median_filter(ratio, size=_WINDOW_WIDTHS[distances.ndim]), 1.0))
+    return _TypicalDeviations(typical_values, ratio)
 
 
 def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
@@ -141,34 +181,48 @@ def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> t
             tuple(slice(padding + multiple * offset, padding + multiple * offset + size) for offset, size in index)
         ]
 
-    neighbour_means = np.stack([(shifted_heights(step, 1) + shifted_heights(step, -1)) / 2 for step in neighbour_steps])
+    neighbour_means = [(shifted_heights(step, 1) + shifted_heights(step, -1)) / 2 for step in neighbour_steps]
     mean_deviations = np.abs(heights - _finite_median(neighbour_means, _MIN_NEIGHBOUR_ESTIMATES))
     extrapolations = [
-        np.stack([2 * shifted_heights(step, sign) - shifted_heights(step, 2 * sign) for step in neighbour_steps])
+        [2 * shifted_heights(step, sign) - shifted_heights(step, 2 * sign) for step in neighbour_steps]
         for sign in (1, -1)
     ]
     # Each height is extrapolated from both sides in profiles, and from eight directions in maps.
     extrapolated_heights = (
-        np.stack([_finite_median(extrapolation[:3], 1) for extrapolation in extrapolations])
+        [_finite_median(extrapolation[:3], 1) for extrapolation in extrapolations]
         if heights.ndim == 1
-        else np.concatenate(extrapolations)
+        else [*extrapolations[0], *extrapolations[1]]
     )
-    line_deviations = np.sort(np.abs(heights - extrapolated_heights), axis=0)  # NaN is sorted last
-    count = np.isfinite(line_deviations).sum(axis=0)
+    line_deviations = [np.abs(heights - each) for each in extrapolated_heights]
+    count = np.sum([np.isfinite(each) for each in line_deviations], axis=0)
+    at_edge = count < len(line_deviations)
+    smallest_deviations = _find_smallest(line_deviations, 1 if heights.ndim == 1 else _MAX_COINCIDENT_LINES + 1)
     if heights.ndim == 1:
-        return mean_deviations, line_deviations[0], count < len(extrapolated_heights)
-    at_edge = count < len(extrapolated_heights)
+        return mean_deviations, np.where(count > 0, smallest_deviations[0], np.nan), at_edge
     line_deviation = np.where(
         count > _MAX_COINCIDENT_LINES + _MIN_NEIGHBOUR_ESTIMATES - 1,
-        line_deviations[_MAX_COINCIDENT_LINES],
-        line_deviations[0],
+        smallest_deviations[_MAX_COINCIDENT_LINES],
+        smallest_deviations[0],
     )
     return mean_deviations, np.where(count < _MIN_NEIGHBOUR_ESTIMATES, np.nan, line_deviation), at_edge
 
 
-def _finite_median(values: Floats, min_count: int) -> Floats:
-    """Return the median of the finite values along the first axis, or NaN if there are fewer than `min_count`."""
-    sorted_values = np.sort(values, axis=0)  # NaN is sorted last
+def _find_smallest(values: list[Floats], number: int) -> list[Floats]:
+    """Return the smallest values at each point in ascending order; NaN and missing values are infinite.
+
+    For a few arrays, this is faster than sorting.
+    """
+    smallest = [np.full(values[0].shape, np.inf) for _ in range(number)]
+    for each in values:
+        larger = np.where(np.isnan(each), np.inf, each)
+        for position, other in enumerate(smallest):
+            smallest[position], larger = np.minimum(other, larger), np.maximum(other, larger)
+    return smallest
+
+
+def _finite_median(values: list[Floats], min_count: int) -> Floats:
+    """Return the median of the finite values at each point, or NaN if there are fewer than `min_count`."""
+    sorted_values = np.stack(_find_smallest(values, len(values)))
     count = np.isfinite(sorted_values).sum(axis=0)
     lower, upper = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)
     middle_values = (np.take_along_axis(sorted_values, index[np.newaxis], axis=0)[0] for index in (lower, upper))
