@@ -1,13 +1,18 @@
-"""Defects are found once per scan and shared by a pair, its alternative preparations and its caveats."""
+"""Defects of a scan: found once for a pair, its alternatives and its caveats; spectra without outliers."""
 
 from collections import Counter
 
 import numpy as np
 import pytest
-from stiction import pair
+from stiction import Profile, Surface, pair
 from stiction.studies import scan_defects
 from stiction.studies.input_caveats import find_alternatives
 from stiction.studies.measured_surfaces import MeasuredBodySettings
+from stiction.studies.pair import MeasuredPair
+from stiction.studies.pair_options import PairOptions
+from stiction.studies.resolution import find_resolved_roughness
+from stiction.studies.scan_defects import ScanDefects
+from support.machined_surfaces import MACHINED_SURFACES, filtered_noise, scale_to_unit_rms
 from support.rough_surfaces import rough_maps
 
 pytestmark = pytest.mark.usefixtures("no_contact_pictures")
@@ -34,7 +39,7 @@ def test_defects_of_each_scan_are_found_once(scan_folder, monkeypatch):
 
         monkeypatch.setattr(scan_defects, name, counted)
 
-    for name in ("instrument_limit", "find_hidden_noise", "find_outliers", "levelled"):
+    for name in ("instrument_limit", "find_hidden_noise", "find_outliers"):
         count_calls(name)
     result = pair(
         "upper.npy", "lower.npy", unit="um", spacing="0.1 um", effective_modulus="80 GPa", hardness="2 GPa", mu0=0.2,
@@ -42,7 +47,7 @@ def test_defects_of_each_scan_are_found_once(scan_folder, monkeypatch):
     )  # fmt: skip
     assert find_alternatives(result.study) == []
     assert not any("spike" in caveat.text for caveat in result.input_caveats)
-    assert num_calls == {"instrument_limit": 2, "find_hidden_noise": 2, "levelled": 2}
+    assert num_calls == {"instrument_limit": 2, "find_hidden_noise": 2, "find_outliers": 2}
 
 
 def test_file_is_read_once_for_its_relative_and_its_absolute_path(scan_folder):
@@ -53,3 +58,92 @@ def test_file_is_read_once_for_its_relative_and_its_absolute_path(scan_folder):
     assert relative.with_checksums().read() is absolute.read()
     assert relative.model_copy(update={"texture": "ground"}).read() is absolute.read()
     assert relative.model_copy(update={"outliers": "mask"}).read() is not absolute.read()
+
+
+# ---- Spectra without outliers ----------------------------------------------------------------------------------------
+
+
+# Relative difference between the cutoffs of a noisy scan with and without spikes. Spectra are assessed in bins of an
+# eighth of an octave, and noise at the interpolated points is smaller.
+CUTOFF_TOLERANCE = 0.2
+
+
+def add_spikes(heights, num_spikes, seed=1):
+    """Return a copy of heights in which some points are 5 to 20 rms heights above or below the surface."""
+    rng, spiky_heights = np.random.default_rng(seed), heights.copy()
+    indices = rng.choice(heights.size, num_spikes, replace=False)
+    spiky_heights.flat[indices] += (
+        rng.choice([-1, 1], num_spikes) * rng.uniform(5, 20, num_spikes) * float(heights.std())
+    )
+    return spiky_heights
+
+
+def find_cutoff(defects):
+    """Return the cutoff (µm) that a pair chooses for a scan, or 0 without a filter."""
+    limit = defects.instrument_limit if defects.instrument_limit.matters else defects.hidden_noise
+    return 0.0 if limit is None else limit.cut_off
+
+
+@pytest.mark.parametrize("num_spikes", [3, 20])
+@pytest.mark.parametrize("shape", [(2000,), (96, 96)])
+@pytest.mark.parametrize("noise", [0.0, 0.05])
+def test_cutoff_of_scan_with_spikes_equals_cutoff_without_spikes(num_spikes, shape, noise):
+    rng, kind = np.random.default_rng(3), Profile if len(shape) == 1 else Surface
+    heights = 0.1 * scale_to_unit_rms(filtered_noise(rng, shape, 0.8)) + 0.1 * noise * rng.normal(size=shape)
+    scans = (heights, add_spikes(heights, num_spikes))
+    clean, spiky = (ScanDefects(kind(each, spacing=0.5), None, textured=False) for each in scans)
+    assert clean.body_without_outliers is clean.body
+    assert (find_cutoff(clean) > 0) == (noise > 0)
+    assert find_cutoff(spiky) == pytest.approx(find_cutoff(clean), rel=CUTOFF_TOLERANCE)
+    assert spiky.instrument_limit.reason == clean.instrument_limit.reason
+    assert spiky.num_spikes > 0.5 * num_spikes
+    assert np.ptp(spiky.body.heights) > 1.5 * np.ptp(clean.body.heights)
+
+
+@pytest.mark.parametrize("machining", MACHINED_SURFACES)
+@pytest.mark.parametrize("dimensions", [1, 2])
+def test_outliers_of_machined_surfaces_do_not_change_the_cutoff(machining, dimensions):
+    kind = Profile if dimensions == 1 else Surface
+    for seed in range(2):
+        heights = 0.05 * scale_to_unit_rms(MACHINED_SURFACES[machining](np.random.default_rng(seed), dimensions))
+        body = kind(heights, spacing=0.5)
+        defects, unmasked = (ScanDefects(body, None, textured=False) for _ in range(2))
+        vars(unmasked)["outliers"] = np.zeros(heights.shape, bool)
+        assert find_cutoff(defects) == find_cutoff(unmasked)
+
+
+@pytest.mark.parametrize("slope", [0.0, 2.0**-7])
+def test_spectrum_of_flat_scan_with_spikes_includes_the_spikes(slope):
+    profile_heights, map_heights = np.arange(400) * slope, np.add.outer(np.arange(64.0), np.zeros(64)) * slope
+    for body in (Profile(profile_heights, spacing=0.5), Surface(map_heights, spacing=0.5)):
+        heights = body.heights.copy()
+        heights.flat[210] += 0.3
+        defects = ScanDefects(type(body)(heights, spacing=0.5), None, textured=False)
+        assert defects.outliers.sum() == 1
+        assert defects.body_without_outliers is defects.body
+        assert defects.instrument_limit.matters
+
+
+def test_pair_with_spikes_is_not_filtered_and_keeps_the_spikes(tmp_path):
+    paths = []
+    for side, surface in zip(("upper", "lower"), rough_maps(points=128), strict=True):
+        paths.append(str(tmp_path / f"{side}.npy"))
+        np.save(paths[-1], add_spikes(surface.heights, 6))
+    options = {"unit": "um", "spacing": "0.1 um", "effective_modulus": "80 GPa", "mu0": 0.2, "load": "10 MPa"}
+    study = MeasuredPair(PairOptions(upper=paths[0], lower=paths[1], **options)).study
+    assert not study.surfaces.both_readings
+    assert [float(cutoff) for cutoff in study.surfaces.cut_off] == [0.0]
+    assert np.array_equal(study.surfaces.upper.read().heights, np.load(paths[0]))
+    assert find_alternatives(study) == ["spikes"]
+
+
+def test_roughness_of_gap_that_is_extrapolated_excludes_spikes():
+    options = {"effective_modulus": "80 GPa", "mu0": 0.2, "load": "10 MPa", "shifts": 1}
+    roughnesses = []
+    for num_spikes in (0, 20):
+        bodies = (Surface(add_spikes(each.heights, num_spikes), spacing=0.1) for each in rough_maps(points=64))
+        study = MeasuredPair(PairOptions(**dict(zip(("upper", "lower"), bodies, strict=True)), **options)).study
+        roughnesses.append(find_resolved_roughness(study))
+    clean, spiky = roughnesses
+    assert spiky.gradient == pytest.approx(clean.gradient, rel=0.02)
+    assert spiky.estimate.value == pytest.approx(clean.estimate.value, abs=0.05)

@@ -19,7 +19,7 @@ from stiction import (
     write_surface,
 )
 from stiction.studies.pair import MeasuredPair
-from stiction.surfaces.missing_data import find_outliers
+from stiction.surfaces.missing_data import find_outliers, with_interpolated_points
 from support.machined_surfaces import MACHINED_SURFACES, filtered_noise
 
 HOLE_SLICES = np.s_[20:44, 30:50]
@@ -183,6 +183,20 @@ def test_outlier_detection_finds_groups_of_at_most_four_points(size, is_outlier)
     heights[group] += 100 * signs * float(np.abs(np.diff(heights)).mean())
     assert find_outliers(heights)[group].all() == is_outlier
     assert find_outliers(heights)[group].any() == is_outlier
+
+
+def test_interpolation_of_points_uses_only_measured_heights_of_other_points():
+    plane = np.add.outer(np.arange(20.0), 2 * np.arange(30.0))
+    points, missing, heights = np.zeros(plane.shape, bool), np.zeros(plane.shape, bool), plane.copy()
+    points[4, 5:8], missing[4, 8:11], heights[4, 5:11] = True, True, 1e3
+    surface = Surface(heights, spacing=0.5, missing=missing)
+    assert with_interpolated_points(surface, np.zeros(plane.shape, bool)) is surface
+    interpolated = with_interpolated_points(surface, points)
+    assert np.abs(interpolated.heights - plane).max() < 1e-12
+    assert np.array_equal(interpolated.missing, missing)
+    profile = Profile([5.0, 1.0, 2.0, 3.0, 9.0], spacing=1.0)
+    at_ends = np.array([True, False, False, False, True])
+    assert with_interpolated_points(profile, at_ends).heights.tolist() == [1, 1, 2, 3, 3]
 
 
 @pytest.mark.parametrize("machining", MACHINED_SURFACES)

@@ -166,6 +166,26 @@ def test_fitted_band_that_starts_at_a_peak_is_reported():
     assert "begins on a peak" not in characterisation_text(rough_profile, band=(0.2, 8.2))
 
 
+def test_spectrum_and_hurst_exponent_exclude_outliers_but_roughness_parameters_include_them(profile, surface):
+    for body, height_name, moments_name in ((profile, "Pt", "m2"), (surface, "Sz", None)):
+        heights = body.heights.copy()
+        heights.flat[np.arange(331, heights.size, heights.size // 20)] += 10 * float(heights.std())
+        results = [Characterisation(each) for each in (body, type(body)(heights, spacing=body.spacing))]
+        clean, spiky = ({row.label: row for row in result.rows} for result in results)
+        assert results[1].power_law_fit.value == pytest.approx(results[0].power_law_fit.value, abs=0.02)
+        assert results[1].roughness.gradient[-1] == pytest.approx(results[0].roughness.gradient[-1], rel=0.02)
+        assert spiky["instrument"].texts == clean["instrument"].texts
+        clean_height, spiky_height = (rows[height_name].values[0]["value"] for rows in (clean, spiky))
+        assert spiky_height > 1.5 * clean_height
+        assert spiky["outliers"].values[0]["value"] == np.size(np.arange(331, heights.size, heights.size // 20))
+        if moments_name:
+            moments = [rows[moments_name].values[0]["value"] for rows in (clean, spiky)]
+            assert moments[1] == pytest.approx(moments[0], rel=0.02)
+        else:
+            exponents = [[line.hurst_exponents.mean() for line in result.line_roughnesses] for result in results]
+            assert exponents[1] == pytest.approx(exponents[0], abs=0.05)
+
+
 def test_dominant_peak_is_reported_with_its_fraction_of_the_mean_square():
     rough_profile = self_affine(3, hurst_exponent=0.7, rms=0.05, points=8000, spacing=0.01, longest_wavelength=8.0)
     assert "peak" not in texts_by_label(characterisation_text(rough_profile))

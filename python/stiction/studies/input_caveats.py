@@ -19,7 +19,7 @@ from stiction.studies.scan_defects import (
     MIN_SPIKE_HEIGHT_RATIO,
     MIN_SPIKE_SHARPNESS_RATIO,
     ScanDefects,
-    get_scan_defects,
+    find_scan_defects,
 )
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
@@ -182,7 +182,7 @@ def find_scan_caveats(
     filtered scan, and `elastic` is true if the study has no hardness. `alternatives` contains the names of the
     alternative preparations that the interval includes.
     """
-    defects = get_scan_defects(body, tip_radius, textured=textured)
+    defects = find_scan_defects(body, tip_radius, textured=textured)
     instrument_caveats = _find_instrument_caveats(defects, has_second_cutoff, elastic, TIP_ALTERNATIVE in alternatives)
     return [
         *_find_form_caveats(defects, form=form, has_masked_result=SPIKES_ALTERNATIVE in alternatives),
@@ -213,7 +213,7 @@ def find_alternatives(study: Study) -> list[AlternativeName]:
     """
     surfaces: Any = study.surfaces
     scans = [
-        (settings, get_scan_defects(body, settings.tip, textured=settings.texture is not None))
+        (settings, find_scan_defects(body, settings.tip, textured=settings.texture is not None))
         for side in SIDES
         for settings in getattr(surfaces, side).scans
         if not isinstance(body := settings.read(), JoinedSpectrum)
@@ -290,7 +290,7 @@ def _find_instrument_caveats(
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
         yield Caveat(text, remedy, peak_severity, tip_limit.cut_off, interval_note=note)
-    body = defects.body
+    body = defects.body_without_outliers
     if not isinstance(body, Profile):
         return
     peak = find_spectral_peak(power_spectrum(levelled(body, "line")))

@@ -50,7 +50,7 @@ from stiction.studies.pair_options import (
     split_option_text,
     validate_option_values,
 )
-from stiction.studies.scan_defects import get_scan_defects
+from stiction.studies.scan_defects import find_scan_defects
 from stiction.studies.study import DEFAULT_SEED, Study
 from stiction.studies.values import StudyError, validate_table
 from stiction.surfaces.hidden_noise import HiddenNoise
@@ -818,7 +818,7 @@ def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | Hid
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None
-    defects = get_scan_defects(body, scan.tip, textured=scan.texture is not None)
+    defects = find_scan_defects(body, scan.tip, textured=scan.texture is not None)
     return defects.instrument_limit if defects.instrument_limit.matters else defects.hidden_noise
 
 

@@ -31,6 +31,7 @@ from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, open_st
 from stiction.studies.study import Study, find_member_differences
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
+from stiction.surfaces.missing_data import find_outliers, with_interpolated_points
 from stiction.surfaces.pairing import to_joined_spectrum
 from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_roughness
 
@@ -129,7 +130,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 
 @dataclass(frozen=True, eq=False)
 class ResolvedRoughness:
-    """Roughness of the gap at resolved wavelengths, with an extrapolation to shorter wavelengths."""
+    """Roughness of the gap without outliers at resolved wavelengths, and an extrapolation to shorter wavelengths."""
 
     shortest: float  # shortest resolved wavelength (two points or the cutoff), µm
     longest: float  # longest side of the pressed bodies, µm
@@ -189,6 +190,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
     index = first_scan_index if first_scan_index < study.ensemble.repetitions else 0
     upper, lower = bodies.member(index, cut_off).pair
     gap = replace(upper, heights=upper.heights - lower.heights, history=(), missing=None)
+    gap = with_interpolated_points(gap, find_outliers(gap.heights))
     attributes = bodies.attributes().attributes
     spacings = [*gap.spacings, *(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))]
     roughness = scale_dependent_roughness(gap)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 from numpy.typing import NDArray
 
 from stiction._caching import cached_property
 from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
-from stiction.surfaces.missing_data import find_outliers
+from stiction.surfaces.measured.writing import heights_with_nan
+from stiction.surfaces.missing_data import find_outliers, with_interpolated_points
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
@@ -26,6 +29,9 @@ MIN_SPIKE_HEIGHT_RATIO = 6.0
 A point far from its neighbours that is also an outlier is a spike. The distance is a multiple of the robust standard
 deviation of the heights. It is at most 4 for machined surfaces, and 5 for white noise.
 """
+
+# Smallest ratio of the height without outliers to the height with outliers; a lower scan is flat except for outliers.
+MIN_ROUGHNESS_RATIO = 1e-6
 
 # Noise or a tip limit is reported if it affects more than this fraction of the mean square slope.
 MAX_NOISE_SLOPE_FRACTION = 0.01
@@ -46,13 +52,27 @@ class ScanDefects:
         self.body, self.tip_radius, self.textured = body, tip_radius, textured
 
     @cached_property
+    def outliers(self) -> NDArray[np.bool_]:
+        """Mask of the outliers among the measured points."""
+        return find_outliers(heights_with_nan(self.body))
+
+    @cached_property
     def num_spikes(self) -> int:
         """Number of outliers that are also sharp (profiles) or far from their neighbours (maps).
 
         Cusps and edges of machined surfaces are sharp too, but usually not outliers; narrow scratches can be outliers.
         """
-        is_sharp = _find_sharp_points(self.body)
-        return int(np.count_nonzero(is_sharp & find_outliers(self.body.heights))) if is_sharp.any() else 0
+        return int(np.count_nonzero(self.outliers & _find_sharp_points(self.body))) if self.outliers.any() else 0
+
+    @cached_property
+    def body_without_outliers(self) -> Profile | Surface:
+        """Body whose spectrum is assessed: outliers are interpolated, because single points look like white noise.
+
+        The same body if it has no outliers, or if nothing but outliers is rough.
+        """
+        body = with_interpolated_points(self.body, self.outliers)
+        is_rough = body is self.body or _find_height(body) > MIN_ROUGHNESS_RATIO * _find_height(self.body)
+        return body if is_rough else self.body
 
     @cached_property
     def instrument_limit(self) -> InstrumentLimit:
@@ -60,7 +80,7 @@ class ScanDefects:
 
         Raises a `ValueError` if the body is flat.
         """
-        return instrument_limit(self.body, texture=self.textured)
+        return instrument_limit(self.body_without_outliers, texture=self.textured)
 
     @cached_property
     def hidden_noise(self) -> HiddenNoise | None:
@@ -68,7 +88,7 @@ class ScanDefects:
 
         None also if visible noise already exceeds a tenth of the mean square slope, or if the scan is textured.
         """
-        return None if self.instrument_limit.matters or self.textured else find_hidden_noise(self.body)
+        return None if self.instrument_limit.matters or self.textured else find_hidden_noise(self.body_without_outliers)
 
     @cached_property
     def tip_limit(self) -> InstrumentLimit | None:
@@ -79,8 +99,14 @@ class ScanDefects:
         """
         if self.tip_radius is None:
             return None
-        limit = instrument_limit(self.body, tip_radius=self.tip_radius, texture=self.textured)
+        limit = instrument_limit(self.body_without_outliers, tip_radius=self.tip_radius, texture=self.textured)
         return limit if limit.reason == "tip" and limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else None
+
+
+def _find_height(body: Profile | Surface) -> float:
+    """Return the height difference (µm) between the highest and the lowest point of a levelled body."""
+    levelled_body = levelled(body, "line") if isinstance(body, Profile) else levelled(body, "plane")
+    return float(np.ptp(levelled_body.heights))
 
 
 def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
@@ -103,9 +129,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     return np.asarray(distances > threshold * usual_distance) if usual_distance > 0 else np.zeros(distances.shape, bool)
 
 
-def get_scan_defects(body: Profile | Surface, tip_radius: float | None, *, textured: bool) -> ScanDefects:
-    """Return the defects of a scan. The body keeps them for the pair, its alternatives and its caveats."""
-    defects = vars(body).setdefault("_defects", {})
-    if (tip_radius, textured) not in defects:
-        defects[tip_radius, textured] = ScanDefects(body, tip_radius, textured=textured)
-    return defects[tip_radius, textured]  # type: ignore[no-any-return]
+@functools.lru_cache(maxsize=16)
+def find_scan_defects(body: Profile | Surface, tip_radius: float | None, *, textured: bool) -> ScanDefects:
+    """Return the defects of a scan, which are shared by a pair, its alternative preparations and its caveats."""
+    return ScanDefects(body, tip_radius, textured=textured)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -11,6 +12,9 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._repr import format_with_unit
+
+if TYPE_CHECKING:
+    from stiction.surfaces.surface import AnyBody
 
 MIN_OUTLIER_DEVIATIONS = 6.0
 """Smallest deviation of an outlier from its neighbours, in robust standard deviations.
@@ -59,6 +63,20 @@ def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]
     gap_sizes = np.bincount(gap_numbers.ravel())[1:]
     largest_index = int(np.argmax(gap_sizes))
     return int(gap_sizes[largest_index]), find_objects(gap_numbers)[largest_index]
+
+
+def with_interpolated_points(body: AnyBody, points: NDArray[np.bool_]) -> AnyBody:
+    """Return a copy of a body whose heights at the given points are interpolated, or the body if there are no points.
+
+    The missing points of the body are interpolated again, because their heights may depend on the given points.
+    """
+    if not points.any():
+        return body
+    is_unknown = points if body.missing is None else points | body.missing
+    if is_unknown.all():
+        return body
+    heights = interpolate_missing_points(np.where(is_unknown, np.nan, body.heights), extrapolate=True)
+    return replace(body, heights=heights)
 
 
 def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> str:

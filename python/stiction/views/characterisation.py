@@ -16,11 +16,11 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.assessment import Caveat
 from stiction.studies.contact_statistics import compute_slopes
 from stiction.studies.input_caveats import INSTRUMENT_LIMIT_REASON_TEXTS, find_scan_caveats
+from stiction.studies.scan_defects import ScanDefects, find_scan_defects
 from stiction.surfaces.filters import filtered, validate_cutoff
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.lines import MAX_POWER_LAW_MISFIT, LineRoughness, lines_along_both, power_law_misfit
-from stiction.surfaces.measured.writing import heights_with_nan
-from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS, find_outliers
+from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ROUGHNESS_PARAMETERS, ParameterDefinition
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import (
@@ -168,16 +168,26 @@ class Characterisation:
                 raise
             return error
 
+    @property
+    def _defects(self) -> ScanDefects:
+        return find_scan_defects(self.body, self.tip_radius, textured=self.textured)
+
+    @property
+    def body_without_outliers(self) -> Profile | Surface:
+        """Body with interpolated outliers, from which the spectrum and all values of the spectrum are computed."""
+        return self._defects.body_without_outliers
+
     @cached_property
     def spectrum(self) -> PowerSpectrum | None:
         """Power spectrum of a profile, or None for a surface."""
-        return power_spectrum(self.body, periodic=self.periodic) if isinstance(self.body, Profile) else None
+        body = self.body_without_outliers
+        return power_spectrum(body, periodic=self.periodic) if isinstance(body, Profile) else None
 
     @cached_property
     def _areal_analysis(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...], float]:
         """Radial spectrum of a surface, moments along x and y, and the direction of the largest mean square slope."""
-        assert isinstance(self.body, Surface)
-        spectrum = surface_spectrum(self.body)
+        assert isinstance(self.body_without_outliers, Surface)
+        spectrum = surface_spectrum(self.body_without_outliers)
         moments = tuple(spectrum.moments(direction) for direction in (0, 90))
         return spectrum.radial(RADIAL_BINS_PER_DECADE), moments, spectrum.steepest_direction()
 
@@ -189,13 +199,14 @@ class Characterisation:
     @cached_property
     def line_roughnesses(self) -> tuple[LineRoughness, ...]:
         """Roughness of a surface along x and y."""
-        return () if isinstance(self.body, Profile) else lines_along_both(self.body, band=self.band)
+        body = self.body_without_outliers
+        return () if isinstance(body, Profile) else lines_along_both(body, band=self.band)
 
     @cached_property
     def power_law_fit(self) -> HurstEstimate | None:
         """Power law fitted to the spectrum, regardless of the quality of the fit, or None if no band can be fitted."""
         try:
-            return estimate_hurst_exponent(self.body, band=self.band, periodic=self.periodic)
+            return estimate_hurst_exponent(self.body_without_outliers, band=self.band, periodic=self.periodic)
         except ValueError:
             if self.band is not None:
                 raise
@@ -220,14 +231,14 @@ class Characterisation:
     @cached_property
     def roughness(self) -> ScaleDependentRoughness:
         """Cumulative slope and curvature as functions of wavelength."""
-        return scale_dependent_roughness(self.body, periodic=self.periodic)
+        return scale_dependent_roughness(self.body_without_outliers, periodic=self.periodic)
 
     @cached_property
     def instrument_limit(self) -> InstrumentLimit:
         """Shortest reliable wavelength of the scan."""
         return instrument_limit(
-            self.body, tip_radius=self.tip_radius, periodic=self.periodic, texture=self.textured
-        )  # fmt: skip
+            self.body_without_outliers, tip_radius=self.tip_radius, periodic=self.periodic, texture=self.textured
+        )
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
@@ -261,16 +272,17 @@ class Characterisation:
             rows.append(TableRow("" if index else "points", (text,)))
         if self.body.missing is not None:
             rows.append(TableRow("", ("missing heights are interpolated along lines in the following values",)))
-        count = int(find_outliers(heights_with_nan(self.body)).sum())
+        count = int(self._defects.outliers.sum())
         outliers_text = f"{count} single points" if count > 1 else "a single point"
         text = (
             f"{outliers_text} beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of the neighbours; "
-            "--outliers mask removes them"
+            f"the spectrum is computed without {'them' if count > 1 else 'it'}; --outliers mask removes "
+            f"{'them' if count > 1 else 'it'}"
         )
         rows.append(TableRow("outliers", (text if count else "none",), (json_entry("outliers", count),)))
         rows += [*self._parameter_rows(), TableRow("friction by slope", (self._friction_text(),))]
-        if self.spectrum is not None and isinstance(self.body, Profile):
-            moments = spectral_moments(self.body, periodic=self.periodic)
+        if self.spectrum is not None and isinstance(body := self.body_without_outliers, Profile):
+            moments = spectral_moments(body, periodic=self.periodic)
             rows += [
                 row._replace(is_detail=True)
                 for row in (
