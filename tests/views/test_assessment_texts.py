@@ -7,13 +7,17 @@ import pytest
 from stiction.studies.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat
 from stiction.studies.point import iterate_points
 from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, summarize, summarize_point
+from stiction.studies.values import quantity
+from stiction.views.latex import latex_table
 from stiction.views.layout import format_paragraph
-from stiction.views.point import averaged_directions_text
+from stiction.views.point import averaged_directions_text, cutoff_text
+from stiction.views.rows import point_record, summary_table
 from stiction.views.sentence import (
     DEFAULT_KAPPA,
     MIN_STATED_LOAD_DEFINITION_EFFECT,
     finer_scan_text,
     inputs_text,
+    list_all_assumptions,
     point_detail_sentences,
     quotable_sentence,
     small_slope_estimate_text,
@@ -74,6 +78,50 @@ def test_summary_contains_an_assessment_for_every_condition():
     ]
     points = summarize(measured_result(cut_offs=(0.0, 0.5)), measured_study()).points
     assert ["low-pass filtered at 500 nm" in quotable_sentence(point) for point in points] == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("cut_offs", "expected_text"),
+    [
+        (((0.0,), (0.0,)), "none"),
+        (((2.0,), (2.0,)), "2 µm"),
+        (((2.0,), (5.0,)), "2 µm (upper) and 5 µm (lower)"),
+        (((0.0,), (5.0,)), "5 µm (lower only)"),
+        (((0.5, 0.5), (0.0,)), "500 nm (upper only)"),
+        (((2.0, 1.0, 2.0), (5.0,)), "1 µm to 2 µm (upper) and 5 µm (lower)"),
+        (((0.0, 1.0), (1.0, 0.0)), "none to 1 µm"),
+    ],
+)
+def test_cutoffs_that_differ_between_bodies_are_both_given(cut_offs, expected_text):
+    assert cutoff_text(cut_offs) == expected_text
+
+
+def test_all_texts_and_records_of_a_point_give_the_cutoff_of_each_body():
+    study = measured_study(hardness=2.0)
+    scans = {
+        side: getattr(study.surfaces, side).model_copy(update={"max_cut_off": quantity(f"{limit} um", "length")})
+        for side, limit in (("upper", 0.2), ("lower", 0.5))
+    }
+    study = study.model_copy(update={"surfaces": study.surfaces.model_copy(update=scans)})
+    summary = summarize(measured_result(cut_offs=(0.5, 0.0)), study)
+    filtered_point, unfiltered_point = summary.points
+    cutoffs = "200 nm (upper) and 500 nm (lower)"
+    assert f"low-pass filtered at {cutoffs}" in inputs_text(filtered_point)
+    assert f"scans filtered at {cutoffs}" in list_all_assumptions(filtered_point)
+    assert "scans not filtered" in list_all_assumptions(unfiltered_point)
+    table = format_paragraph(coefficients_paragraph(summary.points))
+    assert cutoffs in table
+    assert "none" in table
+    assert "0.2 (upper) and 0.5 (lower)" in latex_table(summary)
+    records = [point_record(point) for point in summary.points]
+    assert [record["cut_offs"] for record in records] == [
+        {"upper": [0.2], "lower": [0.5]}, {"upper": [0.0], "lower": [0.0]},
+    ]  # fmt: skip
+    csv_table = summary_table(summary)
+    columns = ["cutoff (um)", "upper cutoff (um)", "lower cutoff (um)"]
+    assert {tuple(row) for row in csv_table[columns].values.tolist()} == {(0.5, 0.2, 0.5), (0.0, 0.0, 0.0)}
+    equal_table = summary_table(summarize(measured_result(cut_offs=(0.5, 0.0)), measured_study(hardness=2.0)))
+    assert "upper cutoff (um)" not in equal_table
 
 
 FAULT_CASES = {

@@ -72,6 +72,7 @@ MachiningProcess = Literal["turned", "milled", "ground", "honed", "lapped", "san
 MACHINING_PROCESSES: tuple[str, ...] = get_args(MachiningProcess)
 BodyPair = tuple[Profile, Profile] | tuple[Surface, Surface]
 CutoffPair = tuple[float, float]  # cutoffs of the upper and the lower scan, µm
+ScanCutoffs = tuple[tuple[float, ...], tuple[float, ...]]  # cutoffs of all upper and of all lower scans, µm
 
 
 def _parse_unit(value: object) -> str:
@@ -599,6 +600,11 @@ class CommonMeasuredSurfaceSettings(SettingsTableVariant):
     def reported_cut_off(self) -> float:
         """Return the cutoff (µm) of the reported result, which is the first cutoff in the study."""
         return float(self.cell_coordinates()["cut_off"][0])
+
+    def get_scan_cut_offs(self, wavelength: float) -> ScanCutoffs:
+        """Return the cutoffs (µm, 0 for no filter) of the scans of each body, for a cutoff of the pair."""
+        upper, lower = (tuple(scan.limit_cut_off(wavelength) for scan in getattr(self, side).scans) for side in SIDES)
+        return upper, lower
 
     def with_changed_files(self, change: Callable[[MeasuredBodySettings, str], MeasuredBodySettings]) -> Self:
         """Return a copy of the table in which each file is replaced by `change(file, side)`."""

@@ -38,6 +38,8 @@ from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_rou
 if TYPE_CHECKING:
     import xarray
 
+    from stiction.studies.measured_surfaces import ScanCutoffs
+
 CUTOFF_STUDY_FOLDER = "resolution"  # name of the folder of the cutoff study in a result folder
 # number of members in a cutoff study of height maps (the first members of the result)
 NUM_AREAL_MEMBERS = 4
@@ -234,6 +236,7 @@ class CutoffResult:
     at: dict[str, float]
     values: dict[str, float]  # friction for each sliding rule, rms gradient, area fraction and pressure
     contact_status: str
+    cut_offs: ScanCutoffs  # cutoffs of all scans of the upper and of the lower body (µm)
 
 
 @dataclass(frozen=True, eq=False)
@@ -290,7 +293,8 @@ def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
     for rule in list_sliding_rules_reported_first(study):
         values[f"friction_{rule}"] = mean_over_directions(point.sel(sliding=rule), "friction_all_round")
     at = {name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")}
-    return CutoffResult(at, values, find_contact_status(point, study))
+    surfaces: Any = study.surfaces
+    return CutoffResult(at, values, find_contact_status(point, study), surfaces.get_scan_cut_offs(at["cut_off"]))
 
 
 def estimate_yield_wavelengths(

@@ -50,6 +50,7 @@ from stiction.studies.pull_off import PullOffValues, find_pull_off_values
 if TYPE_CHECKING:
     import xarray
 
+    from stiction.studies.measured_surfaces import ScanCutoffs
     from stiction.studies.onset import OnsetValues
     from stiction.studies.resolution import ResolutionEffect
     from stiction.studies.study import Study
@@ -135,6 +136,12 @@ class PointSummary:
     quantities: Mapping[str, Estimate] = field(default_factory=dict, repr=False)
     numbers: Mapping[str, float] = field(default_factory=dict, repr=False)
     distributions: Mapping[str, Mapping[float, Estimate]] = field(default_factory=dict, repr=False)
+
+    @property
+    def cut_offs(self) -> ScanCutoffs | None:
+        """Cutoffs (µm, 0 for no filter) of all scans of the upper and of the lower body; None for generated bodies."""
+        surfaces: Any = self.study.surfaces
+        return surfaces.get_scan_cut_offs(self.at["cut_off"]) if "cut_off" in self.at else None
 
     @property
     def members(self) -> float:

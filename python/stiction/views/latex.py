@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from stiction._number_format import format_percent, format_significant
 from stiction.mechanics.quantities import column_title_and_factor
 from stiction.studies.summary import PointSummary, Summary
-from stiction.views.point import coordinate_text
+from stiction.views.point import cutoff_text
 
 _RULE_HEADINGS = {"all": r"$\mu_s$, all contacts", "opposing": r"$\mu_s$, opposing contacts"}
 _COORDINATE_HEADINGS = {"hurst_exponent": "$H$", "fractal_dimension": "$D$", "mu0": r"$\mu_0$"}
@@ -65,8 +65,8 @@ def _column_heading(name: str) -> str:
 
 
 def _coordinate_text(name: str, point: PointSummary) -> str:
-    if name == "cut_off" and point.at[name] == 0:
-        return coordinate_text(name, 0)
+    if name == "cut_off" and point.cut_offs is not None:
+        return cutoff_text(point.cut_offs, lambda length: format_significant(length, 4))
     factor = 1.0 if name in _COORDINATE_HEADINGS else column_title_and_factor(name)[1]
     return format_significant(factor * point.at[name], 4)
 

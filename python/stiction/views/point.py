@@ -11,6 +11,9 @@ from stiction._number_format import format_with_unit
 from stiction.mechanics.friction import STATUS_OK
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from stiction.studies.measured_surfaces import ScanCutoffs
     from stiction.studies.point import SlidingRuleCoefficient
     from stiction.studies.study import Study
     from stiction.studies.summary import PointSummary
@@ -29,9 +32,33 @@ _COORDINATE_UNITS = {"load": "mN", "tau0": "GPa", "amplitude": "um", "cut_off": 
 
 def coordinate_text(name: str, value: float) -> str:
     """Return a coordinate of a point with its unit, as in "50 MPa"."""
-    if name == "cut_off" and value == 0:
-        return "none"
     return format_with_unit(value, _COORDINATE_UNITS[name]) if name in _COORDINATE_UNITS and value else f"{value:.4g}"
+
+
+def point_coordinate_text(point: PointSummary, name: str) -> str:
+    """Return a coordinate of a point with its unit. A cutoff is given for each body if the bodies differ."""
+    if name == "cut_off" and point.cut_offs is not None:
+        return cutoff_text(point.cut_offs)
+    return coordinate_text(name, point.at[name])
+
+
+def cutoff_text(cut_offs: ScanCutoffs, format_length: Callable[[float], str] | None = None) -> str:
+    """Return the cutoffs of a pair, as in "2 µm", "2 µm (upper) and 5 µm (lower)" or "5 µm (lower only)".
+
+    `cut_offs` contains the cutoffs (µm, 0 for no filter) of all scans of the upper and of the lower body. The scans of
+    a body may have different cutoffs, as in "1 µm to 2 µm". Without a filter, the text is "none".
+    """
+    format_length = format_length or (lambda length: format_with_unit(length, "um"))
+    body_texts = []
+    for lengths in cut_offs:
+        ends = [format_length(length) if length else "none" for length in (min(lengths), max(lengths))]
+        body_texts.append(" to ".join(dict.fromkeys(ends)))
+    upper, lower = body_texts
+    if upper == lower:
+        return upper
+    if "none" in body_texts:
+        return f"{lower} (lower only)" if upper == "none" else f"{upper} (upper only)"
+    return f"{upper} (upper) and {lower} (lower)"
 
 
 def material_names_text(study: Study) -> str:

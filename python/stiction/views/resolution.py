@@ -10,7 +10,7 @@ from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
 from stiction.views.layout import Paragraph, Table, TextRows, WrappedText
-from stiction.views.point import SLIDING_RULE_TITLES, coordinate_text
+from stiction.views.point import SLIDING_RULE_TITLES, cutoff_text
 
 if TYPE_CHECKING:
     from stiction.studies.resolution import ResolutionEffect, ResolvedRoughness, YieldWavelengthEstimate
@@ -57,10 +57,10 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
     for point in resolution.cutoffs:
         if any(point.at[name] != first_values[name] for name in ("load", "mu0", "tau0")):
             continue
-        values, cut_off, status = point.values, point.at["cut_off"], point.contact_status
+        values, status = point.values, point.contact_status
         rows.append(
             [
-                coordinate_text("cut_off", cut_off),
+                cutoff_text(point.cut_offs),
                 str(Estimate(values["rms_gradient"])),
                 format_percent(values["contact_area_fraction"]) if status == STATUS_OK else status,
                 format_with_unit(values["mean_pressure"], "GPa"),
@@ -87,7 +87,7 @@ def _coefficient_text(value: float) -> str:
 
 def cut_off_note(resolution: ResolutionEffect) -> str:
     """Return the note below the table of cutoffs."""
-    text = f"Both surfaces are low-pass filtered at the cutoff; means over {resolution.members:.0f} members."
+    text = f"The surfaces are low-pass filtered at the cutoff; means over {resolution.members:.0f} members."
     if resolution.plastic_limit is not None:
         text += " No finer scan passes the plastic limit. With friction at opposing contacts there is no such limit."
     return text

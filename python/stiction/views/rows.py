@@ -22,6 +22,7 @@ from stiction.mechanics.quantities import QUANTITIES, column_title_and_factor, q
 from stiction.studies.budget import AREA_NAMES
 from stiction.studies.point import CELL_DIMENSIONS, list_sliding_rules_reported_first
 from stiction.studies.summary import PointSummary, Summary
+from stiction.surfaces.pairing import SIDES
 from stiction.views.onset import onset_record
 from stiction.views.pull_off import pull_off_record
 from stiction.views.quantities import quantity_label
@@ -246,6 +247,7 @@ def _assessment_table(
                 for end in ("lower", "upper")
             },
             **coefficients,
+            **_build_cutoff_columns([point for point, _ in rules]),
             "headline": [not point.covered for point, _ in rules],
             "assumptions": ["; ".join(list_assumptions(point.study)) for point, _ in rules],
             "contact status": [point.contact_status for point, _ in rules],
@@ -253,6 +255,14 @@ def _assessment_table(
             "caveats": ["; ".join(f"{caveat.text}: {caveat.remedy}" for caveat in point.caveats) for point, _ in rules],
         }
     )
+
+
+def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
+    """Return a column for each body with the longest cutoff (µm) of its scans, if the bodies differ at any point."""
+    cutoffs = [tuple(map(max, point.cut_offs)) if point.cut_offs is not None else (0.0, 0.0) for point in points]
+    if all(upper == lower for upper, lower in cutoffs):
+        return {}
+    return {f"{side} cutoff (um)": list(each) for side, each in zip(SIDES, zip(*cutoffs, strict=True), strict=True)}
 
 
 # ---- JSON ------------------------------------------------------------------------------------------------------------
@@ -311,6 +321,8 @@ def point_record(point: PointSummary) -> dict[str, Any]:
     """Return the record of a point: values to quote, intervals, assessment and caveats."""
     return {
         "at": point.at,
+        # cutoffs of all scans of each body, µm
+        "cut_offs": None if point.cut_offs is None else dict(zip(SIDES, map(list, point.cut_offs), strict=True)),
         # False for a variant of the filter whose value is covered by the interval of another point
         "headline": not point.covered,
         "status": point.status,

@@ -23,6 +23,7 @@ from stiction.views.point import (
     averaged_directions_text,
     coordinate_text,
     material_names_text,
+    point_coordinate_text,
     point_load_text,
 )
 from stiction.views.pull_off import pull_off_text
@@ -135,8 +136,8 @@ def inputs_text(point: PointSummary) -> str:
         items.append(f"adhesion {work_of_adhesion:.3g} mJ/m² over {range_text}")
     if point.spacings:
         items.append(f"points {' and '.join(format_with_unit(spacing, 'um') for spacing in point.spacings)} apart")
-    if (cut_off := point.at.get("cut_off", 0.0)) > 0:
-        items.append(f"low-pass filtered at {format_with_unit(cut_off, 'um')}")
+    if point.at.get("cut_off", 0.0) > 0:
+        items.append(f"low-pass filtered at {point_coordinate_text(point, 'cut_off')}")
     return ", ".join(items)
 
 
@@ -258,8 +259,10 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
     assumptions += list_assumptions(study)
     if study.contact.work_of_adhesion is not None and not study.contact.adheres:
         assumptions.append("no adhesion")
-    cut_off = point.at.get("cut_off", 0.0)
-    assumptions.append(f"scans filtered at {format_with_unit(cut_off, 'um')}" if cut_off > 0 else "scans not filtered")
+    is_filtered = point.at.get("cut_off", 0.0) > 0
+    assumptions.append(
+        f"scans filtered at {point_coordinate_text(point, 'cut_off')}" if is_filtered else "scans not filtered"
+    )
     return tuple(assumptions)
 
 

@@ -30,6 +30,7 @@ from stiction.views.point import (
     coordinate_text,
     load_text,
     motion_direction_text,
+    point_coordinate_text,
     point_load_text,
 )
 from stiction.views.pull_off import pull_off_text
@@ -270,7 +271,7 @@ def _list_varying_coordinates(points: Sequence[PointSummary]) -> list[str]:
 
 def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
     """Return coordinates of a point as text, as in "μ0 = 0.2, τ0 = 50 MPa"."""
-    return ", ".join(f"{COORDINATE_LABELS.get(name, name)} = {coordinate_text(name, point.at[name])}" for name in names)
+    return ", ".join(f"{COORDINATE_LABELS.get(name, name)} = {point_coordinate_text(point, name)}" for name in names)
 
 
 # ---- Coefficients ----------------------------------------------------------------------------------------------------
@@ -303,8 +304,7 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
     for point in points:
         coefficients = [coefficient_text(point, rule) for rule in point.rules]
         coordinates = [
-            point_load_text(point) if name == "load" else coordinate_text(name, point.at[name])
-            for name in varying_names
+            point_load_text(point) if name == "load" else point_coordinate_text(point, name) for name in varying_names
         ]
         rows.append([*coordinates, *coefficients, point.verdict])
     return [Table(rows, num_labels=len(varying_names)), WrappedText(shared_conditions_text(points), indent="  ")]

@@ -18,7 +18,7 @@ from stiction.studies.summary import PointSummary, Summary
 from stiction.studies.values_at_nodes import ORDERED_STATUSES, MeasuredValuesAtNodes
 from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.onset import onset_note, onset_text
-from stiction.views.point import averaged_directions_text, coordinate_text, material_names_text, motion_direction_text
+from stiction.views.point import averaged_directions_text, cutoff_text, material_names_text, motion_direction_text
 from stiction.views.pull_off import pull_off_text
 from stiction.views.report.content import CELL_AXIS_LABELS, ReportContent
 from stiction.views.report.page import MAX_SHOWN_LINE_LENGTH, escape_html, format_count
@@ -57,13 +57,14 @@ _MEMBER_KIND_TEXTS: dict[str | None, str] = {
 
 def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
     study, summary, area, values = data.study, data.summary, data.nominal_area, data.values
+    surfaces: Any = study.surfaces
     loads, angles = values.loads.tolist(), data.directions
     study_loads = [float(load) for load in study.friction.load]
     return {
         "isMeasured": True, "cell": CELL_AXIS_LABELS["cut_off"],
         "cells": {
             "values": data.cut_offs,
-            "texts": [f"cutoff {coordinate_text('cut_off', value)}" for value in data.cut_offs],
+            "texts": [f"cutoff {cutoff_text(surfaces.get_scan_cut_offs(value))}" for value in data.cut_offs],
         },
         "amplitudes": [], "repetitions": data.num_solved, "asked": study_loads,
         "kinds": [_MEMBER_KIND_TEXTS[kind] for kind in values.member_kinds],
