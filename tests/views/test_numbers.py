@@ -115,8 +115,9 @@ def test_status_in_a_report_is_other_than_ok_next_to_a_node_without_a_value(repo
     assert [report_evaluator(script, mu0) for mu0 in (0.9, 1.0, 1.1, 2.0)] == [0, 0, 1, 1]
 
 
+@pytest.mark.parametrize("digits", [1, 2])
 @pytest.mark.parametrize("scale", [3.3e-4, 0.1147, 0.99951, 17.251, 1234.0])
-def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_evaluator, scale):
+def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_evaluator, scale, digits):
     random = np.random.default_rng(3)
     value = scale * random.uniform(0.9, 1.1, 40)
     half_width = scale * 10 ** random.uniform(-6, 0.5, 40)
@@ -124,7 +125,9 @@ def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_e
     upper[:5] = np.inf
     lower[5:8] = upper[5:8] = np.nan
     upper[8:12] = 300 * value[8:12]
-    decimals, decimals_of_upper = count_estimate_decimals(value, lower, upper)
+    if digits == 2:
+        value[5] = 2 * scale  # without an interval, trailing zeros are omitted
+    decimals, decimals_of_upper = count_estimate_decimals(value, lower, upper, digits=digits)
     texts = report_evaluator(
         "(points) => points.map(([value, lower, upper, decimals, upperDecimals]) => quoted({value, lower: lower ?? NaN,"
         " upper: upper === 'inf' ? Infinity : upper ?? NaN, decimals, upperDecimals}))",
@@ -136,7 +139,7 @@ def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_e
         ],
     )
     expected_texts = [
-        str(Estimate(*value_and_interval)).replace("-", "\u2212")
+        format(Estimate(*value_and_interval), "" if digits == 1 else ".2u").replace("-", "\u2212")
         for value_and_interval in zip(value.tolist(), lower.tolist(), upper.tolist(), strict=True)
     ]
     assert texts == expected_texts

@@ -13,7 +13,9 @@ from stiction.studies.study import parse_study_of_dataset
 from stiction.views.files import REPORT_FILE_SIGNATURE
 from stiction.views.report import ReportError, report_page, save_report
 from stiction.views.report.content import _interpolation_error_text
+from stiction.views.report.measured import measured_report_content
 from stiction.views.report.surface import surface_page
+from stiction.views.text import result_text
 from support.generated_studies import SMALL_STUDY, empty_dataset
 from support.studies_of_files import create_study_from_files as create_study_from_files
 from support.studies_of_files import write_maps
@@ -131,6 +133,29 @@ def test_report_shows_how_each_file_was_read(tmp_path):
     assert cells["given, not read from the file"] == "accept = tall"
     (tmp_path / "a.csv").unlink()
     assert "How a.csv was read" not in html.unescape(report_page(result.source))
+
+
+@pytest.mark.usefixtures("disable_figures")
+@pytest.mark.parametrize("fixture_name", ["maps_dataset", "profiles_dataset"])
+def test_quantities_in_a_report_have_the_labels_numbers_and_units_of_the_terminal(fixture_name, request, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    result = Result(request.getfixturevalue(fixture_name))
+    data = collect_report_data(result)
+    load_index = data.values.loads.size // 2
+    summary = result.summary(float(data.values.loads[load_index]), mu0=0.3, tau0=0.0)
+    terminal_text = result_text(summary, verbose=True)
+    printed_tables = [
+        table
+        for table in measured_report_content(data, "").quantities
+        if f"\n{table.words.lower()}" in terminal_text.lower()
+    ]
+    assert len(printed_tables) > 5
+    for table in printed_tables:
+        value_text, _, unit = table.record()["texts"][0][0][load_index].partition("\N{NO-BREAK SPACE}")
+        row = f"{table.words[0].lower()}{table.words[1:]}{f' ({unit})' if unit else ''}"
+        assert re.search(rf"^{re.escape(row)} +{re.escape(value_text)}( no interval)?$", terminal_text, re.MULTILINE), (
+            row
+        )
 
 
 def test_report_states_alpha_of_junction_growth(tmp_path):

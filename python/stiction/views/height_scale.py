@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._number_format import choose_prefixed_unit, format_percent, format_significant, format_with_unit
+from stiction._estimate import Estimate
+from stiction._number_format import choose_prefixed_unit, format_significant, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.point import (
     find_contact_status,
@@ -86,7 +87,7 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
     elif (status := find_contact_status(point, study)) != STATUS_OK:
         cells.append(status)
     else:
-        cells.append(format_percent(mean_over_directions(point, "contact_area_fraction")))
+        cells.append(f"{Estimate(mean_over_directions(point, 'contact_area_fraction')) / 0.01:.2u} %")
     return (
         [*cells, format_with_unit(mean_over_directions(point, "pull_off_pressure"), "GPa")]
         if "pull_off_pressure" in point

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
-from stiction._number_format import format_percent, format_significant
+from stiction._number_format import format_significant
+from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import column_title_and_factor
 from stiction.studies.summary import PointSummary, Summary
 from stiction.views.point import cutoff_text
@@ -17,8 +19,8 @@ _LATEX_ESCAPES = str.maketrans({character: f"\\{character}" for character in "&%
 def latex_table(summary: Summary) -> str:
     r"""Return the reported points of a summary as a LaTeX ``tabular``: conditions, coefficients and assessment.
 
-    Conditions common to all points are comments above the table. Intervals are the combined 95 % intervals, with the
-    same digits as on the terminal.
+    Conditions common to all points are comments above the table. Intervals of coefficients are the combined 95 %
+    intervals. Numbers have the same digits as on the terminal.
     """
     points = summary.headlines
     coordinate_names = [
@@ -55,7 +57,10 @@ def latex_table(summary: Summary) -> str:
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
     """Return the table cells of a point: coefficients of all sliding rules, area fraction and assessment."""
     texts = [str(rule) for rule in point.rules]
-    texts += [format_percent(point.quantities["contact_area_fraction"].value)] if has_area else []
+    if has_area:
+        fraction = point.quantities["contact_area_fraction"] / 0.01
+        is_printed = point.contact_status == STATUS_OK and not math.isnan(fraction.value)
+        texts.append(f"{fraction:.2u} %" if is_printed else point.contact_status.replace(STATUS_OK, "none"))
     return [cell.translate(_LATEX_ESCAPES) for cell in (*texts, point.verdict)]
 
 

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from stiction._estimate import Estimate
-from stiction._number_format import format_percent, format_with_unit
+from stiction._number_format import format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.onset import OnsetValues
 from stiction.views.layout import Paragraph, Table
@@ -21,12 +21,12 @@ def onset_text(onset: OnsetValues) -> str:
     phrases = []
     displacement, length_unit = _in_printed_unit(onset.displacement_at_sliding, "displacement_at_sliding")
     if math.isfinite(displacement.value):
-        phrases.append(f"pre-sliding displacement {displacement} {length_unit}")
+        phrases.append(f"pre-sliding displacement {displacement:.2u} {length_unit}")
     slipped_area = onset.curve[HALF_SLIDING_LOAD_FRACTION].slipped_area
-    phrases.append(f"{format_percent(slipped_area.value)} of the contact slips at half of the sliding load")
+    phrases.append(f"{slipped_area / 0.01:.2u} % of the contact slips at half of the sliding load")
     stiffness, stiffness_unit = _in_printed_unit(onset.stiffness, "stiffness")
     if math.isfinite(stiffness.value):
-        phrases.append(f"initial tangential stiffness {stiffness} {stiffness_unit}")
+        phrases.append(f"initial tangential stiffness {stiffness:.2u} {stiffness_unit}")
     text = "; ".join(phrases)
     return text[0].upper() + text[1:] + "."
 
@@ -44,7 +44,7 @@ def onset_rows(onset: OnsetValues) -> list[list[str]]:
     estimates = {
         "sliding load (mN)": onset.sliding_load,
         f"pre-sliding displacement ({length_unit})": displacement,
-        f"tangential stiffness ({stiffness_unit})": stiffness,
+        f"initial tangential stiffness ({stiffness_unit})": stiffness,
         f"normal stiffness during unloading, as measured by ultrasound ({unloading_unit})": unloading_stiffness,
         "contact that slips at half of the sliding load (%)": half_load_point.slipped_area / 0.01,
         "load on the slipping contact (%)": half_load_point.slipped_load / 0.01,

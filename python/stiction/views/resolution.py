@@ -62,7 +62,7 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
             [
                 cutoff_text(point.cut_offs),
                 str(Estimate(values["rms_gradient"])),
-                format_percent(values["contact_area_fraction"]) if status == STATUS_OK else status,
+                f"{Estimate(values['contact_area_fraction']) / 0.01:.2u} %" if status == STATUS_OK else status,
                 format_with_unit(values["mean_pressure"], "GPa"),
                 *(_coefficient_text(values[f"friction_{rule}"]) for rule in rules),
             ]
@@ -73,7 +73,7 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
             [
                 "plastic limit",
                 "",
-                format_percent(area_limit),
+                f"{Estimate(area_limit) / 0.01:.2u} %",
                 format_with_unit(hardness, "GPa"),
                 f"{friction_limit:.3f}",
             ]

@@ -358,11 +358,16 @@ def _coefficients_table(
     """Return a table of coefficients with sampling intervals: a row per coordinate, and a column per sliding rule."""
     rules = [rule for rule in SLIDING_RULE_DESCRIPTIONS if rule in coefficients]
     rows = [
-        [format_coordinate(coordinate), *(coefficients[rule][coordinate].table_text for rule in rules)]
+        [format_coordinate(coordinate), *(_coefficient_cell(coefficients[rule][coordinate]) for rule in rules)]
         for coordinate in coefficients[rules[0]]
     ]
     headings = ["μ_s [sampling]", *(SLIDING_RULE_TITLES[rule] for rule in rules)]
     return [Table([headings, *rows])] if rows else []
+
+
+def _coefficient_cell(estimate: Estimate) -> str:
+    """Return a coefficient with the digits of the first lines, and "no interval" if its interval is missing."""
+    return str(estimate) if estimate.has_interval or math.isnan(estimate.value) else f"{estimate} no interval"
 
 
 def _axis_label(degrees: float) -> str:

@@ -22,7 +22,7 @@ from stiction.views.point import motion_direction_text
 from stiction.views.report.content import CELL_AXIS_LABELS, ReportContent
 from stiction.views.report.page import escape_html, format_count
 from stiction.views.report.pictures import list_generated_panels
-from stiction.views.report.tables import EstimateArray, ReportArray
+from stiction.views.report.tables import QUANTITY_DIGITS, EstimateArray, ReportArray
 
 
 def generated_report_content(data: GeneratedReportData, name: str) -> ReportContent:
@@ -96,7 +96,10 @@ def _node_facts(values: GeneratedValuesAtNodes, study: Study) -> dict[str, Any]:
 
 def _node_arrays(values: GeneratedValuesAtNodes) -> dict[str, ReportArray]:
     """Return all quantities at the nodes. The array axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
-    arrays: dict[str, ReportArray] = {name: EstimateArray(points) for name, points in values.estimates.items()}
+    arrays: dict[str, ReportArray] = {
+        name: EstimateArray(points, digits=1 if name == "friction" else QUANTITY_DIGITS)
+        for name, points in values.estimates.items()
+    }
     arrays |= {f"validity_{index}": means for index, means in enumerate(values.validity.values())}
     arrays["status"] = values.status_codes.astype(np.int8)
     arrays["fine"] = values.is_interpolated.astype(np.int8)

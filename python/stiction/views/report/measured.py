@@ -14,12 +14,14 @@ from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.assessment import find_smallest_check_limit
 from stiction.studies.report_data import MAX_FILE_READINGS, BodyHistory, MeasuredReportData
+from stiction.studies.study import Study
 from stiction.studies.summary import PointSummary, Summary
 from stiction.studies.values_at_nodes import ORDERED_STATUSES, MeasuredValuesAtNodes
 from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import averaged_directions_text, cutoff_text, material_names_text, motion_direction_text
 from stiction.views.pull_off import pull_off_text
+from stiction.views.quantities import quantity_label
 from stiction.views.report.content import CELL_AXIS_LABELS, ReportContent
 from stiction.views.report.page import MAX_SHOWN_LINE_LENGTH, escape_html, format_count
 from stiction.views.report.pictures import list_measured_panels
@@ -27,8 +29,6 @@ from stiction.views.report.reading import LISTED_READING_OPTIONS, file_reading_t
 from stiction.views.report.tables import EstimateArray, QuantityTable, ReportArray
 from stiction.views.resolution import resolved_wavelengths_text
 from stiction.views.sentence import dwell_time_text, quotable_sentence, small_slope_estimate_text
-
-_UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units for which no SI prefix is chosen
 
 
 def measured_report_content(data: MeasuredReportData, name: str) -> ReportContent:
@@ -40,7 +40,7 @@ def measured_report_content(data: MeasuredReportData, name: str) -> ReportConten
         name=name,
         facts=_page_facts(data) | {"name": name},
         arrays=_friction_arrays(data.values),
-        quantities=_list_quantity_tables(data.values.load_quantities),
+        quantities=_list_quantity_tables(data.values.load_quantities, data.study),
         pairs_text=f"{format_count(data.num_members, 'pair')} of pieces of the two surfaces",
         heading_lines=_heading_lines(data),
         description_markup=_summary_markup(data.summary) + "".join(histories),
@@ -172,7 +172,7 @@ def _history_markup(side: str, history: BodyHistory) -> str:
     return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
-def _list_quantity_tables(estimates_by_name: dict[str, Floats]) -> list[QuantityTable]:
+def _list_quantity_tables(estimates_by_name: dict[str, Floats], study: Study) -> list[QuantityTable]:
     """Return a table for each quantity that has values, except friction."""
     tables = []
     factors = {curve_panel["of"]: curve_panel["factor"] for curve_panel in _CURVE_PANELS.values()}
@@ -182,10 +182,10 @@ def _list_quantity_tables(estimates_by_name: dict[str, Floats]) -> list[Quantity
         ):
             continue
         quantity = QUANTITIES[name]
-        unit = "%" if quantity.percent else _UNIT_LABELS.get(quantity.unit, quantity.unit)
-        words = quantity.table_label[0].upper() + quantity.table_label[1:]
+        label = quantity_label(name, study)
+        words = label[0].upper() + label[1:]
         limit = find_smallest_check_limit(name)
-        tables.append(QuantityTable(name, words, unit, estimates, factors.get(name, 1), limit))
+        tables.append(QuantityTable(name, words, quantity.table_unit, estimates, factors.get(name, 1), limit))
     return tables
 
 

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction._estimate import MAX_FULL_PRECISION_END_RATIO, MAX_SIGNIFICANT_DIGITS, Estimate
-from stiction._number_format import choose_prefixed_unit
 
 # number of leading bytes of a double that are stored in a page; four bytes give a relative precision of 5e-7
 STORED_FLOAT_BYTES = 4
@@ -47,18 +46,20 @@ def encode_small_integers(values: NDArray[np.int8]) -> str:
 class EstimateArray:
     """Array of values, lower ends and upper ends (last axis).
 
-    A page also stores the numbers of decimals to print. Values without an interval have the decimals of the estimates
-    in `reference`, if it is given; the shapes must broadcast.
+    A page also stores the numbers of decimals to print, for `digits` (1 or 2) digits of the half-width of the interval.
+    Values without an interval have the decimals of the estimates in `reference`, if it is given; the shapes must
+    broadcast.
     """
 
     values: Floats
     reference: Floats | None = None
+    digits: int = 1
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Return the values, interval ends and numbers of decimals, by name suffix."""
-        value_decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(self.values, -1, 0))
+        value_decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(self.values, -1, 0), digits=self.digits)
         if self.reference is not None:
-            reference_decimals, _ = count_estimate_decimals(*np.moveaxis(self.reference, -1, 0))
+            reference_decimals, _ = count_estimate_decimals(*np.moveaxis(self.reference, -1, 0), digits=self.digits)
             value_decimals = np.where(np.isnan(self.values[..., 1]), reference_decimals, value_decimals)
         columns = {end: self.values[..., index] for index, end in enumerate(("value", "lower", "upper"))}
         return columns | {"decimals": value_decimals, "upper_decimals": upper_decimals}
@@ -101,16 +102,19 @@ def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
     return PackedArrays(offsets, texts)
 
 
-def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
+def count_estimate_decimals(
+    mean: Floats, lower: Floats, upper: Floats, *, digits: int = 1
+) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
     """Return how many decimals an `Estimate` prints: one number for mean and lower end, and one for the upper end.
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are
-    `NO_INTERVAL_CODE` if the text contains no interval.
+    `NO_INTERVAL_CODE` if the text contains no interval. If `digits` is 2, the estimate has the format ".2u" instead of
+    the default format.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         value_decimals = np.where(mean != 0, -np.floor(np.log10(np.abs(mean))), 0.0)
         upper_end = np.where(np.isinf(upper), 2 * mean - lower, upper)
-        interval_decimals = -np.floor(np.log10((upper_end - lower) / 2))
+        interval_decimals = digits - 1 - np.floor(np.log10((upper_end - lower) / 2))
         decimals = np.where(
             mean == 0,
             interval_decimals,
@@ -118,7 +122,8 @@ def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple
         )
         decimals = np.where(upper_end > lower, decimals, value_decimals + MAX_SIGNIFICANT_DIGITS - 1)
         has_no_interval = np.isnan(lower) | np.isnan(upper)
-        decimals = np.where(has_no_interval, value_decimals + 1, decimals)
+        value_only_decimals = value_decimals + 1 if digits == 1 else _count_significant_decimals(mean)
+        decimals = np.where(has_no_interval, value_only_decimals, decimals)
         is_huge = np.isfinite(upper) & (upper > MAX_FULL_PRECISION_END_RATIO * np.abs(mean)) & (mean != 0)
         upper_decimals = np.where(is_huge, -_rounded_decimal_exponents(upper), decimals)
         scale = 10.0 ** np.clip(decimals, -MAX_DECIMALS, MAX_DECIMALS)
@@ -131,10 +136,20 @@ def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple
     upper_decimals = np.where(has_no_interval, NO_INTERVAL_CODE, upper_decimals)
     # If both ends have the same printed digits, only the value is printed, without trailing zeros.
     for index in zip(*np.nonzero(is_upper_equal), strict=True):
-        text = str(Estimate(float(mean[index]), float(lower[index]), float(upper[index])))
+        text = format(
+            Estimate(float(mean[index]), float(lower[index]), float(upper[index])), "" if digits == 1 else ".2u"
+        )
         if "[" not in text:
             decimals[index], upper_decimals[index] = len(text.partition(".")[2]), NO_INTERVAL_CODE
     return decimals.astype(np.int8), upper_decimals.astype(np.int8)
+
+
+def _count_significant_decimals(values: Floats) -> Floats:
+    """Return the decimals of values that `format_significant` rounds to three digits, without trailing zeros."""
+    exponent = np.where(values != 0, np.floor(np.log10(np.abs(values))), 0.0)
+    digits = np.round(np.abs(values) / 10.0 ** (exponent - 2))  # whole numbers from 100 to 1000
+    trailing_zeros = sum((digits % 10**count == 0).astype(float) for count in (1, 2, 3))
+    return np.asarray(np.where(values != 0, 2 - exponent - trailing_zeros, 0.0))
 
 
 def _rounded_decimal_exponents(values: Floats) -> Floats:
@@ -143,19 +158,13 @@ def _rounded_decimal_exponents(values: Floats) -> Floats:
     return np.asarray(np.where(np.round(values / 10.0**exponent) >= 10, exponent + 1, exponent))
 
 
+QUANTITY_DIGITS = 2  # digits of the half-width of intervals of quantities, as on the terminal (format ".2u")
+
+
 def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
-    """Return a value with its interval and unit, as in "12.1 [11.0, 13.3] µm²"; fractions are given in %."""
-    value, lower, upper = point
-    if np.isnan(value):
-        return "none"
-    factor, name = (
-        (0.01, "%")
-        if unit == "%"
-        else (choose_prefixed_unit(value, unit) if unit in ("mN", "GPa", "um") else (1.0, unit))
-    )
-    if value == 0 and not upper > 0:
-        return f"0 {name}".strip()
-    return f"{Estimate(value, lower, upper) / factor}\u00a0{name}".strip()
+    """Return a value with its interval and prefixed unit as on the terminal, as in "12.1 [11.0, 13.3] µm²"."""
+    estimate, name = Estimate(*point).in_prefixed_unit(unit)
+    return "none" if np.isnan(estimate.value) else f"{estimate:.2u}\u00a0{name}".strip()
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +176,7 @@ class QuantityTable:
     name, words : str
         Name of the quantity, and its label on the page.
     unit : str
-        Unit of the texts.
+        Core unit of the quantity, or "%".
     estimates : ndarray of float
         Values, lower ends and upper ends (last axis) for each kind of member, cutoff and load.
     factor : float
@@ -186,7 +195,7 @@ class QuantityTable:
     def record(self) -> dict[str, Any]:
         """Return the values, interval ends, numbers of decimals and texts."""
         points = self.factor * self.estimates
-        decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0))
+        decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
         texts = [
             [[estimate_with_unit_text(point, self.unit) for point in row] for row in load_rows]
             for load_rows in self.estimates.tolist()
