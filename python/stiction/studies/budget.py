@@ -114,16 +114,65 @@ def add_uncertainty(
     return _cover_alternatives(own, alternatives)
 
 
+_Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and values of variables, by name
+
+
 def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, tests: bool) -> xarray.Dataset:
     """Add the variables of `add_uncertainty` without the results for alternative preparations of the scans."""
+    load_groups = _group_loads(at, result)
+    tables, coordinates = zip(
+        *(
+            _evaluate_uncertainty(
+                at if len(load_groups) == 1 else at.isel(load=indices), result, budget=budget, tests=tests
+            )
+            for indices in load_groups
+        ),
+        strict=True,
+    )
+    variables = {
+        name: (dims, values, quantity_attributes(name))
+        for name, (dims, values) in _merge_load_groups(tables, load_groups).items()
+    }
+    return at.assign(variables).assign_coords(coordinates[0])
+
+
+def _find_study_loads(at: xarray.Dataset, study: Study) -> NDArray[np.bool_]:
+    """Return a mask of the loads that are loads of the study."""
+    return np.isin(at["load"].values, [float(load) for load in study.friction.load])
+
+
+def _group_loads(at: xarray.Dataset, result: Result) -> list[NDArray[np.intp]]:
+    """Return the indices of the loads that are evaluated together.
+
+    The loads of the study are separate from other loads if their intervals would depend on these. All loads share the
+    nodes of hardness, from which areas are interpolated.
+    """
+    is_study_load = _find_study_loads(at, result.study)
+    depends_on_other_loads = bool(result.study.contact.junction_growth) or has_areas_at_nodes(result)
+    if is_study_load.all() or not is_study_load.any() or not depends_on_other_loads:
+        return [np.arange(is_study_load.size)]
+    return [np.flatnonzero(is_study_load), np.flatnonzero(~is_study_load)]
+
+
+def _merge_load_groups(groups: Sequence[_Tables], load_indices: Sequence[NDArray[np.intp]]) -> _Tables:
+    """Merge tables that were evaluated for groups of loads. The indices of these loads determine the order."""
+    order = np.argsort(np.concatenate(load_indices))
+    return {
+        name: (
+            dims,
+            np.concatenate([group[name][1] for group in groups], axis=dims.index("load")).take(
+                order, axis=dims.index("load")
+            ),
+        )
+        for name, (dims, _) in groups[0].items()
+    }
+
+
+def _evaluate_uncertainty(
+    at: xarray.Dataset, result: Result, *, budget: bool, tests: bool
+) -> tuple[_Tables, dict[str, Any]]:
+    """Evaluate the variables of `add_uncertainty` and their coordinates for loads that are evaluated together."""
     study = result.study
-    is_study_load = np.isin(at["load"].values, [float(load) for load in study.friction.load])
-    if is_study_load.any() and not is_study_load.all() and _depends_on_other_loads(result):
-        parts = [
-            _add_own_uncertainty(at.isel(load=np.flatnonzero(mask)), result, budget=budget, tests=tests)
-            for mask in (is_study_load, ~is_study_load)
-        ]
-        return _merge_load_datasets(parts)
     inputs, strengths = find_uncertain_inputs(study), []
     if (study_interface := find_interface(study)) is not None:
         fit, hardness = study_interface.fits[0], inputs.get("hardness")
@@ -163,7 +212,7 @@ def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, te
         np.full((len(input_names), *shape), np.nan),
     )
     dwell_intervals, seizing_fractions = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
-    has_budget = _find_budgeted_loads(is_study_load, math.prod(shape))
+    has_budget = _find_budgeted_loads(_find_study_loads(at, study), math.prod(shape))
     areas = build_area_interpolator(at, result)
     interval_variables = {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}
     values_by_name = _get_arrays_over_dims(
@@ -203,10 +252,8 @@ def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, te
     interval_dims = (*dims, "statistic")
     combined_intervals = _get_combined_coefficients(at, study, dims, coefficient_intervals)
     if not tests:
-        return at.assign(
-            friction_combined=(interval_dims, combined_intervals, quantity_attributes("friction_combined"))
-        )
-    tables: dict[str, tuple[tuple[str, ...], Floats]] = {
+        return {"friction_combined": (interval_dims, combined_intervals)}, {}
+    tables: _Tables = {
         "friction_combined": (interval_dims, combined_intervals),
         "friction_known": (interval_dims, coefficient_intervals),
         "friction_next_test": (interval_dims, test_intervals),
@@ -226,16 +273,7 @@ def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, te
     if study.friction.wait:
         tables["friction_waited"] = (*dims, "wait", "statistic"), dwell_intervals
         coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]
-    variables = {name: (own_dims, values, quantity_attributes(name)) for name, (own_dims, values) in tables.items()}
-    return at.assign(variables).assign_coords(coordinates)
-
-
-def _depends_on_other_loads(result: Result) -> bool:
-    """Return whether the intervals at the loads of the study would depend on additional loads.
-
-    All loads share the nodes of hardness, from which areas are interpolated.
-    """
-    return bool(result.study.contact.junction_growth) or has_areas_at_nodes(result)
+    return tables, coordinates
 
 
 def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int) -> NDArray[np.bool_]:
@@ -362,17 +400,6 @@ def _compute_interval_of_zero_coefficient(samples: _CoefficientSamples, point: F
         *point.tolist(),
     )
     return max(low, 0.0), high
-
-
-def _merge_load_datasets(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
-    """Merge datasets evaluated at different loads into one dataset with the loads in ascending order."""
-    import xarray
-
-    merged = xarray.concat(
-        parts, "load", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
-    )
-    sorted_dataset = merged.sortby("load")
-    return sorted_dataset.assign({name: sorted_dataset[name].transpose(*parts[0][name].dims) for name in parts[0]})
 
 
 def _get_combined_coefficients(
