@@ -435,10 +435,13 @@ def assess_ensemble_points(
                 reasons.append(check)
                 indices[mask] = len(reasons)
         reason_numbers.append(indices)
-    rows, set_indices = np.unique(
-        np.stack(reason_numbers).reshape(len(reason_numbers), -1), axis=1, return_inverse=True
-    )
-    reason_sets = [[reasons[index - 1] for index in row if index] for row in rows.T.tolist()]
+    # Each combination of reasons has a code, because rows of numbers take much longer to sort.
+    codes = np.zeros(status.shape, np.intp)
+    for indices in reason_numbers:
+        codes = codes * (len(reasons) + 1) + indices
+    _, first_points, set_indices = np.unique(codes, return_index=True, return_inverse=True)
+    rows = np.stack([indices.ravel()[first_points] for indices in reason_numbers], axis=-1)
+    reason_sets = [[reasons[index - 1] for index in row if index] for row in rows.tolist()]
     return [sorted(row, key=lambda reason: reason.severity != "fault") for row in reason_sets], set_indices.reshape(
         status.shape
     )
