@@ -1,13 +1,16 @@
 import numpy as np
 import pytest
 import xarray
-from stiction import Study, friction_map, stiffness_map
+from stiction import Study, friction_map, run, stiffness_map
 from stiction.mechanics.load_curve import LoadCurve
+from stiction.studies.evaluation import at_load
 from stiction.studies.maps import area_map
+from stiction.studies.result import Result
 from support.generated_studies import empty_dataset
 
 ROUND_OFF = 1e-12
 APPROACHES = np.linspace(0.01, 0.1, 10)
+SINGLE_MAPS = {"friction_coefficient": friction_map, "contact_area": area_map, "normal_stiffness": stiffness_map}
 
 
 def create_result(normal, tangential, *, frictional=None, area=None, count=None):
@@ -242,3 +245,24 @@ def test_stiffness_map_includes_frictional_and_adhesive_loads():
 def test_stiffness_map_requires_at_least_three_approaches():
     with pytest.raises(ValueError, match="3 approaches"):
         stiffness_map(create_result([1.0, 2.0], [0.1, 0.2]), [1.5])
+
+
+def test_quantities_evaluated_together_equal_the_single_maps_and_read_the_result_twice(monkeypatch):
+    result = run(Study.named("quick").with_changes({"ensemble.repetitions": 6, "surfaces.points": 3000}))
+    loads = result.mean_elastic_loads.values.max() * np.array([0.1, 0.5])
+    maps = [(name, evaluate(result, loads)) for name, evaluate in SINGLE_MAPS.items()]
+    passes = []
+    read_pieces = Result.pieces
+    monkeypatch.setattr(Result, "pieces", lambda self, names=None: passes.append(names) or read_pieces(self, names))
+    points = at_load(result, loads)
+    assert len(passes) == 2
+    for name, single_map in maps:
+        for statistic, variable in (("mean", name), ("lower", "lower"), ("upper", "upper")):
+            xarray.testing.assert_equal(
+                points[name].sel(statistic=statistic).reset_coords(drop=True),
+                single_map[variable].reset_coords(drop=True),
+            )
+    np.testing.assert_array_equal(points["share_beyond_hertz"], maps[0][1]["share_beyond_hertz"])
+    passes.clear()
+    assert "share_beyond_hertz" not in at_load(result, loads, names=["contact_area"])
+    assert {name for names in passes for name in names}.isdisjoint({"overlap_load", "crossed_count"})

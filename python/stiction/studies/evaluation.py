@@ -48,7 +48,7 @@ from stiction.studies.maps import (
     MAP_CELL_DIMENSIONS,
     MOTION_DIMENSIONS,
     choose_mu0_and_tau0,
-    evaluate_ensemble_quantity,
+    evaluate_ensemble_quantities,
     find_cell_dimensions,
 )
 from stiction.studies.result import Result
@@ -214,8 +214,10 @@ def _evaluate_ensemble(
     """Compute ensemble means at given mean loads. The dimension `statistic` contains means and interval limits."""
     import xarray
 
-    def evaluate_direction_groups(name: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
-        """Evaluate a quantity at the given mean normal loads, after averaging over each group of directions."""
+    def evaluate_direction_groups(
+        quantities: Sequence[str], groups: NDArray[np.intp] | None = None
+    ) -> dict[str, xarray.Dataset]:
+        """Evaluate quantities at the given mean normal loads, after averaging over each group of directions."""
 
         def average_direction_groups(piece: xarray.Dataset) -> xarray.Dataset:
             grouped_piece = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
@@ -224,44 +226,53 @@ def _evaluate_ensemble(
                 direction=("direction", np.arange(grouped_piece.sizes["direction"], dtype=float))
             )
 
-        return evaluate_ensemble_quantity(
-            result, loads, mu0, tau0, name, None if groups is None else average_direction_groups
+        transform = None if groups is None else average_direction_groups
+        return evaluate_ensemble_quantities(
+            result, loads, mu0, tau0, quantities, transform, includes_validity=bool(validity_names)
         )
 
     head = result.head
-    coefficient_table = evaluate_direction_groups("friction_coefficient")
-    variables: dict[str, Any] = {
-        "friction_coefficient": _add_statistic_dimension(coefficient_table, "friction_coefficient")
-    }
+    validity_names = [name for name in COMMON_VALIDITY_QUANTITIES if _is_requested(name, names)]
+    has_stiffness = head.sizes[find_step_dimension(head)] >= MIN_STIFFNESS_STEPS
+    other_quantities = [name for name in (*ONSET_QUANTITIES, "contact_load") if name in head]
+    quantities = [
+        name
+        for name in (
+            "contact_area",
+            "contact_count",
+            *(["normal_stiffness"] if has_stiffness else []),
+            *other_quantities,
+        )
+        if _is_requested(name, names)
+    ]
     # Friction changes the normal load, so area and stiffness depend slightly on mu0 and tau0.
-    variables["status"] = coefficient_table["status"].variable
-    all_directions, round_means = None, coefficient_table
+    round_means = evaluate_direction_groups(
+        ["friction_coefficient", *quantities],
+        np.arange(head.sizes["direction"])[np.newaxis] if "direction" in head.dims else None,
+    )
+    coefficient_table = round_means["friction_coefficient"]
     if "direction" in head.dims:
-        all_directions = np.arange(head.sizes["direction"])[np.newaxis]
-        round_means = evaluate_direction_groups("friction_coefficient", all_directions).isel(direction=0)
-        variables["friction_all_round"] = _add_statistic_dimension(round_means, "friction_coefficient")
+        round_means = {name: table.isel(direction=0) for name, table in round_means.items()}
+        coefficient_table = evaluate_direction_groups(["friction_coefficient"])["friction_coefficient"]
+    variables: dict[str, Any] = {
+        "friction_coefficient": _add_statistic_dimension(coefficient_table, "friction_coefficient"),
+        "status": coefficient_table["status"].variable,
+    }
+    if "direction" in head.dims:
+        variables["friction_all_round"] = _add_statistic_dimension(
+            round_means["friction_coefficient"], "friction_coefficient"
+        )
         axes, direction_pairs = find_axes_with_both_directions(head["direction"].values)
         if axes.size:
             axis_means = _add_statistic_dimension(
-                evaluate_direction_groups("friction_coefficient", direction_pairs), "friction_coefficient"
+                evaluate_direction_groups(["friction_coefficient"], direction_pairs)["friction_coefficient"],
+                "friction_coefficient",
             )
             dims = ["axis" if each == "direction" else each for each in axis_means.dims]
             variables["friction_by_axis"] = xarray.Variable(dims, axis_means.values, axis_means.attrs)
             coefficient_table = coefficient_table.assign_coords(axis=("axis", axes, quantity_attributes("axis")))
-    other_quantities = [name for name in (*ONSET_QUANTITIES, "contact_load") if name in head]
-    quantities = ("contact_area", "contact_count", "normal_stiffness", *other_quantities)
-    for quantity in [name for name in quantities if _is_requested(name, names)]:
-        if quantity == "normal_stiffness" and head.sizes[find_step_dimension(head)] < MIN_STIFFNESS_STEPS:
-            continue
-        try:
-            group_means = evaluate_direction_groups(quantity, all_directions)
-        except ValueError:
-            if quantity != "normal_stiffness":  # the stiffness of a half-plane is undefined
-                raise
-            continue
-        variables[quantity] = _add_statistic_dimension(
-            group_means if all_directions is None else group_means.isel(direction=0), quantity
-        )
+    for name in quantities:
+        variables[name] = _add_statistic_dimension(round_means[name], name)
     if result.study.contact.adheres and _is_requested("pull_off", names):
         unloaded_members = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
         for name in ("pull_off", "share_of_pull_off_bounds", "friction_at_no_load"):
@@ -271,7 +282,7 @@ def _evaluate_ensemble(
             variables[name] = xarray.Variable(
                 (*unloaded_values.dims[1:], "statistic"), mean, unloaded_values.attrs
             ).isel(first_rule)
-    variables |= {name: round_means[name].variable for name in COMMON_VALIDITY_QUANTITIES}
+    variables |= {name: round_means["friction_coefficient"][name].variable for name in validity_names}
     variables |= {"members": ((), result.members.size, {"units": "1", "long_name": "members"})}
     dataset = xarray.Dataset(variables, coefficient_table.coords, coefficient_table.attrs).assign_coords(
         statistic=INTERVAL_STATISTICS

@@ -114,7 +114,7 @@ def evaluate_friction_over_dimension(result: Result, mu0: Sequence[float]) -> li
     loads = result.reached_loads()
     curve_load = _find_commonly_reached_load(result, float(loads[0]))
     tau0 = [float(strength) for strength in strengths]
-    points = result.at([*loads, curve_load], mu0=mu0, tau0=tau0, quantities=())
+    points = result.at([*loads, curve_load], mu0=mu0, tau0=tau0, quantities=["share_beyond_hertz"])
     map_points, curve_points = points.sel(load=loads), points.sel(load=curve_load)
     texts = [strength.text for strength in strengths]
     return [
@@ -138,7 +138,9 @@ def evaluate_area_over_load(result: Result) -> xarray.Dataset:
     """
     settings = result.study.friction
     mu0, tau0 = settings.mu0[0], float(settings.tau0[0])
-    points = result.at(result.reached_loads(), mu0=mu0, tau0=tau0, quantities=["contact_area"]).isel(mu0=0, tau0=0)
+    points = result.at(
+        result.reached_loads(), mu0=mu0, tau0=tau0, quantities=["contact_area", "share_beyond_hertz"]
+    ).isel(mu0=0, tau0=0)
     return points.isel(fractal_dimension=_evenly_spaced_indices(points.sizes["fractal_dimension"], MAX_DRAWN_CURVES))
 
 

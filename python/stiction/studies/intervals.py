@@ -133,76 +133,69 @@ class LoadCrossings:
 
 
 class MeansAtLoads:
-    """Means of values at given mean normal loads, with their jackknife intervals.
+    """Means of quantities at given mean normal loads, with their jackknife intervals.
 
     The method is described in docs/explanation/intervals.md. Let v and n be the values and the normal loads of the
     repetitions at the crossing, and e the exponent of the mean curve, mean(v) ~ mean(n)^e. If one repetition is
     omitted, the logarithm of the mean at the load changes by the change of ln mean(v) minus e times the change of ln
     mean(n). If the mean is zero, or if its sign changes when a repetition is omitted, the interval is a symmetric
-    first-order interval instead. The constructor takes the means of c curves (c, k), and `add` takes the repetitions.
+    first-order interval instead. The constructor takes the means of c curves (c, k) of the normal load and of each
+    quantity, and `add` takes the repetitions.
     """
 
-    def __init__(self, normal: Floats, values: Floats, repetitions: int, loads: Floats) -> None:
+    def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
         self.crossing = LoadCrossings.from_curves(normal, loads)
         # Each point (p,) is a pair of a curve and a load that the curve reaches.
         self._curve, load = np.nonzero(self.crossing.reached)
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
         self._load = loads[load]
-        self._mean_load, self._mean = (
-            self._interpolate_at_crossings(each[..., np.newaxis])[:, 0] for each in (normal, values)
+        self._mean_load, *means = (
+            self._interpolate_at_crossings(each[..., np.newaxis])[:, 0] for each in (normal, *quantities)
         )
-        self._slope = _fit_slopes(values[self._curve], normal[self._curve], self._index)
+        normal_of_points = normal[self._curve]
+        self._quantities = [
+            _QuantityAtLoads(mean, _fit_slopes(values[self._curve], normal_of_points, self._index), normal.shape[0])
+            for values, mean in zip(quantities, means, strict=True)
+        ]
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
-        self._has_negative_values = np.zeros(normal.shape[0], np.bool_)
-        self._logarithms, self._differences = PowerSums(self._load.shape), PowerSums(self._load.shape)
-        self._loads, self._values = _RunningExtremes(self._load.size), _RunningExtremes(self._load.size)
-        self.mean = self._arrange_over_loads(self._mean)
+        self._loads = _RunningExtremes(self._load.size)
 
-    def add(self, normal: Floats, values: Floats) -> None:
-        """Add repetitions. The normal loads and values of these repetitions are arrays of shape (c, k, r)."""
+    def add(self, normal: Floats, quantities: Sequence[Floats]) -> None:
+        """Add repetitions. The normal loads and quantities of these repetitions are arrays of shape (c, k, r)."""
         self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
-        self._has_negative_values |= (values < 0).any(axis=(1, 2))
+        for quantity, values in zip(self._quantities, quantities, strict=True):
+            quantity.has_negative_values |= (values < 0).any(axis=(1, 2))
         batch_size, num_others = max(1, NUM_BATCH_VALUES // max(1, self._load.size)), self._repetitions - 1
-        mean, mean_load, load, slope = (
-            each[:, np.newaxis] for each in (self._mean, self._mean_load, self._load, self._slope)
-        )
+        mean_load, load = (each[:, np.newaxis] for each in (self._mean_load, self._load))
         for batch_start in range(0, normal.shape[2], batch_size):
             # Loads and values of each repetition have the shape (p, r).
-            # `load_change` and `mean_change` are the changes of the means due to omitting a repetition.
-            repetition_load, repetition_mean = (
-                self._interpolate_at_crossings(each[..., batch_start : batch_start + batch_size])
-                for each in (normal, values)
+            # `load_change` is the change of the mean load due to omitting a repetition.
+            batch = slice(batch_start, batch_start + batch_size)
+            repetition_load, *repetition_values = (
+                self._interpolate_at_crossings(each[..., batch]) for each in (normal, *quantities)
             )
             self._loads.add(repetition_load)
-            self._values.add(repetition_mean)
             with np.errstate(divide="ignore", invalid="ignore"):
-                load_change, mean_change = (
-                    (mean_load - repetition_load) / num_others,
-                    (mean - repetition_mean) / num_others,
-                )
+                load_change = (mean_load - repetition_load) / num_others
                 log_load_change = np.log1p((mean_load - load + load_change) / load)
-                self._logarithms.add(np.log1p(mean_change / mean) - slope * load / mean * log_load_change)
-                self._differences.add(mean_change - slope * load_change)
+                for quantity, values in zip(self._quantities, repetition_values, strict=True):
+                    quantity.add(values, load, load_change, log_load_change, num_others)
 
-    def interval(self) -> tuple[Floats, Floats]:
-        """Return the limits of the intervals, with shape (c, l). All repetitions must have been added before."""
-        mean = self._mean
-        half_width = self._logarithms.half_width()
-        with np.errstate(invalid="ignore", over="ignore"):
-            logarithmic_limits = np.sort([mean * np.exp(-half_width), mean * np.exp(half_width)], axis=0)
-        is_symmetric = ~self._values.keeps_sign_if_one_value_is_omitted(mean) | ~self._logarithms.is_finite()
-        half_width = self._differences.half_width()
-        lower_bound = np.where(self._has_negative_values, -np.inf, 0.0)[self._curve]
+    def mean(self, quantity: int) -> Floats:
+        """Return the means of the quantity with the given index, with shape (c, l)."""
+        return self._arrange_over_loads(self._quantities[quantity].mean)
+
+    def interval(self, quantity: int) -> tuple[Floats, Floats]:
+        """Return the interval limits of the quantity with the given index, with shape (c, l).
+
+        All repetitions must have been added before.
+        """
+        lower, upper = self._quantities[quantity].interval(self._curve)
         is_undetermined = (
             ~self._loads.keeps_sign_if_one_value_is_omitted(self._load) | (self._num_carrying < 2)[self._curve]
         )
-        lower = np.where(
-            is_undetermined,
-            np.nan,
-            np.where(is_symmetric, np.maximum(mean - half_width, lower_bound), logarithmic_limits[0]),
-        )
-        upper = np.where(is_undetermined, np.nan, np.where(is_symmetric, mean + half_width, logarithmic_limits[1]))
+        lower, upper = (np.where(is_undetermined, np.nan, limit) for limit in (lower, upper))
         return self._arrange_over_loads(lower), self._arrange_over_loads(upper)
 
     def _interpolate_at_crossings(self, values: Floats) -> Floats:
@@ -215,6 +208,38 @@ class MeansAtLoads:
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result
+
+
+class _QuantityAtLoads:
+    """Mean of a quantity at the crossings (p,), the slope of its mean curve, and running sums of jackknife values."""
+
+    def __init__(self, mean: Floats, slope: Floats, num_curves: int) -> None:
+        self.mean, self._slope = mean, slope
+        self.has_negative_values = np.zeros(num_curves, np.bool_)
+        self._logarithms, self._differences = PowerSums(mean.shape), PowerSums(mean.shape)
+        self._values = _RunningExtremes(mean.size)
+
+    def add(self, values: Floats, load: Floats, load_change: Floats, log_load_change: Floats, num_others: int) -> None:
+        """Add the values (p, r) of repetitions, given the changes of the mean load due to omitting a repetition."""
+        self._values.add(values)
+        mean, slope = self.mean[:, np.newaxis], self._slope[:, np.newaxis]
+        mean_change = (mean - values) / num_others
+        self._logarithms.add(np.log1p(mean_change / mean) - slope * load / mean * log_load_change)
+        self._differences.add(mean_change - slope * load_change)
+
+    def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
+        """Return the limits of the intervals at the crossings, whose curves have the given indices."""
+        mean = self.mean
+        half_width = self._logarithms.half_width()
+        with np.errstate(invalid="ignore", over="ignore"):
+            lower, upper = np.sort([mean * np.exp(-half_width), mean * np.exp(half_width)], axis=0)
+        is_symmetric = ~self._values.keeps_sign_if_one_value_is_omitted(mean) | ~self._logarithms.is_finite()
+        if is_symmetric.any():
+            half_width = self._differences.half_width()
+            lower_bound = np.where(self.has_negative_values, -np.inf, 0.0)[curve]
+            lower = np.where(is_symmetric, np.maximum(mean - half_width, lower_bound), lower)
+            upper = np.where(is_symmetric, mean + half_width, upper)
+        return lower, upper
 
 
 class _RunningExtremes:

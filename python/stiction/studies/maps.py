@@ -7,6 +7,7 @@ values are not extrapolated. Members for which the solver failed at a load are o
 
 from __future__ import annotations
 
+import itertools
 import operator
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -89,7 +90,7 @@ def friction_map(
     >>> friction_map(run(Study.named("quick").with_changes(small)), [1e-3], mu0=0.4)["friction_coefficient"].dims
     ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
     """
-    return evaluate_ensemble_quantity(Result.of(result), loads, mu0, tau0, "friction_coefficient")
+    return _evaluate_ensemble_quantity(result, loads, mu0, tau0, "friction_coefficient")
 
 
 def area_map(
@@ -129,7 +130,7 @@ def area_map(
     >>> area_map(run(Study.named("quick").with_changes(small)), [1e-3])["contact_area"].dims
     ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
     """
-    return evaluate_ensemble_quantity(Result.of(result), loads, mu0, tau0, "contact_area")
+    return _evaluate_ensemble_quantity(result, loads, mu0, tau0, "contact_area")
 
 
 def stiffness_map(
@@ -187,7 +188,7 @@ def stiffness_map(
         )
     if step_dimension == "load" and any(piece["approach"].isnull().any() for piece in result.pieces(["approach"])):
         raise ValueError("a free half-plane has no approach and therefore no stiffness; use periodic boundaries")
-    return evaluate_ensemble_quantity(result, loads, mu0, tau0, "normal_stiffness")
+    return _evaluate_ensemble_quantity(result, loads, mu0, tau0, "normal_stiffness")
 
 
 def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
@@ -214,11 +215,21 @@ def iterate_solved_pieces(
         yield solved_piece if transform is None else transform(solved_piece)
 
 
-def evaluate_ensemble_quantity(
-    result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, quantity_name: str,
-    transform: DatasetTransformation | None = None,
-) -> xarray.Dataset:  # fmt: skip
-    """Apply `transform` to each piece of the result, and evaluate an ensemble quantity at given mean normal loads."""
+def _evaluate_ensemble_quantity(
+    result: Result | xarray.Dataset, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, name: str
+) -> xarray.Dataset:
+    return evaluate_ensemble_quantities(Result.of(result), loads, mu0, tau0, [name])[name]
+
+
+def evaluate_ensemble_quantities(
+    result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, names: Sequence[str],
+    transform: DatasetTransformation | None = None, *, includes_validity: bool = True,
+) -> dict[str, xarray.Dataset]:  # fmt: skip
+    """Apply `transform` to each piece of the result, and evaluate ensemble quantities at given mean normal loads.
+
+    The dataset of each quantity has the structure of `friction_map`. Without `includes_validity`, the quantities of
+    `Validity` are omitted. Each piece of the result is read twice.
+    """
     load_values = np.atleast_1d(friction.validate_friction_parameter("loads", loads))
     if load_values.ndim != 1:
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
@@ -230,105 +241,100 @@ def evaluate_ensemble_quantity(
     missing_dimensions += [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims and not dataset.sizes[name]]
     if missing_dimensions or not find_cell_dimensions(dataset):
         raise ValueError(f"the dataset has no dimension {(missing_dimensions or ['fractal_dimension'])[0]!r}")
-    for name in _list_required_variables(quantity_name):
+    for name in itertools.chain.from_iterable(map(_list_required_variables, names)):
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
-    ensemble_quantity = _EnsembleQuantity(
-        dataset if transform is None else transform(dataset), quantity_name, load_values, *strengths
+    quantities = _EnsembleQuantities(
+        dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_validity
     )
     # The first pass finds the steps at which the mean loads are reached.
     # The second pass computes the intervals at these steps.
-    averages, quantity_sums, count = _average_contact_and_quantity_sums(
-        lambda: iterate_solved_pieces(result, ensemble_quantity.required_variables(), transform),
-        quantity_name,
-        ensemble_quantity.step_dimension,
+    averages, count = _average_sums(
+        lambda: iterate_solved_pieces(result, quantities.required_variables(), transform),
+        names,
+        quantities.step_dimension,
     )
     if not count:
         raise ValueError("no member of the result could be computed at all loads")
     means_by_cell = {}
-    for cell_index in np.ndindex(ensemble_quantity.cells):
-        normal, values = (
-            each[..., 0] for each in ensemble_quantity.compute_curves(cell_index, averages, quantity_sums)
-        )
+    for cell_index in np.ndindex(quantities.cells):
+        normal, *values = (each[..., 0] for each in quantities.compute_curves(cell_index, averages))
         means_by_cell[cell_index] = intervals.MeansAtLoads(normal, values, count, load_values)
-    batch_size = max(
-        1,
-        MAX_VALUES_IN_MEMORY
-        // max(
-            1,
-            ensemble_quantity.mu0.size * ensemble_quantity.tau0.size * dataset.sizes[ensemble_quantity.step_dimension],
-        ),
-    )
+    num_curve_values = quantities.mu0.size * quantities.tau0.size * dataset.sizes[quantities.step_dimension]
+    batch_size = max(1, MAX_VALUES_IN_MEMORY // max(1, num_curve_values))
     with executor_or_thread_pool(None) as pool:
-        for piece in iterate_solved_pieces(result, ensemble_quantity.required_variables(), transform):
-            sums_by_cell = [
-                _compute_contact_and_quantity_sums(piece, quantity_name, ensemble_quantity.step_dimension)
-            ] * len(means_by_cell)
+        for piece in iterate_solved_pieces(result, quantities.required_variables(), transform):
+            piece_sums = _compute_sums(piece, names, quantities.step_dimension)
 
-            def add_members_to_cell(cell_index: tuple[int, ...], sums: tuple[ContactSums, ContactSums]) -> None:
+            def add_members_to_cell(cell_index: tuple[int, ...], sums: Sequence[ContactSums]) -> None:
                 for batch_start in range(0, sums[0].contact_count.shape[-1], batch_size):
-                    means_by_cell[cell_index].add(
-                        *ensemble_quantity.compute_curves(
-                            cell_index, *sums, slice(batch_start, batch_start + batch_size)
-                        )
+                    normal, *values = quantities.compute_curves(
+                        cell_index, sums, slice(batch_start, batch_start + batch_size)
                     )
+                    means_by_cell[cell_index].add(normal, values)
 
-            list(pool.map(add_members_to_cell, means_by_cell, sums_by_cell))
-    return ensemble_quantity.build_dataset(means_by_cell, averages, quantity_sums)
+            list(pool.map(add_members_to_cell, means_by_cell, itertools.repeat(piece_sums)))
+    return quantities.build_datasets(means_by_cell, averages)
 
 
-class _EnsembleQuantity:
-    """Ensemble quantity at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
+class _EnsembleQuantities:
+    """Ensemble quantities at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
 
-    def __init__(self, head: xarray.Dataset, quantity: str, loads: Floats, mu0: Floats, tau0: Floats) -> None:
-        self.head, self.quantity, self.loads, self.mu0, self.tau0 = head, quantity, loads, mu0, tau0
+    def __init__(
+        self, head: xarray.Dataset, names: Sequence[str], loads: Floats, mu0: Floats, tau0: Floats,
+        includes_validity: bool,
+    ) -> None:  # fmt: skip
+        self.head, self.names, self.loads, self.mu0, self.tau0 = head, names, loads, mu0, tau0
         self.step_dimension = find_step_dimension(head)
         self.dims = [*(motion for motion in MOTION_DIMENSIONS if motion in head.dims), *find_cell_dimensions(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
+        self.includes_validity = includes_validity
         # The validity of the model can be assessed only if the dataset contains all contact sums.
-        self.has_all_sums = all(name in head for name in SUM_QUANTITIES)
+        self.assesses_validity = includes_validity and all(name in head for name in SUM_QUANTITIES)
 
     def required_variables(self) -> tuple[str, ...]:
         """Return the names of the variables that must be read from the result."""
-        variables = _list_required_variables(self.quantity)
-        if self.quantity == "normal_stiffness" and self.step_dimension == "load":
-            variables = (*variables, "approach")  # the stiffness is a derivative with respect to the approach
-        return (*variables, *(name for name in SUM_QUANTITIES if self.has_all_sums and name not in variables))
+        variables = [name for quantity in self.names for name in _list_required_variables(quantity)]
+        if "normal_stiffness" in self.names and self.step_dimension == "load":
+            variables.append("approach")  # the stiffness is a derivative with respect to the approach
+        return tuple(dict.fromkeys([*variables, *(SUM_QUANTITIES if self.assesses_validity else ())]))
 
     def compute_curves(
-        self,
-        cell: tuple[int, ...],
-        sums: ContactSums,
-        quantity_sums: ContactSums,
-        selected_members: slice = slice(None),
-    ) -> tuple[Floats, Floats]:
-        """Return the normal loads and values of some members. The first axis runs over all pairs of mu0 and tau0."""
-        cell_sums, cell_quantity_sums = (
-            array.apply(operator.itemgetter((*cell, slice(None), selected_members))) for array in (sums, quantity_sums)
+        self, cell: tuple[int, ...], sums: Sequence[ContactSums], selected_members: slice = slice(None)
+    ) -> list[Floats]:
+        """Return the normal loads and the values of each quantity for some members.
+
+        `sums` is a result of `_compute_sums`. The first axis of each array runs over all pairs of mu0 and tau0.
+        """
+        contact_sums, *quantity_sums = (
+            each.apply(operator.itemgetter((*cell, slice(None), selected_members))) for each in sums
         )
         strengths = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
-        normal = friction.compute_load("normal", cell_sums, *strengths)
-        values = np.broadcast_to(_compute_quantity_values(cell_quantity_sums, self.quantity, *strengths), normal.shape)
-        return tuple(array.reshape(-1, *normal.shape[2:]) for array in (normal, values))  # type: ignore[return-value]
+        normal = friction.compute_load("normal", contact_sums, *strengths)
+        values = (
+            np.broadcast_to(_compute_quantity_values(each, name, *strengths), normal.shape)
+            for name, each in zip(self.names, quantity_sums, strict=True)
+        )
+        return [array.reshape(-1, *normal.shape[2:]) for array in (normal, *values)]
 
-    def build_dataset(
-        self,
-        means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads],
-        averages: ContactSums,
-        quantity_sums: ContactSums,
-    ) -> xarray.Dataset:
-        """Build a dataset from the means and intervals computed for all cells."""
+    def build_datasets(
+        self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sequence[ContactSums]
+    ) -> dict[str, xarray.Dataset]:
+        """Build the dataset of each quantity from the means and intervals computed for all cells."""
         import xarray
 
-        mean, lower, upper = (np.full(self.shape, np.nan) for _ in range(3))
-        validity = {name: np.full(self.shape, np.nan) for name in COMMON_VALIDITY_QUANTITIES}
+        estimates = np.full((len(self.names), 3, *self.shape), np.nan)
+        validity = {
+            name: np.full(self.shape, np.nan) for name in (COMMON_VALIDITY_QUANTITIES if self.includes_validity else ())
+        }
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
         for cell, means in means_by_cell.items():
-            for array, curve_values in zip((mean, lower, upper), (means.mean, *means.interval()), strict=True):
-                array[cell] = _reshape_curves(curve_values, self.shape)
-            cell_averages = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
-            normal = self.compute_curves(cell, averages, quantity_sums)[0][..., 0]
+            for index, statistics in enumerate(estimates):
+                for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
+                    array[cell] = _reshape_curves(curve_values, self.shape)
+            cell_averages = averages[0].apply(operator.itemgetter((*cell, slice(None), 0)))
+            normal = self.compute_curves(cell, averages)[0][..., 0]
             # True if friction is self-locked at the largest approach.
             is_locked = (cell_averages.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
             cell_status = friction.choose_statuses(
@@ -336,7 +342,7 @@ class _EnsembleQuantity:
                 below=means.crossing.below, locked=is_locked,
             )  # fmt: skip
             status[cell] = _reshape_curves(cell_status, self.shape)
-            if self.has_all_sums:
+            if self.assesses_validity:
                 sums_at_loads = {
                     name: means.crossing.interpolate(np.tile(getattr(cell_averages, name), (normal.shape[0], 1)))
                     for name in SUM_QUANTITIES
@@ -345,24 +351,37 @@ class _EnsembleQuantity:
                     validity[name][cell] = _reshape_curves(
                         np.where(means.crossing.reached, validity_value, np.nan), self.shape
                     )
-        if self.quantity == "friction_coefficient" or QUANTITIES[self.quantity].weighted:
-            for array in (mean, lower, upper):
-                array /= self.loads[:, np.newaxis, np.newaxis]
         coordinates: dict[str, Any] = {name: self.head[name].variable for name in self.dims}
         dimensions = (("load", self.loads), ("mu0", self.mu0), ("tau0", self.tau0))
         coordinates |= {name: (name, axis, quantity_attributes(name)) for name, axis in dimensions}
         dims = tuple(coordinates)
         scalar_motions = [motion for motion in MOTION_DIMENSIONS if motion in self.head.coords]
-        unit, title = QUANTITIES[self.quantity].unit, QUANTITIES[self.quantity].words
-        variables: dict[str, Any] = {
-            self.quantity: (dims, mean, {"units": unit, "long_name": title}),
-            "lower": (dims, lower, {"units": unit, "long_name": f"lower limit of the 95 % interval of the {title}"}),
-            "upper": (dims, upper, {"units": unit, "long_name": f"upper limit of the 95 % interval of the {title}"}),
+        coordinates |= {motion: self.head[motion].variable for motion in scalar_motions}
+        common_variables: dict[str, Any] = {
             "status": (dims, status, quantity_attributes("status")),
             **{name: (dims, values, quantity_attributes(name)) for name, values in validity.items()},
         }
-        coordinates |= {motion: self.head[motion].variable for motion in scalar_motions}
-        return xarray.Dataset(variables, coordinates, dict(self.head.attrs))
+        datasets = {}
+        for name, statistics in zip(self.names, estimates, strict=True):
+            if name == "friction_coefficient" or QUANTITIES[name].weighted:
+                statistics /= self.loads[:, np.newaxis, np.newaxis]
+            mean, lower, upper = statistics
+            unit, title = QUANTITIES[name].unit, QUANTITIES[name].words
+            variables = {
+                name: (dims, mean, {"units": unit, "long_name": title}),
+                "lower": (
+                    dims,
+                    lower,
+                    {"units": unit, "long_name": f"lower limit of the 95 % interval of the {title}"},
+                ),
+                "upper": (
+                    dims,
+                    upper,
+                    {"units": unit, "long_name": f"upper limit of the 95 % interval of the {title}"},
+                ),
+            }
+            datasets[name] = xarray.Dataset(variables | common_variables, coordinates, dict(self.head.attrs))
+        return datasets
 
 
 def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
@@ -370,10 +389,8 @@ def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArra
     return np.moveaxis(curve_table.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
-def _compute_contact_and_quantity_sums(
-    dataset: xarray.Dataset, quantity: str, step_dimension: str
-) -> tuple[ContactSums, ContactSums]:
-    """Return the contact sums, and the sums that determine a quantity. The first array axes describe the motion."""
+def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
+    """Return the contact sums, and the sums that determine each quantity. The first array axes describe the motion."""
     dims = [
         *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
         *find_cell_dimensions(dataset),
@@ -391,22 +408,25 @@ def _compute_contact_and_quantity_sums(
 
     columns = {name: get_values_or_nan(name) for name in SUM_QUANTITIES}
     sums = ContactSums.from_columns(columns)
-    if QUANTITIES[quantity].weighted:
-        return sums, ContactSums.from_columns(
-            columns | {name: columns[name] * get_values_or_nan(quantity) for name in _LOAD_VARIABLES[1:]}
+
+    def compute_quantity_sums(name: str) -> ContactSums:
+        if QUANTITIES[name].weighted:
+            return ContactSums.from_columns(
+                columns | {each: columns[each] * get_values_or_nan(name) for each in _LOAD_VARIABLES[1:]}
+            )
+        if name not in _VARIABLES_BY_QUANTITY:
+            return ContactSums.from_columns(columns | {"contact_area": get_values_or_nan(name)})
+        if name != "normal_stiffness":
+            return sums
+        approach_step = compute_derivative(get_values_or_nan("approach")) if step_dimension == "load" else 1.0
+        return ContactSums.from_columns(
+            columns | {each: compute_derivative(columns[each]) / approach_step for each in _LOAD_VARIABLES[1:]}
         )
-    if quantity not in _VARIABLES_BY_QUANTITY:
-        return sums, ContactSums.from_columns(columns | {"contact_area": get_values_or_nan(quantity)})
-    if quantity != "normal_stiffness":
-        return sums, sums
 
     def compute_derivative(values: NDArray[Any]) -> Floats:
         return np.asarray(np.gradient(values, dataset[step_dimension].values, axis=-2, edge_order=2))
 
-    approach_step = compute_derivative(get_values_or_nan("approach")) if step_dimension == "load" else 1.0
-    return sums, ContactSums.from_columns(
-        columns | {name: compute_derivative(columns[name]) / approach_step for name in _LOAD_VARIABLES[1:]}
-    )
+    return [sums, *map(compute_quantity_sums, names)]
 
 
 def _compute_quantity_values(sums: ContactSums, quantity: str, mu0: Floats, tau0: Floats) -> Floats:
@@ -415,24 +435,23 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, mu0: Floats, tau0
     return friction.compute_load("tangential" if quantity == "friction_coefficient" else "normal", sums, mu0, tau0)
 
 
-def _average_contact_and_quantity_sums(
-    solved_members: Callable[[], Iterator[xarray.Dataset]], quantity: str, step_dimension: str
-) -> tuple[ContactSums, ContactSums, int]:
-    """Average both sums of `_compute_contact_and_quantity_sums` over the members, and count the members."""
+def _average_sums(
+    solved_members: Callable[[], Iterator[xarray.Dataset]], names: Sequence[str], step_dimension: str
+) -> tuple[list[ContactSums], int]:
+    """Average the sums of `_compute_sums` over the members, and count the members."""
     total_sums: list[ContactSums] = []
     count = 0
     for piece in solved_members():
         count += piece.sizes["repetition"]
         piece_sums = [
             sums.apply(lambda values: values.sum(axis=-1, keepdims=True))
-            for sums in _compute_contact_and_quantity_sums(piece, quantity, step_dimension)
+            for sums in _compute_sums(piece, names, step_dimension)
         ]
         total_sums = [
             ContactSums(**{name: getattr(first, name) + getattr(second, name) for name in SUM_QUANTITIES})
             for first, second in zip(total_sums, piece_sums, strict=True)
         ] if total_sums else piece_sums  # fmt: skip
-    sums, quantity_sums = (each.apply(lambda values: values / max(count, 1)) for each in total_sums)
-    return sums, quantity_sums, count
+    return [each.apply(lambda values: values / max(count, 1)) for each in total_sums], count
 
 
 def choose_mu0_and_tau0(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
