@@ -93,6 +93,36 @@ def test_instrument_limit_is_negligible_if_its_slope_fraction_is_small(profile):
         assert (characterisation.instrument_limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION) == (rms < 1e-4)
 
 
+def test_tip_radius_adds_a_line_without_a_second_cutoff(profile):
+    noise = np.random.default_rng(1).normal(size=len(profile))
+    scans = {
+        "rough": profile,
+        "smooth": Profile(cut_off(profile, 0.3).heights, spacing=0.01),
+        "noisy": Profile(cut_off(profile, 0.3).heights + 3e-4 * noise, spacing=0.01),
+    }
+    for name, radius, expected_words in (
+        ("rough", 2.0, "does not resolve wavelengths below"),
+        ("smooth", 1e-3, "resolves all wavelengths"),
+        ("noisy", 0.05, "which are unreliable in any case"),
+        ("noisy", 50.0, "does not resolve wavelengths below"),
+    ):
+        with_tip, without_tip = (Characterisation(scans[name], tip_radius=each) for each in (radius, None))
+        texts, texts_without_tip = (
+            {row.label: row.texts[0] for row in result.rows} for result in (with_tip, without_tip)
+        )
+        assert expected_words in texts["tip"]
+        assert "cutoff" not in texts["tip"]
+        assert texts["instrument"] == texts_without_tip["instrument"]
+        # caveats and the line "instrument" suggest the same cutoff
+        suggested_cutoffs = {
+            match
+            for text in (texts["instrument"], *(caveat.remedy for caveat in with_tip.caveats))
+            for match in re.findall("--cutoff '(.*?)'", text)
+        }
+        assert len(suggested_cutoffs) == (name == "noisy")
+        assert "tip" not in texts_without_tip
+
+
 def test_spectrum_that_is_not_a_power_law_has_no_hurst_exponent(profile):
     filter_gain = np.interp(power_spectrum(profile).wave_number, [0.1, 3.0, 3.01, 300], [1.0, 1.0, 0.02, 0.02])
     heights = np.fft.irfft(np.fft.rfft(profile.heights) * np.concatenate([[0.0], filter_gain]), len(profile))

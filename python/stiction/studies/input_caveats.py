@@ -40,7 +40,6 @@ INSTRUMENT_LIMIT_REASON_TEXTS = {
     "line": "the spectrum has a line",
     "roll-up": "the spectrum rises",
     "hump": "the spectrum has a hump",
-    "tip": "features are sharper than the tip resolves",
 }
 """Explanations of why wavelengths are not attributed to the surface, keyed by the short name of the reason."""
 

@@ -91,16 +91,26 @@ class ScanDefects:
         return None if self.instrument_limit.matters or self.textured else find_hidden_noise(self.body_without_outliers)
 
     @cached_property
+    def limit_with_tip(self) -> InstrumentLimit | None:
+        """Shortest wavelength that pixels, noise and tip leave usable, or None without a tip radius.
+
+        Raises a `ValueError` if the body is flat.
+        """
+        if self.tip_radius is None:
+            return None
+        return instrument_limit(self.body_without_outliers, tip_radius=self.tip_radius, texture=self.textured)
+
+    @property
     def tip_limit(self) -> InstrumentLimit | None:
         """Limit set by the tip.
 
         None if no tip radius is given, if pixels or noise set the limit, or if shorter wavelengths contribute at most
         1 % of the mean square slope. Raises a `ValueError` if the body is flat.
         """
-        if self.tip_radius is None:
+        limit = self.limit_with_tip
+        if limit is None or limit.reason != "tip":
             return None
-        limit = instrument_limit(self.body_without_outliers, tip_radius=self.tip_radius, texture=self.textured)
-        return limit if limit.reason == "tip" and limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else None
+        return limit if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else None
 
 
 def _find_height(body: Profile | Surface) -> float:

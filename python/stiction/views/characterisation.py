@@ -235,9 +235,18 @@ class Characterisation:
 
     @cached_property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest reliable wavelength of the scan."""
+        """Shortest wavelength of the scan that pixels and noise leave usable, as in the caveats. It ignores the tip."""
+        if not self.periodic:
+            return self._defects.instrument_limit
+        return instrument_limit(self.body_without_outliers, periodic=True, texture=self.textured)
+
+    @cached_property
+    def tip_limit(self) -> InstrumentLimit | None:
+        """Shortest wavelength that pixels, noise and tip leave usable, or None without a tip radius."""
+        if self.tip_radius is None or not self.periodic:
+            return self._defects.limit_with_tip
         return instrument_limit(
-            self.body_without_outliers, tip_radius=self.tip_radius, periodic=self.periodic, texture=self.textured
+            self.body_without_outliers, tip_radius=self.tip_radius, periodic=True, texture=self.textured
         )
 
     @cached_property
@@ -400,9 +409,7 @@ class Characterisation:
         wavelength = format_with_unit(limit.wavelength, "um") + (f" along {limit.axis}" if limit.axis else "")
         contribution_text = f"{format_percent(limit.slope_fraction)} of the mean square slope"
         if limit.reason == "pixels":
-            limit_text = (
-                f"only the grid spacing{'' if self.tip_radius is None else '; the tip follows all wavelengths'}"
-            )
+            limit_text = "only the grid spacing"
         elif limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION:
             limit_text = (
                 f"below {wavelength} {INSTRUMENT_LIMIT_REASON_TEXTS[limit.reason]}: negligible, {contribution_text}"
@@ -416,9 +423,10 @@ class Characterisation:
         shortest_octave_text = (
             f"below {format_with_unit(2 * limit.pixels, 'um')}: {format_percent(fraction)} of the mean square slope"
         )
+        tip_wavelength = math.nan if self.tip_limit is None else self.tip_limit.tip
         limit_entries = (
             json_entry("noise_floor_below", limit.noise, "um"),
-            json_entry("tip_follows_down_to", limit.tip, "um"),
+            json_entry("tip_follows_down_to", tip_wavelength, "um"),
         )
         return [
             TableRow(
@@ -430,6 +438,7 @@ class Characterisation:
             TableRow("cumulative slope", (slopes,)),
             *self._period_rows(),
             TableRow("instrument", (limit_text,), limit_entries),
+            *([] if self.tip_limit is None else [TableRow("tip", (_tip_limit_text(self.tip_limit),))]),
         ]
 
     def _period_rows(self) -> list[TableRow]:
@@ -617,6 +626,21 @@ def length_text(value: float) -> str:
 def _json_unit(parameter: ParameterDefinition) -> str:
     """Return the JSON unit of a parameter."""
     return _JSON_UNIT_EXCEPTIONS.get(parameter.unit, parameter.unit.replace("µm", "um").replace("²", "2"))
+
+
+def _tip_limit_text(limit: InstrumentLimit) -> str:
+    """Describe the wavelengths that a tip does not resolve, for a limit by pixels, noise and tip.
+
+    No cutoff is suggested, because filtering does not restore these wavelengths.
+    """
+    if math.isnan(limit.tip):
+        return "resolves all wavelengths"
+    tip_text = f"does not resolve wavelengths below {format_with_unit(limit.tip, 'um')}"
+    if limit.reason != "tip":
+        return f"{tip_text}, which are unreliable in any case"
+    contribution_text = f"{format_percent(limit.slope_fraction)} of the mean square slope"
+    is_negligible = limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION
+    return f"{tip_text}: {'negligible, ' if is_negligible else ''}{contribution_text}"
 
 
 def _filters_text(result: SectionParameters) -> str:
