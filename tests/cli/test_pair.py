@@ -558,7 +558,8 @@ RUBBER_ON_GLASS_OPTIONS = [
 def test_pair_command_output_fits_in_24_lines(scans_folder, arguments, tmp_path):
     completed = check_stiction("pair", *arguments, "-o", tmp_path / "out", cwd=scans_folder, columns=80)
     # Paths are not counted, because they are longer in this test than in the current directory.
-    text_before_paths, _, paths = (completed.stderr + completed.stdout).partition("wrote ")
+    output = (completed.stderr + completed.stdout).replace(str(tmp_path / "out"), "out")
+    text_before_paths, _, paths = output.partition("wrote ")
     assert "report.html" in paths
     num_lines = 1 + sum(1 + max(len(line) - 1, 0) // 80 for line in text_before_paths.splitlines())
     assert num_lines <= 23  # the last line of the terminal shows the prompt
@@ -679,7 +680,7 @@ def test_pair_command_resumes_with_the_same_options_and_rejects_different_option
     ]
     completed = check_stiction(*command, "--shifts", 4, "--json", cwd=scans_folder)
     assert json.loads(completed.stdout)
-    assert "3 of 4 repetitions already existed" in completed.stderr
+    assert "3 of 4 positions already existed" in completed.stderr
     (scans_folder / "areas" / "picture.nc").unlink()
     check_stiction(*command, "--shifts", 4, cwd=scans_folder)
     assert (scans_folder / "areas" / "picture.nc").exists()
@@ -706,7 +707,7 @@ def test_pair_command_with_changed_tau0_reuses_stored_repetitions(scans_folder):
     check_stiction(*command, "--tau0", "0 MPa", cwd=scans_folder)
     blocks = sorted((scans_folder / "friction" / "blocks").iterdir())
     completed = check_stiction(*command, "--tau0", "50 MPa", cwd=scans_folder)
-    assert "its 2 repetitions are kept" in completed.stderr
+    assert "its 2 positions are kept" in completed.stderr
     assert "friction.tau0 = " in completed.stderr
     assert sorted((scans_folder / "friction" / "blocks").iterdir()) == blocks
 

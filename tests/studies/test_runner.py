@@ -238,10 +238,10 @@ def test_computation_of_missing_members_announces_the_estimated_time_once(tmp_pa
 
 def test_remaining_time_is_estimated_from_the_time_of_the_first_block():
     missing = SimpleNamespace(count=16)
-    text = runner._format_revised_time_estimate(missing, 1, 480.0, 2, 8.5)
+    text = runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 480.0, 2, 8.5)
     assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
     assert (
-        runner._format_revised_time_estimate(missing, 1, 480.0, 2, 300.0) == ""
+        runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 480.0, 2, 300.0) == ""
     )  # The new estimate is close to the first one.
-    assert runner._format_revised_time_estimate(missing, 1, 8.0, 2, 1.0) == ""  # Little time remains.
-    assert runner._format_revised_time_estimate(missing, 4, 480.0, 4, 8.5) == ""  # No repetitions remain.
+    assert runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 8.0, 2, 1.0) == ""  # Little time remains.
+    assert runner._format_revised_time_estimate(TINY_STUDY, missing, 4, 480.0, 4, 8.5) == ""  # No repetitions remain.

@@ -301,7 +301,7 @@ def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
 def test_blocks_that_are_swapped_or_belong_to_another_result_are_detected(folder_copy, tmp_path):
     content = find_block_file(folder_copy, 8).read_bytes()
     replace_block_content(find_block_file(folder_copy, 4), content)
-    with pytest.raises(StoreError, match="does not contain the repetitions in its file name"):
+    with pytest.raises(StoreError, match="does not contain the members in its file name"):
         store.read(folder_copy)
     other_folder = tmp_path / "other"
     compute_missing_blocks(TINY_STUDY.with_changes({"ensemble.seed": 1}), other_folder)
@@ -322,7 +322,7 @@ def replace_by_directory(file):
 @pytest.mark.parametrize("damage", [truncate_file, replace_by_directory])
 def test_invalid_block_is_reported_with_a_one_line_error(folder_copy, damage):
     damage(find_block_file(folder_copy, 4))
-    with pytest.raises(StoreError, match=r"0000004-0000007-.*recompute repetitions 4 to 7") as caught:
+    with pytest.raises(StoreError, match=r"0000004-0000007-.*recompute members 4 to 7") as caught:
         store.read(folder_copy)
     assert len(str(caught.value).splitlines()) == 1
 
@@ -419,7 +419,7 @@ def test_block_that_contradicts_its_study_is_reported_with_a_one_line_error(fold
         store.read(copy)
     assert len(str(caught.value).splitlines()) <= 2
     replace_block_content(file, content)
-    with pytest.raises(StoreError, match="recompute repetitions 4 to 7"):
+    with pytest.raises(StoreError, match="recompute members 4 to 7"):
         store.read(folder_copy)
 
 

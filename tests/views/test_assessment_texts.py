@@ -141,7 +141,7 @@ FAULT_CASES = {
     "below the grid": ({"share_below_grid": 0.6}, {"share_below_grid": 0.4}, "spacing"),
     "wide": ({"half_width_ratio": 0.55}, {"half_width_ratio": 0.45}, "interval"),
     "no interval": ({"half_width_ratio": np.nan}, {}, "no interval"),
-    "few answers": ({"ok": 7}, {"ok": 8}, "of 16 members"),
+    "few answers": ({"ok": 7}, {"ok": 8}, "of 16 positions"),
     "area": ({"contact_area_fraction": 1.01}, {"contact_area_fraction": 0.99}, "true area"),
     "merged": ({"share_overlapping": 0.6}, {"share_overlapping": 0.05}, "overlap"),
 }
@@ -423,7 +423,7 @@ def test_sentence_states_hardness_with_its_range(input_range, expected_text):
 
 def test_sentence_states_the_number_of_surrogate_pairs():
     point = summarize(measured_result(members=16), measured_study(press="surrogates")).points[0]
-    assert "16 pairs of random surfaces with these spectra" in quotable_sentence(point)
+    assert "16 pairs of surrogates (random surfaces with these spectra)" in quotable_sentence(point)
     assert "random" not in quotable_sentence(summarize(measured_result(members=16), measured_study()).points[0])
 
 

@@ -584,8 +584,8 @@ def test_area_caption_names_errors_of_the_scans_if_the_interval_covers_alternati
     assert '"hasAlternatives": false' in text
     (tmp_path / "page.html").write_text(text.replace('"hasAlternatives": false', '"hasAlternatives": true'), "utf-8")
     for path, area_interval in (
-        (pages["maps"], "sampling interval of positions only"),
-        (tmp_path / "page.html", "interval from sampled positions and scan errors"),
+        (pages["maps"], "sampling interval"),
+        (tmp_path / "page.html", "sampling interval, extended by errors of the scans"),
     ):
         browser.open_page(driver, path)
         browser.open_more_section(driver)
@@ -593,7 +593,7 @@ def test_area_caption_names_errors_of_the_scans_if_the_interval_covers_alternati
             name: find_element(driver, f"{name}-caption").get_property("textContent") for name in ("area", "stiffness")
         }
         assert f"Shaded: 95 % {area_interval}." in captions["area"]
-        assert "Shaded: 95 % sampling interval of positions only." in captions["stiffness"]
+        assert "Shaded: 95 % sampling interval." in captions["stiffness"]
     assert log_is_empty(driver)
 
 

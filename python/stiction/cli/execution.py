@@ -14,6 +14,7 @@ from stiction._units import short_repr
 from stiction.cli.application import print_message, print_output, report_interruption, show_status
 from stiction.cli.options import option
 from stiction.studies.executors import thread_pool_executor
+from stiction.studies.member_names import count_members_text
 from stiction.studies.pipeline import complete_result
 from stiction.studies.result import Result
 from stiction.studies.store import StoreError, StudyMismatchError, open_stored_result
@@ -102,7 +103,7 @@ def compute_result_in_folder(
         detail = ""
         with contextlib.suppress(StoreError):  # an exception means that no result is stored yet
             stored_result = open_stored_result(directory)
-            num_repetitions = stored_result.study.ensemble.repetitions
-            progress = f"{stored_result.num_finished} of {num_repetitions} repetitions are finished and stored"
+            count_text = count_members_text(study, stored_result.study.ensemble.repetitions)
+            progress = f"{stored_result.num_finished} of {count_text} are finished and stored"
             detail = f"; {progress}: run the same command again to resume"
         raise report_interruption(detail) from None

@@ -48,7 +48,7 @@ def table_command(
         str, option("--wavelengths SHORTEST,LONGEST", "Shortest (cutoff) and longest (roll-off) wavelength.")
     ] = "0.3125 um,2.5 um",
     points: Annotated[int, option("--points N", "Grid points along each side.", minimum=16)] = 256,
-    repetitions: Annotated[int, option("--repetitions N", "Number of pairs of surfaces.", minimum=1)] = 12,
+    repetitions: Annotated[int, option("--repetitions N", "Number of pairs of generated surfaces.", minimum=1)] = 12,
     seed: Annotated[int, option("--seed N", "Seed of the generated surfaces.")] = 2016,
     workers: WorkersOption = None,
     scheduler: SchedulerOption = None,

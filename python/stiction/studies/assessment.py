@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -20,6 +20,7 @@ from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_
 from stiction.studies.hardness import find_junction_growth, find_materials, find_uncertain_inputs
 from stiction.studies.input_uncertainty import UncertainInput
 from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH_COEFFICIENT, find_interface
+from stiction.studies.member_names import name_members
 from stiction.studies.point import (
     SlidingRuleCoefficient,
     effective_modulus_at,
@@ -216,7 +217,7 @@ _EDGE_CHECK = _build_fraction_check(
     "share_at_edge", "{} of the load is on contacts at the edge", "use larger maps or a smaller load"
 )
 LARGEST_CONTACT_LOAD_TEXT = "one contact carries {} of the load"
-MORE_CONTACTS_REMEDY = "use larger scans or a higher load"
+MORE_CONTACTS_REMEDY = "use larger surfaces or a higher load"
 _FINER_SCAN_REMEDY = "scan more finely, or filter the scan"
 
 EQUALS_MU0_CHECK = LimitCheck(
@@ -270,6 +271,14 @@ def find_point_caveats(
     point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
 ) -> Iterator[Caveat]:
     """Yield the caveats about one point of a result. They depend on the numbers and the status of the point."""
+    for caveat in _find_point_caveats_about_members(point, study, value, status):
+        yield replace(caveat, text=name_members(caveat.text, study), remedy=name_members(caveat.remedy, study))
+
+
+def _find_point_caveats_about_members(
+    point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
+) -> Iterator[Caveat]:
+    """Yield the caveats of `find_point_caveats` with the general word "members"."""
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
         yield from _find_adhesion_caveats(point, study)

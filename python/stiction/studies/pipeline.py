@@ -21,6 +21,7 @@ from stiction.studies.contact_picture import CONTACT_PICTURE_FILE, contact_pictu
 from stiction.studies.evaluation import has_only_negligible_loads
 from stiction.studies.hardness import AREAS_BY_HARDNESS_FILE
 from stiction.studies.input_caveats import find_alternatives
+from stiction.studies.member_names import count_members_text
 from stiction.studies.member_solution import estimate_member_time
 from stiction.studies.onset import (
     ONSET_FILE,
@@ -81,8 +82,8 @@ def complete_result(
     )
     if friction_differences := [difference for difference in differences if difference[0].startswith("friction.")]:
         print_remark(
-            f"{folder} has results for other friction parameters; its {num_existing} repetitions are kept, and its "
-            f"table, report and figures are replaced\n{format_study_differences(friction_differences)}"
+            f"{folder} has results for other friction parameters; its {count_members_text(study, num_existing)} are "
+            f"kept, and its table, report and figures are replaced\n{format_study_differences(friction_differences)}"
         )
     is_measured = stored_result.study.is_measured
     seconds = (num_members - num_existing) * estimate_member_time(stored_result.study)
@@ -92,8 +93,8 @@ def complete_result(
     )
     if part is not None:
         print_finished(
-            f"part {part[0]}/{part[1]} is finished; {stored_result.num_finished} of {num_members} repetitions are in "
-            f"{folder}"
+            f"part {part[0]}/{part[1]} is finished; {stored_result.num_finished} of "
+            f"{count_members_text(study, num_members)} are in {folder}"
         )
         return Result(stored_result)
     result = Result(stored_result)
@@ -103,7 +104,7 @@ def complete_result(
     if num_existing < num_members and (num_existing or not is_measured):
         print_finished(
             f"wrote {folder}"
-            + (f" ({num_existing} of {num_members} repetitions already existed)" if num_existing else "")
+            + (f" ({num_existing} of {count_members_text(study, num_members)} already existed)" if num_existing else "")
         )
     elif num_existing == num_members:
         version_text = "" if stored_result.version == __version__ else f", computed by stiction {stored_result.version}"

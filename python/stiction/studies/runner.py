@@ -33,6 +33,7 @@ from stiction.studies.layout import (
     compute_bytes_per_member,
     stack_members,
 )
+from stiction.studies.member_names import count_members_text, find_member_names
 from stiction.studies.member_solution import compute_member_arrays, estimate_member_time
 from stiction.studies.members import count_grid_points, find_body_attributes
 from stiction.studies.result import Result
@@ -177,7 +178,10 @@ def complete_blocks(
         pool = stack.enter_context(executor_or_thread_pool(executor))
         advance = stack.enter_context(
             progress_bar(
-                "repetitions", unfinished_members.total, unfinished_members.total - unfinished_members.count, progress
+                find_member_names(stored_result.study)[1],
+                unfinished_members.total,
+                unfinished_members.total - unfinished_members.count,
+                progress,
             )
         )
         if unfinished_members.count:
@@ -211,6 +215,7 @@ def _compute_blocks(
         if is_first and update is not None and num_workers is not None:
             is_first = False
             estimate = _format_revised_time_estimate(
+                stored_result.study,
                 unfinished_members,
                 len(members),
                 time.monotonic() - start_time,
@@ -261,8 +266,9 @@ def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]
     except (StoreError, BrokenExecutor) as error:
         reason = WORKER_DIED_MESSAGE if isinstance(error, BrokenExecutor) else error
         raise StoreError(
-            f"{reason}\n{stored_result.reload().num_finished} of {stored_result.study.ensemble.repetitions} "
-            "repetitions are finished and kept; run the study in the same folder again to resume"
+            f"{reason}\n{stored_result.reload().num_finished} of "
+            f"{count_members_text(stored_result.study, stored_result.study.ensemble.repetitions)} are finished and "
+            "kept; run the study in the same folder again to resume"
         ) from None
 
 
@@ -282,7 +288,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
 
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
-        advance = stack.enter_context(progress_bar("repetitions", unfinished_members.total, 0, progress))
+        advance = stack.enter_context(progress_bar(find_member_names(study)[1], unfinished_members.total, 0, progress))
         _submit_member_ranges(
             unfinished_members, pool, MAX_SUBMITTED_TASKS, accept_arrays, compute_block_arrays, __version__, study
         )
@@ -311,10 +317,14 @@ def _describe_remaining_work(
         if workers > 1 and elapsed_time > MIN_REPORTED_TIME
         else ""
     )
-    advice = "; fewer repetitions or smaller scans reduce the time" if elapsed_time > LONG_RUN_TIME else ""
+    advice = (
+        f"; fewer {find_member_names(study)[1]} or smaller surfaces reduce the time"
+        if elapsed_time > LONG_RUN_TIME
+        else ""
+    )
     return (
-        f"computing {unfinished_members.count} repetitions: {time_text}, {format_bytes(size)} in {num_files} "
-        f"{'file' if num_files == 1 else 'files'}{space_text}{writer_text}{advice}"
+        f"computing {count_members_text(study, unfinished_members.count)}: {time_text}, {format_bytes(size)} in "
+        f"{num_files} {'file' if num_files == 1 else 'files'}{space_text}{writer_text}{advice}"
     )
 
 
@@ -322,7 +332,7 @@ MIN_REPORTED_TIME = 60.0  # if the remaining time (s) exceeds this limit, a new 
 
 
 def _format_revised_time_estimate(
-    unfinished_members: _UnfinishedMembers, members: int, seconds: float, workers: int, cost: float
+    study: Study, unfinished_members: _UnfinishedMembers, members: int, seconds: float, workers: int, cost: float
 ) -> str:
     """Return a line with a better estimate of the run time, based on the first block.
 
@@ -331,7 +341,8 @@ def _format_revised_time_estimate(
     remaining_time = seconds * (unfinished_members.count / (members * workers) - 1)
     if remaining_time < MIN_REPORTED_TIME or seconds < 2 * members * cost:
         return ""
-    progress_text = f"{members} of {unfinished_members.count} repetitions took {format_duration(seconds)}"
+    count_text = count_members_text(study, unfinished_members.count)
+    progress_text = f"{members} of {count_text} took {format_duration(seconds)}"
     return f"{progress_text}; the rest takes about {format_duration(remaining_time)} more"
 
 

@@ -51,6 +51,7 @@ from stiction.studies.layout import (
     variable_specs,
 )
 from stiction.studies.measured_surfaces import BODY_ATTRIBUTE_SPECS, BodyAttributes
+from stiction.studies.member_names import count_members_text
 from stiction.studies.members import find_body_attributes
 from stiction.studies.stored_values import (
     MIN_POSITIVE_STORED_VALUE,
@@ -181,9 +182,9 @@ class StoredResult:
         Raises a `StoreError` if the dataset exceeds 2 GiB, or if the result has no finished members, is damaged, or
         does not match its study.
         """
-        num_members = self.study.ensemble.repetitions
         if not self.num_finished:
-            raise StoreError(f"{printable_path(self.path)}: none of the {num_members} repetitions is finished yet")
+            count_text = count_members_text(self.study, self.study.ensemble.repetitions)
+            raise StoreError(f"{printable_path(self.path)}: none of the {count_text} is finished yet")
         if self.nbytes > MAX_RESULT_BYTES:
             raise StoreError(
                 f"{printable_path(self.path)}: the result takes {self.nbytes / 2**30:.1f} GiB of memory, more than "
@@ -264,7 +265,7 @@ class StoredResult:
                 raise DamagedFileError("does not match its checksum")
             content = decode_members(file_content)
             if not np.array_equal(content.numbers, np.arange(block.first, block.last + 1)):
-                raise DamagedFileError("does not contain the repetitions in its file name")
+                raise DamagedFileError("does not contain the members in its file name")
         except OSError as error:
             raise _build_damage_error(self.path, block, f"cannot be read: {describe_os_error(error)}") from None
         except (UnreadableFileError, DamagedFileError) as error:
@@ -275,7 +276,7 @@ class StoredResult:
 def _build_damage_error(path: Path, block: BlockFile, reason: str) -> StoreError:
     return StoreError(
         f"{printable_path(path / BLOCKS_FOLDER / block.name)}: {reason}; remove that file and run the study again to "
-        f"recompute repetitions {block.first} to {block.last}"
+        f"recompute members {block.first} to {block.last}"
     )
 
 
@@ -313,8 +314,8 @@ def read(path: str | Path) -> xarray.Dataset:
     num_members = stored_result.study.ensemble.repetitions
     if stored_result.num_finished < num_members:
         warnings.warn(
-            f"{printable_path(path)}: {stored_result.num_finished} of {num_members} repetitions are finished; the "
-            "result contains only these",
+            f"{printable_path(path)}: {stored_result.num_finished} of "
+            f"{count_members_text(stored_result.study, num_members)} are finished; the result contains only these",
             stacklevel=2,
         )
     return result

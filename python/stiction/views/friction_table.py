@@ -57,7 +57,7 @@ def _table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> s
 def friction_table_text(table: xarray.Dataset) -> str:
     """Format the fitted laws for each roughness, and the range of the friction coefficients."""
     pressure_range = " to ".join(format_with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
-    laws_text = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the pairs"
+    laws_text = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the repetitions"
     lines = [wrap_text(f"Pressures of {pressure_range}; {laws_text}"), ""]
     rows = [["H, Sq", "a (1/GPa)", "b (GPa/µm)", "c", "μ_s all contacts", "μ_s opposing contacts", "largest deviation"]]
     for indices in np.ndindex(table.sizes["hurst_exponent"], table.sizes["rms"]):

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
+from stiction.studies.member_names import count_members_text
 from stiction.studies.onset import OnsetValues
 from stiction.views.layout import Paragraph, Table
 from stiction.views.point import coordinate_text
+
+if TYPE_CHECKING:
+    from stiction.studies.study import Study
 
 HALF_SLIDING_LOAD_FRACTION = 0.5
 CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loading, relative to the sliding load
@@ -23,7 +27,7 @@ def onset_text(onset: OnsetValues) -> str:
     if math.isfinite(displacement.value):
         phrases.append(f"pre-sliding displacement {displacement:.2u} {length_unit}")
     slipped_area = onset.curve[HALF_SLIDING_LOAD_FRACTION].slipped_area
-    phrases.append(f"{slipped_area / 0.01:.2u} % of the contact slips at half of the sliding load")
+    phrases.append(f"{slipped_area / 0.01:.2u} % of the contact slips at half the sliding load")
     stiffness, stiffness_unit = _in_printed_unit(onset.stiffness, "stiffness")
     if math.isfinite(stiffness.value):
         phrases.append(f"initial tangential stiffness {stiffness:.2u} {stiffness_unit}")
@@ -63,20 +67,20 @@ def onset_rows(onset: OnsetValues) -> list[list[str]]:
 PICOJOULE = 1e-3  # in mN µm
 
 
-def onset_note(onset: OnsetValues) -> str:
+def onset_note(onset: OnsetValues, study: Study) -> str:
     """Return a note about the number of averaged members and the assumptions for the onset of sliding."""
-    count_text = "one member" if onset.num_members == 1 else f"{onset.num_members} members"
-    text = f"The onset of sliding is for {count_text}, with friction at all contacts."
+    count_text = count_members_text(study, onset.num_members)
+    text = f"Means over {count_text} for the onset of sliding, with friction at all contacts."
     if not onset.is_poisson_ratio_given and math.isfinite(onset.stiffness.value):
         text += f" Poisson's ratio is assumed to be {onset.poisson_ratio[0]:g}."
     return text
 
 
-def onset_paragraph(onset: OnsetValues, *, verbose: bool) -> Paragraph:
+def onset_paragraph(onset: OnsetValues, study: Study, *, verbose: bool) -> Paragraph:
     """Return a sentence about the onset of sliding and, if `verbose`, a note about the assumptions and a table."""
     if not verbose:
         return [onset_text(onset)]
-    return [f"{onset_text(onset)} {onset_note(onset)}", Table(onset_rows(onset))]
+    return [f"{onset_text(onset)} {onset_note(onset, study)}", Table(onset_rows(onset))]
 
 
 def onset_record(onset: OnsetValues) -> dict[str, Any]:

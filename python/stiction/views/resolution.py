@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING, Any
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
+from stiction.studies.member_names import count_members_text
 from stiction.views.layout import Paragraph, Table, TextRows, WrappedText
 from stiction.views.point import SLIDING_RULE_TITLES, cutoff_text
 
 if TYPE_CHECKING:
     from stiction.studies.resolution import ResolutionEffect, ResolvedRoughness, YieldWavelengthEstimate
+    from stiction.studies.study import Study
 
 
-def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None) -> list[Paragraph]:
+def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, study: Study) -> list[Paragraph]:
     """Return resolved wavelengths, the cutoff study of the first point and, without a hardness, yield estimates."""
     paragraphs: list[Paragraph] = []
     scan = resolution.roughness
@@ -24,7 +26,7 @@ def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None) 
         paragraphs.append([resolved_wavelengths_text(scan)])
     if resolution.cutoffs:
         table = Table(cut_off_rows(resolution, hardness))
-        paragraphs.append([table, WrappedText(cut_off_note(resolution), indent="  ")])
+        paragraphs.append([table, WrappedText(cut_off_note(resolution, study), indent="  ")])
     if scan is not None and resolution.yielding and (rows := yield_wavelength_rows(resolution.yielding[0][1], scan)):
         paragraphs.append([ELASTIC_RESULT_CAVEAT, Table(rows)])
     return paragraphs
@@ -85,9 +87,10 @@ def _coefficient_text(value: float) -> str:
     return f"{value:.3f}" if math.isfinite(value) else "none"
 
 
-def cut_off_note(resolution: ResolutionEffect) -> str:
+def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
     """Return the note below the table of cutoffs."""
-    text = f"The surfaces are low-pass filtered at the cutoff; means over {resolution.members:.0f} members."
+    count_text = count_members_text(study, resolution.members)
+    text = f"The surfaces are low-pass filtered at the cutoff; means over {count_text}."
     if resolution.plastic_limit is not None:
         text += " No finer scan passes the plastic limit. With friction at opposing contacts there is no such limit."
     return text

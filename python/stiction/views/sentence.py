@@ -15,6 +15,7 @@ from stiction._number_format import format_percent, format_significant, format_t
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.studies.hardness import find_uncertain_inputs
 from stiction.studies.interfaces import find_interface
+from stiction.studies.member_names import POSITION_NAMES, find_member_names
 from stiction.studies.point import get_contact_law_name, has_limited_pressure
 from stiction.studies.summary import PointSummary, Summary
 from stiction.surfaces.pairing import SIDES
@@ -174,9 +175,9 @@ def _hardness_range_text(study: Study) -> str:
 
 
 _LOAD_DEFINITION_TEXTS = {
-    "mean": "the load is the mean normal load of all members",
+    "mean": "the load is the mean normal load of all repetitions",
     "elastic": "the load is the elastic contact force, without the contribution of friction on slopes",
-    "normal": "the load is the normal load of each member",
+    "normal": "the load is the normal load of each repetition or position",
 }
 
 
@@ -218,9 +219,10 @@ def shared_conditions_text(points: Sequence[PointSummary]) -> str:
 def _averaged_members_text(point: PointSummary) -> str:
     """Return text that counts the averaged members, as in "8 positions"."""
     study = point.study
-    member_name = "pairs" if not study.is_measured else "positions"
-    member_name = "pairs of random surfaces with these spectra" if study.surfaces.press == "surrogates" else member_name
-    return f"{point.members:.0f} {member_name}"
+    # A dataset of a study with positions and surrogates contains members of one kind.
+    names = find_member_names(study) if study.surfaces.press != "areas" else POSITION_NAMES
+    explanation = " (random surfaces with these spectra)" if study.surfaces.press == "surrogates" else ""
+    return f"{point.members:.0f} {names[1]}{explanation}"
 
 
 PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # text for the width that the paper assumes for profiles

@@ -168,9 +168,9 @@ def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str
         return ""
     paragraphs: list[Paragraph] = []
     if verbose and summary.resolution is not None:
-        paragraphs += resolution_paragraphs(summary.resolution, summary.points[0].hardness)
+        paragraphs += resolution_paragraphs(summary.resolution, summary.points[0].hardness, summary.study)
     if summary.onset_values is not None:
-        paragraphs.append(onset_paragraph(summary.onset_values, verbose=verbose))
+        paragraphs.append(onset_paragraph(summary.onset_values, summary.study, verbose=verbose))
     return "".join(f"\n{text}\n" if verbose else f"{text}\n" for text in map(format_paragraph, paragraphs))
 
 

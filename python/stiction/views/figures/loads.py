@@ -37,14 +37,14 @@ MAX_DRAWN_DIRECTIONS = 2
 
 
 INTERVAL_BAND_LEGENDS = {
-    True: "light bands: 95 %, combined uncertainty\ndark bands and area: 95 %, sampling of positions",
-    False: "bands: 95 %, sampling of positions",
+    True: "light bands: 95 %, combined uncertainty\ndark bands and area: 95 %, sampling intervals",
+    False: "bands: 95 %, sampling intervals",
 }
 """Legend texts of the interval bands for results with (True) and without (False) a combined interval."""
 
 ALTERNATIVES_BAND_LEGEND = (
-    "light bands: 95 %, combined uncertainty\narea: 95 %, sampling of positions, and errors of the scans\n"
-    "dark bands: 95 %, sampling of positions"
+    "light bands: 95 %, combined uncertainty\narea: 95 %, sampling intervals, and errors of the scans\n"
+    "dark bands: 95 %, sampling intervals"
 )
 """Legend text if the intervals include results for alternative preparations of the scans."""
 
@@ -290,7 +290,7 @@ def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, 
         select_sliding_rule(points["friction_all_round"], _list_sliding_rules(points)[0]).sel(statistic="mean").values
     )
     axes.plot(
-        x[is_incomplete], mean[is_incomplete], "x", color="0.3", markersize=4, label="some members have no result"
+        x[is_incomplete], mean[is_incomplete], "x", color="0.3", markersize=4, label="some positions have no result"
     )
 
 

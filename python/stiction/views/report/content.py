@@ -38,8 +38,8 @@ class ReportContent:
         Title.
     heading_lines : list of str
         Lines below the title.
-    pairs_text : str
-        Number and kind of pairs.
+    members_text : str
+        Number and kind of members.
     description_markup : str
         Markup that describes the study and its surfaces.
     facts : dict
@@ -53,7 +53,7 @@ class ReportContent:
 
     name: str
     heading_lines: list[str]
-    pairs_text: str
+    members_text: str
     description_markup: str
     facts: dict[str, Any]
     arrays: Mapping[str, ReportArray]

@@ -14,6 +14,7 @@ from stiction._number_format import choose_prefixed_unit, format_with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.assessment import Caveat, LimitCheck
+from stiction.studies.member_names import REPETITION_NAMES, count_members_text, name_members
 from stiction.studies.report_data import GeneratedReportData
 from stiction.studies.study import Study
 from stiction.studies.values_at_nodes import GENERATED_STATUSES, GeneratedValuesAtNodes, get_validity_limit
@@ -29,7 +30,7 @@ def generated_report_content(data: GeneratedReportData, name: str) -> ReportCont
     """Return the content of a report on generated surfaces. The default title is the name of the study."""
     name, values = name or data.description.name, data.values
     facts = _page_facts(data) | {"name": name, "repetitions": data.num_solved, "hasIntervals": data.num_solved > 1}
-    facts |= {"kinds": ["pairs of surfaces"], "combined": [True], "answers": [], "asked": []}
+    facts |= {"kinds": [REPETITION_NAMES[1]], "combined": [True], "answers": [], "asked": []}
     arrays: dict[str, ReportArray] = {}
     if values is not None:
         colour_ranges = _compute_colour_ranges(values)
@@ -40,7 +41,7 @@ def generated_report_content(data: GeneratedReportData, name: str) -> ReportCont
     return ReportContent(
         name=name,
         heading_lines=_heading_lines(data),
-        pairs_text=_describe_pairs(data),
+        members_text=_describe_members(data),
         description_markup=_changed_settings_markup(data.description.changed_settings),
         facts=facts,
         arrays=arrays,
@@ -86,7 +87,7 @@ def _node_facts(values: GeneratedValuesAtNodes, study: Study) -> dict[str, Any]:
         ],
         "validity": [_validity_record(name) for name in values.validity],
         "judgements": [
-            {"verdict": verdict, "caveats": [_caveat_or_check_record(reason) for reason in assessment]}
+            {"verdict": verdict, "caveats": [_caveat_or_check_record(reason, study) for reason in assessment]}
             for verdict, assessment in zip(values.verdicts, values.assessments, strict=True)
         ],
         "hasStiffness": "stiffness" in values.estimates,
@@ -166,10 +167,13 @@ def _choose_initial_cell_and_load(values: GeneratedValuesAtNodes, study: Study) 
 # ---- The assessment --------------------------------------------------------------------------------------------------
 
 
-def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
+def _caveat_or_check_record(reason: Caveat | LimitCheck, study: Study) -> dict[str, Any]:
     """Return a caveat or check as a record: text, remedy, severity, and the format of the number in the text."""
     number_format = _number_format_of_check(reason) if isinstance(reason, LimitCheck) and "{}" in reason.text else None
-    return {"text": reason.text, "remedy": reason.remedy, "severity": reason.severity, "number": number_format}
+    return {
+        "text": name_members(reason.text, study), "remedy": name_members(reason.remedy, study),
+        "severity": reason.severity, "number": number_format,
+    }  # fmt: skip
 
 
 def _number_format_of_check(check: LimitCheck) -> dict[str, Any]:
@@ -211,9 +215,9 @@ def _heading_lines(data: GeneratedReportData) -> list[str]:
     ]
 
 
-def _describe_pairs(data: GeneratedReportData) -> str:
+def _describe_members(data: GeneratedReportData) -> str:
     num_dimensions, num_amplitudes, num_steps = data.dimensions.size, data.amplitudes.size, data.num_steps
-    pair_count_text = format_count(data.num_solved, "pair of surfaces", "pairs of surfaces")
+    repetitions_text = count_members_text(data.study, data.num_solved)
     cells_text = f"{'each of ' if num_dimensions > 1 else ''}{format_count(num_dimensions, 'fractal dimension')}"
     cells_text += f" and {format_count(num_amplitudes, 'amplitude')}" if num_amplitudes > 1 else ""
     steps_text = (
@@ -221,4 +225,4 @@ def _describe_pairs(data: GeneratedReportData) -> str:
         if data.study.uses_half_space
         else format_count(num_steps, "approach", "approaches")
     )
-    return f"{pair_count_text} at {cells_text}, pressed together at {steps_text}"
+    return f"{repetitions_text} at {cells_text}, pressed together at {steps_text}"

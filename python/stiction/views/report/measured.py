@@ -13,6 +13,7 @@ from stiction._text import printable_text
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.assessment import find_smallest_check_limit
+from stiction.studies.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES, count_members_text, find_member_names
 from stiction.studies.report_data import MAX_FILE_READINGS, BodyHistory, MeasuredReportData
 from stiction.studies.study import Study
 from stiction.studies.summary import PointSummary, Summary
@@ -23,7 +24,7 @@ from stiction.views.point import averaged_directions_text, cutoff_text, material
 from stiction.views.pull_off import pull_off_text
 from stiction.views.quantities import quantity_label
 from stiction.views.report.content import CELL_AXIS_LABELS, ReportContent
-from stiction.views.report.page import MAX_SHOWN_LINE_LENGTH, escape_html, format_count
+from stiction.views.report.page import MAX_SHOWN_LINE_LENGTH, escape_html
 from stiction.views.report.pictures import list_measured_panels
 from stiction.views.report.reading import LISTED_READING_OPTIONS, file_reading_table
 from stiction.views.report.tables import EstimateArray, QuantityTable, ReportArray
@@ -41,18 +42,14 @@ def measured_report_content(data: MeasuredReportData, name: str) -> ReportConten
         facts=_page_facts(data) | {"name": name},
         arrays=_friction_arrays(data.values),
         quantities=_list_quantity_tables(data.values.load_quantities, data.study),
-        pairs_text=f"{format_count(data.num_members, 'pair')} of pieces of the two surfaces",
+        members_text=f"{count_members_text(data.study, data.num_members)} of the two surfaces",
         heading_lines=_heading_lines(data),
         description_markup=_summary_markup(data.summary) + "".join(histories),
         panels=list_measured_panels(data),
     )
 
 
-_MEMBER_KIND_TEXTS: dict[str | None, str] = {
-    None: "pairs",
-    "shifts": "positions of the two surfaces",
-    "surrogates": "pairs of surrogates",
-}
+_MEMBER_KIND_TEXTS = {"shifts": POSITION_NAMES[1], "surrogates": SURROGATE_PAIR_NAMES[1]}
 
 
 def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
@@ -67,7 +64,7 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
             "texts": [f"cutoff {cutoff_text(surfaces.get_scan_cut_offs(value))}" for value in data.cut_offs],
         },
         "amplitudes": [], "repetitions": data.num_solved, "asked": study_loads,
-        "kinds": [_MEMBER_KIND_TEXTS[kind] for kind in values.member_kinds],
+        "kinds": [_MEMBER_KIND_TEXTS.get(kind or "", find_member_names(study)[1]) for kind in values.member_kinds],
         "loads": {
             "values": loads,
             "texts": [f"{format_with_unit(load, 'mN')} ({format_with_unit(load / area, 'GPa')})" for load in loads],
@@ -130,7 +127,7 @@ def _summary_markup(summary: Summary) -> str:
     if summary.resolution is not None and summary.resolution.roughness is not None:
         lines.append(resolved_wavelengths_text(summary.resolution.roughness))
     if summary.onset_values is not None:
-        lines.append(f"{onset_text(summary.onset_values)} {onset_note(summary.onset_values)}")
+        lines.append(f"{onset_text(summary.onset_values)} {onset_note(summary.onset_values, summary.study)}")
     if summary.study.contact.adheres and (pull_off_values := summary.points[0].sticking) is not None:
         lines.append(pull_off_text(pull_off_values))
     return "".join(f"<p>{escape_html(line)}</p>" for line in lines)

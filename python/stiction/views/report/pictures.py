@@ -87,12 +87,12 @@ def _contact_forces_panel(forces: xarray.Dataset) -> FigurePanel:
 def _onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> FigurePanel:
     """Return the panel that shows the onset of sliding of generated pairs."""
     return FigurePanel(
-        "How the pairs begin to slide",
+        "Onset of sliding over fractal dimension",
         "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness over fractal "
         "dimension.",
         "At three loads and the strengths of the study; the sliders do not change this figure. Means with 95 % "
-        "intervals; except for the stiffness, pairs are weighted by their loads. Dotted: more than half of the load "
-        "is beyond Hertz.",
+        "intervals; except for the stiffness, repetitions are weighted by their loads. Dotted: more than half of the "
+        "load is beyond Hertz.",
         partial(onset_by_dimension_figure, points, study),
         is_wide=True,
     )
@@ -139,7 +139,7 @@ def _positions_panel(point: xarray.Dataset, title: str) -> FigurePanel:
     """Return the panel that shows the friction at single positions."""
     return FigurePanel(
         "Single positions",
-        "Friction coefficient of each pair in each direction.",
+        "Friction coefficient at each position in each direction.",
         "At the first load, μ0 and τ0 of the study; the sliders do not change this figure.",
         partial(positions_figure, point, title=title),
     )
@@ -164,7 +164,7 @@ def _onset_panels(onset: xarray.Dataset, title: str) -> list[FigurePanel]:
     slip_panel = FigurePanel(
         "Order of slip",
         "Contacts on a map of the lower body, coloured by the tangential load at which they slip.",
-        f"For one of the pairs: {points_text if 'slip' in onset else contacts_text}",
+        f"For one position: {points_text if 'slip' in onset else contacts_text}",
         partial(slip_figure, onset, title=title),
     )
     return [curve_panel, slip_panel]

@@ -33,7 +33,7 @@ function indexOf(rule, cell, load, way = state.way) {
 }
 
 /** Return friction for a rule: value, interval, status and kind of interval.
- * Without a combined interval, the interval is due to sampling of positions. It is then drawn but not printed. */
+ * Without a combined interval, the interval is the sampling interval. It is then drawn but not printed. */
 function frictionAt(rule, cell, load, at = place(), way = state.way) {
   const index = indexOf(rule, cell, load, way);
   const first = index * at.size;
@@ -85,8 +85,8 @@ function showParameters() {
  * The interval of the true area also covers results for alternative preparations of the scans, if there are any. */
 function intervalName(isCombined, isArea = false) {
   if (!isMeasured) return "interval";
-  if (isArea && facts.hasAlternatives && facts.combined[state.kind]) return "interval from sampled positions and scan errors";
-  if (!isCombined) return "sampling interval of positions only";
+  if (isArea && facts.hasAlternatives && facts.combined[state.kind]) return "sampling interval, extended by errors of the scans";
+  if (!isCombined) return "sampling interval";
   return `interval, combined uncertainty${facts.ranged && !isAtRange() ? ", μ0 and τ0 exact where the study has other values" : ""}`;
 }
 
@@ -95,7 +95,7 @@ const isAtRange = () => [["mu0", state.mu0], ["tau0", state.tau0]].every(([name,
   nodeAxes[name].bounds.some(([low, high]) => low <= value && value <= high));
 
 function whyNoInterval() {
-  if (isMeasured) return "too few members have a coefficient, or all coefficients are equal";
+  if (isMeasured) return `too few ${facts.kinds[state.kind]} have a coefficient, or all coefficients are equal`;
   return facts.repetitions === 1 ? "there is one repetition" : "fewer than two repetitions carry load";
 }
 
@@ -156,7 +156,7 @@ function answerOf(at, rule, alone) {
   return [
     element("p", {class: "value", "data-rule": rule}, element("i", {}, "μ"), element("sub", {}, "s"), " = ", data(at.value, inDecimals(at.value, at.decimals))),
     element("p", {class: "interval"}, ...interval),
-    ...(sampled && (!at.isCombined || sampled !== ends) ? [element("p", {class: "hint"}, `Sampling of positions only: ${sampled}`)] : []),
+    ...(sampled && (!at.isCombined || sampled !== ends) ? [element("p", {class: "hint"}, `Sampling interval: ${sampled}`)] : []),
     ...(alone ? [element("p", {class: "hint"}, "The small-slope estimate is ", data(alone.value, quoted(alone)))] : []),
   ];
 }
@@ -197,14 +197,15 @@ function judgement(points, d, l) {
     `${near.loadText} it is: ${near.verdict}. `, back)] : []);
 }
 
-const MAX_OPEN_CAVEATS = 3; // number of caveats that are shown while the list of caveats is closed
+const MAX_OPEN_CAVEATS = 3; // number of caveats, or more if there are more faults, that are shown while the list of caveats is closed
 
 function verdictElements(verdict, caveats) {
   const kind = VERDICT_CLASSES[verdict];
   const list = (some) => (some.length ? [element("ul", {class: "caveats"}, ...some.map(({text, remedy, severity}) =>
     element("li", {class: severity}, `${text.replace(/^[a-z]/, (letter) => letter.toUpperCase())}; ${remedy}.`)))] : []);
-  const rest = caveats.slice(MAX_OPEN_CAVEATS);
-  return [element("div", {class: `said ${kind}`}, element("p", {class: `verdict ${kind}`}, verdict), ...list(caveats.slice(0, MAX_OPEN_CAVEATS)),
+  const numOpen = Math.max(MAX_OPEN_CAVEATS, caveats.filter(({severity}) => severity === "fault").length);
+  const rest = caveats.slice(numOpen);
+  return [element("div", {class: `said ${kind}`}, element("p", {class: `verdict ${kind}`}, verdict), ...list(caveats.slice(0, numOpen)),
     ...(rest.length ? [element("details", {}, element("summary", {}, `${rest.length} more`), ...list(rest))] : []))];
 }
 
@@ -220,7 +221,7 @@ function figuresOf(at, d, l) {
       if (value !== null) row(words, value, texts[state.kind][d][l], isBeyond[state.kind][d][l]);
     }
     const answered = atNearest(numbers.floats, numbers.offsets.answered + at.index * here.size, here);
-    row("Members with a coefficient", answered, `${answered} of ${facts.memberCounts[state.kind]}`);
+    row(`${facts.kinds[state.kind].replace(/^./, (letter) => letter.toUpperCase())} with a coefficient`, answered, `${answered} of ${facts.memberCounts[state.kind]}`);
     return list;
   }
   if (at.status !== "ok") return list;

@@ -13,6 +13,7 @@ from string import Template
 import xarray
 
 from stiction.studies.intervals import CONFIDENCE_LEVEL
+from stiction.studies.member_names import count_members_text
 from stiction.studies.report_data import GeneratedReportData, MeasuredReportData, ReportData, collect_report_data
 from stiction.studies.result import Result
 from stiction.views.report.content import ReportContent, common_facts
@@ -22,7 +23,6 @@ from stiction.views.report.page import (
     HtmlPage,
     ReportError,
     escape_html,
-    format_count,
     plot_panel_markup,
     read_package_file,
     script_markup,
@@ -134,7 +134,7 @@ def _render_page(data: MeasuredReportData | GeneratedReportData, content: Report
     body = Template(read_package_file("result.html")).substitute(
         unfinished=notices_markup,
         percent=f"{100 * CONFIDENCE_LEVEL:g} %",
-        pairs=escape_html(content.pairs_text),
+        members=escape_html(content.members_text),
         touching=panels[True],
         pictures=panels[False],
         study=f"<h2>The study</h2>{content.description_markup}{_study_file_markup(data.description.file_text)}",
@@ -154,9 +154,12 @@ def _incompleteness_notices(data: ReportData, name: str) -> str:
     """Return markup with notices about missing and unsolved members, or an empty string for a complete result."""
     num_repetitions, notices = data.study.ensemble.repetitions, []
     if data.num_members < num_repetitions:
-        notices.append(f"{name} is unfinished: {data.num_members} of {num_repetitions} repetitions.")
+        notices.append(
+            f"{name} is unfinished: {data.num_members} of {count_members_text(data.study, num_repetitions)}."
+        )
     if (num_unsolved := data.num_members - data.num_solved) > 0:
-        notices.append(f"{name}: {format_count(num_unsolved, 'repetition')} without a solution at every load left out.")
+        count_text = count_members_text(data.study, num_unsolved)
+        notices.append(f"{name}: {count_text} without a solution at every load left out.")
     return "".join(f'<p class="notice">{escape_html(line)}</p>' for line in notices)
 
 
