@@ -38,19 +38,19 @@ def benchmark_rows() -> list[tuple[str, str]]:
             address = re.search(r"http:\S+", server.stderr.readline())[0]
             start_time = time.perf_counter() - start
             set_window_size(driver, 1280, 720)
+            page_start = time.perf_counter()
             driver.get(address)
             preview_time = measure_wait_for_script(driver, "['upper', 'lower'].every((side) => scans[side]?.holds)")
             paint_time = driver.execute_script(
                 "return performance.getEntriesByName('first-contentful-paint')[0].startTime"
             )
-            time.sleep(5)  # A user would read the page for about this time.
-            driver.execute_script("document.querySelector('#pair .go').click()")
-            first_result_time = measure_wait_for_script(driver, "document.querySelector('#answer .value') !== null")
+            # The demonstration computes its pair without a click.
+            measure_wait_for_script(driver, "document.querySelector('#answer .value') !== null")
+            first_result_time = time.perf_counter() - page_start
             measure_wait_for_script(driver, "reportAddress !== '' && document.getElementById('progress').value > 0")
             measure_wait_for_script(driver, "reportDocument().readyState === 'complete'")
-            result_time = first_result_time + measure_wait_for_script(
-                driver, "document.getElementById('job').dataset.state === 'done'"
-            )
+            measure_wait_for_script(driver, "document.getElementById('job').dataset.state === 'done'")
+            result_time = time.perf_counter() - page_start
             measure_wait_for_script(
                 driver, "reportDocument().getElementById('main')?.getAttribute('aria-busy') === 'false'"
             )
@@ -66,8 +66,8 @@ def benchmark_rows() -> list[tuple[str, str]]:
         ),
         ("time until two maps of 128 x 128 points are shown with their roughness", f"{preview_time:.1f} s"),
         (
-            "time from the click to the preview, time to the final result",
-            f"{first_result_time:.1f} s, {result_time:.0f} s",
+            "time from opening the page to the preview of the result, time to the final result",
+            f"{first_result_time:.1f} s, {result_time:.1f} s",
         ),
         ("memory of the server at that time", f"{memory / 1e6:.0f} MB"),
     ]

@@ -20,10 +20,12 @@ import pytest
 pytest.importorskip("starlette", reason="the extra app is not installed")
 
 from app.server_process import start_server, wait_until, write_maps
+from stiction import Study, run
 from stiction.app import server
 from stiction.app.jobs import JobQueue, run_module
 from stiction.app.server import MAX_CONCURRENT_REQUESTS
 
+SMALL_ENSEMBLE = {"ensemble.repetitions": 2, "surfaces.points": 3000}
 MAX_SERVER_MEMORY = 400e6  # memory limit in bytes; the server loads xarray and reads one scan at a time
 
 
@@ -325,6 +327,35 @@ def test_job_is_marked_as_stopped_before_its_partial_result_is_read(tmp_path, mo
         assert is_ending or not job.activity
 
     asyncio.run(check())
+
+
+def test_files_of_a_pair_come_from_its_command_without_another_process(tmp_path, monkeypatch):
+    answers = [{"headline": False, "caveats": []}, {"headline": True, "caveats": [{"text": "use --tip"}]}]
+
+    async def run_module(arguments, on_record=None, **_):
+        assert arguments[:2] == ["stiction", "pair"]
+        folder = Path(arguments[-1].removeprefix("--output="))
+        run(Study.named("quick").with_changes(SMALL_ENSEMBLE), store=folder)
+        for name in ("report.html", "result.csv"):
+            (folder / name).write_text(f"{name} of {folder}")
+        on_record()
+        return json.dumps({"command": str(folder), "answers": answers})
+
+    async def check():
+        queue = JobQueue(tmp_path)
+        job = queue.add("a pair", ["pair"])
+        await job.task
+        return job
+
+    monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
+    job = asyncio.run(check())
+    assert (job.state, job.error, job.scope, job.finished, job.total) == ("done", "", "", 2, 2)
+    assert job.record["headline"]
+    assert "--tip" not in job.record["caveats"][0]["text"]
+    texts = {file.name: file.read_text() for file in job.files.iterdir()}
+    assert texts["page.html"].startswith("report.html of results/")
+    assert set(texts) == {"page.html", "result.csv", "result.json", "study.toml"}
+    assert not any(str(tmp_path) in text for text in texts.values())
 
 
 def test_cancelled_task_ends_only_after_its_subprocess_has_ended(monkeypatch):

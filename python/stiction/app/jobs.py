@@ -16,12 +16,13 @@ import shutil
 import signal
 import sys
 from asyncio.subprocess import PIPE
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stiction.app.form import find_first_option_name, replace_option_names
+from stiction.app.form import find_first_option_name, replace_option_names, replace_option_names_in_caveats
 from stiction.studies.store import open_stored_result
 
 POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a command
@@ -34,6 +35,8 @@ JOB_MEMORY_FRACTION = 0.5  # maximum fraction of the machine's memory that the r
 READER_MEMORY_FRACTION = 0.25  # maximum fraction of the machine's memory that each of the two reader processes may use
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
 END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record; a command prints this record before it draws figures
+# files for the user, and the names under which a `pair` command writes them
+PAIR_FILES = {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"}
 
 
 REPORTED_EXCEPTIONS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
@@ -147,17 +150,51 @@ class JobQueue:
                     preview=job.preview,
                 )
         if job.folder.is_relative_to(self.root):
-            job.activity = "computing"
-            monitor_task = asyncio.create_task(self._monitor_progress(job))
-            try:
-                output_option = "--json" if job.arguments[0] == "pair" else "--part=1/1"
-                arguments = ["stiction", *job.arguments, output_option, f"--output={job.folder}"]
-                await run_module(arguments, grace_time=MAX_SHUTDOWN_TIME, memory=JOB_MEMORY_FRACTION)
-            finally:
-                monitor_task.cancel()
-                await asyncio.wait([monitor_task])
+            record = await self._compute_result(job)
+            if job.arguments[0] == "pair":
+                await asyncio.to_thread(self._collect_pair_files, job, record)
+                return
         job.activity = "drawing"
         await self._read_result(job)
+
+    async def _compute_result(self, job: Job) -> str:
+        """Run the command of a job until it ends, and return its JSON record.
+
+        A `pair` command also writes its report.
+        """
+        job.activity = "computing"
+        monitor_task = asyncio.create_task(self._monitor_progress(job))
+
+        def show_drawing() -> None:
+            monitor_task.cancel()
+            job.activity = "drawing"
+
+        output_option = "--json" if job.arguments[0] == "pair" else "--part=1/1"
+        arguments = ["stiction", *job.arguments, output_option, f"--output={job.folder}"]
+        try:
+            return await run_module(
+                arguments, grace_time=MAX_SHUTDOWN_TIME, memory=JOB_MEMORY_FRACTION, on_record=show_drawing
+            )
+        finally:
+            monitor_task.cancel()
+            await asyncio.wait([monitor_task])
+
+    def _collect_pair_files(self, job: Job, record: str) -> None:
+        """Copy the files that a finished `pair` command wrote, and take the values to show from its JSON record."""
+        record = hide_private_paths(record, self.root)
+        values = json.loads(record)
+        if "answers" not in values:
+            raise RejectedRequestError(values["remark"])
+        files = self._choose_folder()
+        files.mkdir(parents=True)
+        texts = {name: (job.folder / source).read_text("utf-8") for name, source in PAIR_FILES.items()}
+        for name, text in (texts | {"result.json": record}).items():
+            (files / name).write_text(hide_private_paths(text, self.root), "utf-8", "replace")
+        reported_point = next(point for point in values["answers"] if point["headline"])
+        job.record, job.files, job.versions = replace_option_names_in_caveats(reported_point), files, job.versions + 1
+        job.scope = ""
+        stored_result = open_stored_result(job.folder)
+        job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
 
     async def _monitor_progress(self, job: Job) -> None:
         """Monitor the progress of a command. Whenever the number of members has doubled, read the result."""
@@ -176,8 +213,7 @@ class JobQueue:
 
     async def _read_result(self, job: Job, scope: str = "", **source: Any) -> None:
         """Read the finished part of a job and write a report on it. For the final result, `scope` is empty."""
-        self._folder_count += 1
-        files = self.root / "shared" / f"{self._folder_count}"
+        files = self._choose_folder()
         request = {"folder": str(job.folder), "name": job.folder.name,
                    "command": "" if scope else job.arguments[0],
                    "files": str(files), "root": str(self.root)}  # fmt: skip
@@ -189,6 +225,11 @@ class JobQueue:
         job.scope = scope and scope.format_map(response) + SCOPE_TEXT_SUFFIX
         if not source:
             job.finished, job.total = response["finished"], response["total"]
+
+    def _choose_folder(self) -> Path:
+        """Return a new path for the files of a result that the user can save."""
+        self._folder_count += 1
+        return self.root / "shared" / f"{self._folder_count}"
 
     async def evaluate_result(self, job: Job, numbers: list[float], dimension: float | None) -> str:
         """Return the record of a result at a load (mN), mu0 and tau0 (GPa)."""
@@ -215,11 +256,14 @@ def memory_limit_command_prefix(memory: float) -> list[str]:
     return ["setpriv", "--pdeathsig=KILL", "prlimit", f"--data={max_bytes}"]
 
 
-async def run_module(arguments: list[str], *, memory: float, grace_time: float = 0.0) -> str:
-    """Run a module in a process that ends with the server, and return the output up to the end of a record.
+async def run_module(
+    arguments: list[str], *, memory: float, grace_time: float = 0.0, on_record: Callable[[], None] | None = None
+) -> str:
+    """Run a module in a process that ends with the server, and return its output up to the end of a record.
 
-    The process may use a fraction `memory` of the machine's memory. After a cancellation it has `grace_time` seconds to
-    write its results. Raises `RejectedRequestError` with the message of the process.
+    The process is killed after the record. With `on_record`, which is called after the record, the process runs until
+    it ends. The process may use a fraction `memory` of the machine's memory. After a cancellation it has `grace_time`
+    seconds to write its results. Raises `RejectedRequestError` with the message of the process.
     """
     process = await asyncio.create_subprocess_exec(
         *memory_limit_command_prefix(memory), sys.executable, "-P", "-m", *arguments, stdin=asyncio.subprocess.DEVNULL,
@@ -229,18 +273,24 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
     assert output_stream is not None and error_stream is not None  # noqa: PT018
     error_task = asyncio.create_task(error_stream.read())
     try:
-        return (await output_stream.readuntil(END_OF_JSON_RECORD)).decode()
-    except asyncio.LimitOverrunError:
-        raise RejectedRequestError("the output of the command is too long for the page") from None
-    except asyncio.IncompleteReadError as incomplete:
+        try:
+            output = (await output_stream.readuntil(END_OF_JSON_RECORD)).decode()
+            if on_record is None:
+                return output
+            on_record()
+            await output_stream.read()
+        except asyncio.LimitOverrunError:
+            raise RejectedRequestError("the output of the command is too long for the page") from None
+        except asyncio.IncompleteReadError as incomplete:
+            output = incomplete.partial.decode()
         if (status := await process.wait()) == 0:
-            return incomplete.partial.decode()
+            return output
         if status < 0:
             name = signal.Signals(-status).name
-            raise RejectedRequestError(f"the system ended the command ({name}); memory may be insufficient") from None
+            raise RejectedRequestError(f"the system ended the command ({name}); memory may be insufficient")
         lines = [line.removeprefix("stiction: ") for line in (await error_task).decode(errors="replace").splitlines()]
         messages = [line for line in lines if not line.startswith(("warning: ", "try stiction "))]
-        raise RejectedRequestError("\n".join(messages[-3:]) or "the command ended without a message") from None
+        raise RejectedRequestError("\n".join(messages[-3:]) or "the command ended without a message")
     finally:
         if process.returncode is None and grace_time:
             process.send_signal(signal.SIGINT)
