@@ -39,6 +39,13 @@ def test_paragraphs_consist_of_lines_and_tables_and_are_separated_by_empty_lines
     ]  # fmt: skip
 
 
+def test_split_table_omits_rows_without_cells():
+    rows = [["", "first", "second"], ["", "", "(unit)"], ["row", "1" * 12, "2" * 12]]
+    assert format_table(rows, 20).splitlines() == [
+        "     first", "row  " + "1" * 12, "     second", "     (unit)", "row  " + "2" * 12
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("min_shown", "max_shown", "max_height", "num_shown"),
     [(1, None, None, 4), (1, 3, None, 3), (1, None, 3, 2), (1, None, 1, 1), (2, None, 1, 2), (4, None, 0, 4)],

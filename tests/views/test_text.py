@@ -236,6 +236,22 @@ def test_shortened_caveats_of_several_points_contain_all_faults_and_count_the_ot
     assert len(format_paragraph(assessment_paragraph(points)).splitlines()) == 5
 
 
+def test_grouped_caveats_state_the_range_of_their_numbers():
+    points = summarize(generated_result(dimensions=(1.1, 1.2, 1.3)), generated_study()).points
+    pressures, counts = ("950 kPa", "116 MPa", "1.2 GPa"), ("3", "12.5", "12.5")
+    points = [
+        replace(
+            point,
+            caveats=(Caveat(f"the pressure is {pressure}, with {count} contacts above 1 %", "check it", "caution"),),
+        )
+        for point, pressure, count in zip(points, pressures, counts, strict=False)
+    ]
+    text = " ".join(format_paragraph(assessment_paragraph(points)).split())
+    assert "the pressure is 950 kPa to 1.2 GPa, with 3 to 12.5 contacts above 1 % (3 of 3); check it" in text
+    text = " ".join(format_paragraph(assessment_paragraph(points[1:])).split())
+    assert "the pressure is 116 MPa to 1.2 GPa, with 12.5 contacts above 1 % (2 of 2)" in text
+
+
 def test_overview_omits_caveats_of_low_severity_beyond_the_maximum_number_of_lines():
     dataset = generated_result(dimensions=(1.1, 1.2), contact_count=20.0)
     summary = summarize(dataset, generated_study())

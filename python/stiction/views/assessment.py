@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 from stiction.studies.alternatives import ALTERNATIVE_LABELS, SPIKES_ALTERNATIVE, TIP_ALTERNATIVE
 from stiction.studies.assessment import VERDICTS_BY_SEVERITY, WIDE_INTERVAL_TEXT, Caveat
@@ -38,7 +39,7 @@ def assessment_paragraph(
         ]
     groups = _group_similar_caveats(points)
     num_fault_groups = sum(group[0].severity == "fault" for group in groups)
-    group_lines = [_caveat_line(group[0], f" ({len(group)} of {len(points)})") for group in groups]
+    group_lines = [_caveat_line(_merge_caveats(group), f" ({len(group)} of {len(points)})") for group in groups]
     max_shown = max_groups if max_lines is None else None
     return [
         _assessment_counts_text(points),
@@ -69,8 +70,31 @@ def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]
     return sorted(groups.values(), key=lambda group: group[0].severity != "fault")
 
 
-_CAVEAT_NUMBER_PATTERN = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?")
+_CAVEAT_NUMBER_PATTERN = re.compile(r"(\d[\d.]*)( ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?)")
 """Pattern of a number with its unit. Caveats that differ only in numbers are grouped."""
+
+_PREFIX_FACTORS = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
+
+
+def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
+    """Return the first caveat of a group, with the ranges of the numbers in which the caveats of the group differ."""
+    numbers = zip(*(_CAVEAT_NUMBER_PATTERN.findall(caveat.text) for caveat in group), strict=True)
+    range_texts = iter([_range_text(sorted(set(each), key=_number_with_unit)) for each in numbers])
+    return replace(group[0], text=_CAVEAT_NUMBER_PATTERN.sub(lambda _: next(range_texts), group[0].text))
+
+
+def _number_with_unit(number: tuple[str, str]) -> float:
+    """Return a number, multiplied by the factor of the prefix of its unit."""
+    digits, unit = number[0].rstrip("."), number[1].strip()
+    return float(digits) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
+
+
+def _range_text(numbers: Sequence[tuple[str, str]]) -> str:
+    """Return ascending numbers with units as a range, as in "95 to 116 MPa"."""
+    (low, low_unit), (high, high_unit) = numbers[0], numbers[-1]
+    if (low, low_unit) == (high, high_unit):
+        return f"{low}{low_unit}"
+    return f"{low}{'' if low_unit == high_unit else low_unit} to {high}{high_unit}"
 
 
 def _caveat_line(caveat: Caveat, suffix: str = "") -> WrappedText:

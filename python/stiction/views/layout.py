@@ -115,7 +115,7 @@ def format_table(rows: TextRows, width: int | None = None, *, num_labels: int = 
     """Format rows as a table with aligned columns, by default within the width of the terminal.
 
     Rows may have different lengths. Columns that do not fit are moved to further tables, which repeat the first
-    `num_labels` columns. A first column that is too wide is wrapped.
+    `num_labels` columns. Rows that are empty in a table are omitted. A first column that is too wide is wrapped.
     """
     available_width = width or terminal_width()
     columns = max(map(len, rows), default=0)
@@ -138,9 +138,8 @@ def format_table(rows: TextRows, width: int | None = None, *, num_labels: int = 
         ):
             last_column += 1
         block_widths = column_widths[:num_labels] + column_widths[first_column:last_column]
-        blocks.append(
-            "\n".join(_join_cells([*row[:num_labels], *row[first_column:last_column]], block_widths) for row in rows)
-        )
+        lines = (_join_cells([*row[:num_labels], *row[first_column:last_column]], block_widths) for row in rows)
+        blocks.append("\n".join(filter(None, lines)))
         first_column = last_column
     return "\n".join(blocks)
 
