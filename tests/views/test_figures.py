@@ -19,6 +19,8 @@ from stiction.studies.figure_values import (
     find_opposing_contacts,
 )
 from stiction.studies.maps import friction_map
+from stiction.studies.members import load_bodies
+from stiction.studies.report_data import collect_report_data
 from stiction.studies.resolution import build_resolution_limits
 from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.summary import UncertaintyBudgetEntry, summarize
@@ -36,7 +38,7 @@ from stiction.views.figures.ensemble import (
 from stiction.views.figures.loads import cut_off_figure
 from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
-from stiction.views.report.pictures import inline_svg
+from stiction.views.report.pictures import inline_svg, list_measured_panels
 from stiction.views.rows import summary_json, summary_table
 from stiction.views.style import FIGURE_FORMATS, save_figure, spread_label_positions
 from support.generated_studies import SMALL_STUDY, empty_dataset
@@ -383,7 +385,41 @@ def test_unfiltered_scans_are_drawn_to_the_left_of_the_first_cutoff(maps_at_two_
     assert points["cut_off"].values[0] == 0
     first_cutoff = float(points["cut_off"].values[1])
     limits = build_resolution_limits(points, result.study)
+    assert limits["shortest"] == pytest.approx(2 * max(load_bodies(result.study).member(0, 0.0).pair[0].spacings))
     for shortest_wavelength in (0.7 * first_cutoff, first_cutoff, 2 * first_cutoff):
         (axes, _) = cut_off_figure(points, limits=limits | {"shortest": shortest_wavelength}).axes
         position, *_ = axes.lines[0].get_xdata()
         assert position < first_cutoff
+        # the grey area of wavelengths that are not resolved contains no point
+        (unresolved,) = (each for each in axes.patches if each.get_label() == "not resolved")
+        assert unresolved.get_x() + unresolved.get_width() < position
+
+
+def test_filtered_result_that_is_quoted_does_not_change_the_resolved_wavelengths(maps_at_two_cutoffs):
+    study = parse_study_of_dataset(maps_at_two_cutoffs)
+    points = Result.of(maps_at_two_cutoffs).at().isel(load=0, mu0=0, tau0=0)
+    filtered_first = study.with_changes({"surfaces.cut_off": [each.text for each in study.surfaces.cut_off[::-1]]})
+    shortest_wavelengths = [
+        build_resolution_limits(dataset, each)["shortest"]
+        for dataset, each in ((points, study), (points.isel(cut_off=[1, 0]), filtered_first))
+    ]
+    assert shortest_wavelengths[0] == shortest_wavelengths[1] < float(points["cut_off"].max())
+
+
+def test_report_and_plot_draw_the_same_figure_over_the_cutoff(maps_at_two_cutoffs):
+    result = Result.of(maps_at_two_cutoffs)
+    panels = {panel.title: panel for panel in list_measured_panels(collect_report_data(result))}
+    figures = [panels["Cutoff wavelength"].draw_figure(), dict(select_figures(result))["cut_off"]()]
+    drawn_lines = [
+        [
+            (line.get_label(), line.get_marker(), *line.get_xydata().ravel())
+            for axes in figure.axes
+            for line in axes.lines
+        ]
+        for figure in figures
+    ]
+    assert drawn_lines[0] == drawn_lines[1]
+    legends = [[text.get_text() for text in figure.legends[0].get_texts()] for figure in figures]
+    assert legends[0] == legends[1]
+    # both show the combined interval
+    assert all("combined" in figure.legends[0].get_title().get_text() for figure in figures)

@@ -135,6 +135,7 @@ class ResolvedRoughness:
     """Roughness of the gap without outliers at resolved wavelengths, and an extrapolation to shorter wavelengths."""
 
     shortest: float  # shortest resolved wavelength (two points or the cutoff), µm
+    two_points: float  # shortest wavelength of the unfiltered scans, µm
     longest: float  # longest side of the pressed bodies, µm
     gradient: float  # root-mean-square gradient of the gap of the first member
     roughness: ScaleDependentRoughness
@@ -197,7 +198,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
     spacings = [*gap.spacings, *(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))]
     roughness = scale_dependent_roughness(gap)
     return ResolvedRoughness(
-        shortest=max(2 * max(spacings), cut_off), longest=float(np.max(gap.extent)),
+        shortest=max(2 * max(spacings), cut_off), two_points=2 * max(spacings), longest=float(np.max(gap.extent)),
         gradient=brackets.gap_rms_gradient(gap, periodic=False), roughness=roughness,
         estimate=brackets.estimate_gap_hurst_exponent(gap, periodic=False),
     )  # fmt: skip
@@ -325,16 +326,18 @@ def build_resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, 
     """Return the elastic and plastic limits that are drawn in the figure of the cutoff study.
 
     `dataset` is a result of `evaluate_at_cutoffs` at one load, mu0 and tau0. Keys: ``friction`` and ``area_fraction``,
-    the plastic limit (None without a hardness); ``shortest``, the shortest resolved wavelength in µm (None if the files
-    are missing); ``wavelength`` (µm), ``finer_area_fraction`` and ``finer_friction`` (rule "all"), arrays (n, 3) of
-    value, lower and upper end of the elastic result, extrapolated with the Hurst exponent (empty with a hardness);
-    ``spectral``, the result of `spectral_resolution` for joined spectra of several scans (None for single scans).
+    the plastic limit (None without a hardness); ``shortest``, the shortest wavelength in µm that the scans resolve at
+    any of the cutoffs (None if the files are missing); ``wavelength`` (µm), ``finer_area_fraction`` and
+    ``finer_friction`` (rule "all"), arrays (n, 3) of value, lower and upper end of the elastic result, extrapolated
+    with the Hurst exponent (empty with a hardness); ``spectral``, the result of `spectral_resolution` for joined
+    spectra of several scans (None for single scans).
     """
     plastic_bounds, resolved_roughness = find_plastic_limit(dataset, study), find_resolved_roughness(study)
+    shortest_cutoff = float(np.min(dataset["cut_off"].values)) if "cut_off" in dataset.coords else 0.0
     table: dict[str, Any] = {
         "friction": None,
         "area_fraction": None,
-        "shortest": None if resolved_roughness is None else resolved_roughness.shortest,
+        "shortest": None if resolved_roughness is None else max(resolved_roughness.two_points, shortest_cutoff),
         "wavelength": np.empty(0),
         "finer_area_fraction": np.empty((0, 3)),
         "finer_friction": np.empty((0, 3)),

@@ -202,8 +202,10 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Mappin
             linewidth=0.8,
         )
     if limits.get("shortest"):
+        # Unfiltered scans are drawn left of the first cutoff, even if it is the shortest wavelength that they resolve.
+        longest_unresolved = 0.97 * min(limits["shortest"], x.min())
         for axes in (friction_axes, area_axes):
-            axes.axvspan(1e-9, 0.97 * limits["shortest"], color="0.9", linewidth=0, zorder=-2, label="not resolved")
+            axes.axvspan(1e-9, longest_unresolved, color="0.9", linewidth=0, zorder=-2, label="not resolved")
 
 
 def _friction_and_area_figure(
@@ -211,7 +213,7 @@ def _friction_and_area_figure(
 ) -> Figure:
     figure = new_figure(114)
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-    has_combined = dimension == "load" and "friction_combined" in points
+    has_combined = "friction_combined" in points
     for rule in _list_sliding_rules(points):
         dataset, colour = select_sliding_rule(points, rule), SLIDING_RULE_COLOURS[rule]
         mean, low, high = (dataset["friction_all_round"].sel(statistic=name).values for name in MEAN_AND_LIMITS)

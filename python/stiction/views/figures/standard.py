@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from stiction.studies.figure_values import (
     FrictionOverDimension,
     evaluate_area_over_load,
+    evaluate_cutoffs,
     evaluate_friction_over_dimension,
     evaluate_height_factors,
     evaluate_onset_over_dimension,
@@ -24,7 +25,6 @@ from stiction.studies.figure_values import (
     generate_profiles,
     iterate_motions,
 )
-from stiction.studies.resolution import build_resolution_limits
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.studies.study_description import get_pair_name
@@ -158,8 +158,7 @@ def _measured_surface_figures(
         format_print_title(get_pair_name(study)),
         study.contact.hardness,
     )
-    first_load = study_loads[0]
-    cutoff_dataset, onset = points if points.sizes["cut_off"] > 1 else result.values_at_cutoffs, result.onset
+    first_load, onset = study_loads[0], result.onset
     for number, (mu0_index, tau0_index) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
         suffix = "" if number == 1 else f"-{number}"
         selection = unfiltered_points.isel(mu0=mu0_index, tau0=tau0_index)
@@ -168,9 +167,8 @@ def _measured_surface_figures(
         if points.sizes.get("direction", 1) >= MIN_COMPASS_DIRECTIONS:
             yield f"compass{suffix}", partial(friction_by_direction_figure, dataset, title=title)
         yield f"positions{suffix}", partial(_positions_figure, result, dataset, title=title)
-        if cutoff_dataset is not None:
-            dataset = cutoff_dataset.isel(mu0=mu0_index, tau0=tau0_index).sel(load=first_load, method="nearest")
-            yield f"cut_off{suffix}", partial(_cut_off_figure, dataset, study, title=title)
+        if (cutoffs := evaluate_cutoffs(result, mu0_index, tau0_index)) is not None:
+            yield f"cut_off{suffix}", partial(cut_off_figure, cutoffs.points, limits=cutoffs.limits, title=title)
     for scaled_bodies in result.height_factors:
         name = "height_scale" if scaled_bodies == "both" else f"height_scale_{scaled_bodies}"
         for number, indices in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
@@ -198,10 +196,6 @@ def _measured_surface_figures(
         )
     elif (contact_forces := result.contact_forces) is not None:
         yield "contact", partial(contact_forces_figure, contact_forces, title=title)
-
-
-def _cut_off_figure(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
-    return cut_off_figure(dataset, title=title, limits=build_resolution_limits(dataset, study))
 
 
 def _positions_figure(result: Result, point: xarray.Dataset, *, title: str) -> Figure:

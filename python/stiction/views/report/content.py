@@ -21,12 +21,6 @@ from stiction.views.report.pictures import FigurePanel
 from stiction.views.report.tables import QuantityTable, ReportArray
 from stiction.views.style import SLIDING_RULE_LABELS
 
-CELL_AXIS_LABELS = {
-    "fractal_dimension": {"title": "fractal dimension _D_", "name": "D"},
-    "cut_off": {"title": "cutoff wavelength (µm)", "name": "cutoff"},
-}
-"""Axis title and short name of the first dimension of the cells."""
-
 
 @dataclass(frozen=True, eq=False)
 class ReportContent:

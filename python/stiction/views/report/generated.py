@@ -20,7 +20,7 @@ from stiction.studies.study import Study
 from stiction.studies.values_at_nodes import GENERATED_STATUSES, GeneratedValuesAtNodes, get_validity_limit
 from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
 from stiction.views.point import motion_direction_text
-from stiction.views.report.content import CELL_AXIS_LABELS, ReportContent
+from stiction.views.report.content import ReportContent
 from stiction.views.report.page import escape_html, format_count
 from stiction.views.report.pictures import list_generated_panels
 from stiction.views.report.tables import QUANTITY_DIGITS, EstimateArray, ReportArray
@@ -53,11 +53,11 @@ def _page_facts(data: GeneratedReportData) -> dict[str, Any]:
     study, loads = data.study, data.loads
     surfaces: Any = study.surfaces
     convention = " (classical)" if surfaces.convention == "classical" else ""
-    axis_labels = CELL_AXIS_LABELS["fractal_dimension"]
     return {
         "isMeasured": False,
-        "cell": axis_labels
-        | {"title": f"{axis_labels['title']}{convention}", "label": f"Fractal dimension D{convention}"},
+        "cell": {
+            "title": f"fractal dimension _D_{convention}", "name": "D", "label": f"Fractal dimension D{convention}",
+        },
         "cells": {
             "values": data.dimensions.tolist(), "texts": [f"D = {dimension:.3f}" for dimension in data.dimensions]
         },

@@ -23,7 +23,7 @@ from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import averaged_directions_text, cutoff_text, material_names_text, motion_direction_text
 from stiction.views.pull_off import pull_off_text
 from stiction.views.quantities import quantity_label
-from stiction.views.report.content import CELL_AXIS_LABELS, ReportContent
+from stiction.views.report.content import ReportContent
 from stiction.views.report.page import MAX_SHOWN_LINE_LENGTH, escape_html
 from stiction.views.report.pictures import list_measured_panels
 from stiction.views.report.reading import LISTED_READING_OPTIONS, file_reading_table
@@ -58,7 +58,7 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
     loads, angles = values.loads.tolist(), data.directions
     study_loads = [float(load) for load in study.friction.load]
     return {
-        "isMeasured": True, "cell": CELL_AXIS_LABELS["cut_off"],
+        "isMeasured": True,
         "cells": {
             "values": data.cut_offs,
             "texts": [f"cutoff {cutoff_text(surfaces.get_scan_cut_offs(value))}" for value in data.cut_offs],

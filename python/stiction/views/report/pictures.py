@@ -15,13 +15,13 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction._number_format import format_percent, format_with_unit
-from stiction.studies.figure_values import find_opposing_contacts
+from stiction.studies.figure_values import CutoffValues, find_opposing_contacts
 from stiction.studies.report_data import GeneratedReportData, MeasuredReportData
 from stiction.studies.study import Study
 from stiction.views.figures.contact import contact_forces_figure, contact_map_figure
 from stiction.views.figures.distributions import positions_figure
 from stiction.views.figures.height_scale import height_scale_figure
-from stiction.views.figures.loads import adhesion_figure
+from stiction.views.figures.loads import adhesion_figure, cut_off_figure
 from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
 from stiction.views.figures.standard import format_print_title
 from stiction.views.height_scale import HEIGHT_SCALE_NOTE, SCALED_SURFACE_TEXTS
@@ -108,6 +108,8 @@ def list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
         panels.append(_contact_panel(data.contact_picture, data.directions[0]))
     if data.positions is not None:
         panels.append(_positions_panel(data.positions, title))
+    if data.cutoff_values is not None:
+        panels.append(_cutoff_panel(data.cutoff_values, title))
     if data.summary.onset is not None:
         panels += _onset_panels(data.summary.onset, title)
     panels += [_height_factors_panel(points, scaled, title) for scaled, points in data.height_factors.items()]
@@ -142,6 +144,16 @@ def _positions_panel(point: xarray.Dataset, title: str) -> FigurePanel:
         "Friction coefficient at each position in each direction.",
         "At the first load, μ0 and τ0 of the study; the sliders do not change this figure.",
         partial(positions_figure, point, title=title),
+    )
+
+
+def _cutoff_panel(values: CutoffValues, title: str) -> FigurePanel:
+    """Return the panel that shows friction and true area over the cutoff wavelength."""
+    return FigurePanel(
+        "Cutoff wavelength",
+        "Friction coefficient and true contact area over the cutoff wavelength of the low-pass filter.",
+        "At the first load, μ0 and τ0 of the study; the sliders do not change this figure.",
+        partial(cut_off_figure, values.points, limits=values.limits, title=title),
     )
 
 

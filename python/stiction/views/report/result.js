@@ -308,10 +308,10 @@ function showCurve(id) {
 function showOver() {
   const at = place();
   const series = seriesOf("friction", (rule) => cells.values.map((value, d) => ({...frictionAt(rule, d, state.load, at), x: value})));
-  const ends = isMeasured ? [cells.values[0], cells.values.at(-1)] : [edges(cells.values)[0], edges(cells.values).at(-1)];
-  const drawn = drawCurves(byId("over"), series, {low: ends[0], high: ends[1], title: facts.cell.title},
+  const ends = edges(cells.values);
+  const drawn = drawCurves(byId("over"), series, {low: ends[0], high: ends.at(-1), title: facts.cell.title},
     {...QUANTITY.friction, picked: cells.values[state.dimension]});
-  byId("over-caption").textContent = curveCaption(series, [loadName(state.load), ...amplitudeIfAny()], drawn, isMeasured ? "cutoff" : "dimension", "friction");
+  byId("over-caption").textContent = curveCaption(series, [loadName(state.load), ...amplitudeIfAny()], drawn, "dimension", "friction");
 }
 
 function curveCaption(series, where, [low, high], of, id) {
@@ -568,7 +568,7 @@ function hideUnavailable() {
   const isMissing = {
     map: isMeasured || !loads.length,
     readout: !loads.length,
-    over: cells.values.length < 2 || !loads.length,
+    over: isMeasured || cells.values.length < 2 || !loads.length,
     friction: !loads.length,
     area: !loads.length || !hasQuantity("area"),
     stiffness: !loads.length || !hasQuantity("stiffness"),
@@ -590,7 +590,6 @@ function hideUnavailable() {
   byId(isMeasured ? "of-ensembles" : "of-members").hidden = true;
   byId("exact").hidden = !facts.ranged;
   byId("error").textContent = facts.errorText ?? "";
-  byId("over-title").textContent = `Friction coefficient over ${isMeasured ? "cutoff wavelength" : "fractal dimension"}`;
 }
 
 start(async () => {

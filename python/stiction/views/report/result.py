@@ -35,7 +35,10 @@ PLOT_PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
         "Friction by direction", "Friction coefficient in every direction",
         {"kind": "plot square crosshair", "more": "arrow keys change the direction"},
     ),
-    "over": ("", "Friction coefficient at the picked load", {"more": _ARROW_KEYS_HELP.format("along it")}),
+    "over": (
+        "Friction coefficient over fractal dimension", "Friction coefficient at the picked load",
+        {"more": _ARROW_KEYS_HELP.format("along it")},
+    ),
     **{
         name: (f"{words} against load", f"{words} against normal load", {"more": _ARROW_KEYS_HELP.format("the load")})
         for name, words in (
