@@ -275,7 +275,7 @@ def test_adhesion_range_below_grid_limit_adds_a_caveat():
     with pytest.warns(UserWarning, match="adhesion_range = 0.5 nm is increased to"):
         result = pair(rough_surface("upper", 0.01), rough_surface("lower", 0.01), **options, **ADHESION_OPTIONS)
     caveats = " ".join(caveat.text for caveat in result.caveats)
-    assert "the smallest on this grid, not 0.5 nm" in caveats
+    assert "instead of 0.5 nm, because this grid" in caveats
     assert "the interval does not include the effect of E* on the attraction" in caveats
 
 

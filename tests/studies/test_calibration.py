@@ -661,7 +661,7 @@ def test_calibration_text_states_an_interval_of_area_per_load_if_the_modulus_is_
         for load in LOADS
     ]
     interface = calibrate(tests)
-    condition = calibration_text(interface).partition("at the A/F of the tests, ")[2].partition("/GPa")[0]
+    condition = " ".join(calibration_text(interface).split()).partition("A/F of the tests: ")[2].partition("1/GPa")[0]
     numbers = [float(word.strip("[],")) for word in condition.split()]
     assert numbers[0] == pytest.approx(interface.area_per_load, rel=0.01)
     assert len(numbers) == (3 if has_interval else 1)

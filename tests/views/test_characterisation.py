@@ -276,9 +276,7 @@ def test_small_slope_estimate_of_one_scan_assumes_two_equal_surfaces():
     heights = slope * np.sqrt(2) / (2 * np.pi) * np.sin(2 * np.pi * x)
     expected_friction = gentle_friction(0.4, rms_gradient=slope * np.sqrt(2), rms_slope=slope * np.sqrt(2))
     texts = texts_by_label(characterisation_text(Profile(heights, spacing=0.01), periodic=True, band=(0.02, 20.0)))
-    assert texts["friction by slope"].startswith(
-        f"{expected_friction:.3f}, for two such surfaces, small-slope estimate"
-    )
+    assert texts["friction by slope"].startswith(f"{expected_friction:.3f}: small-slope estimate for two such surfaces")
     # For a height map, the text gives an estimate along each axis.
     x, y = np.meshgrid(np.arange(64) * 0.1, np.arange(64) * 0.1)
     random = np.random.default_rng(1)

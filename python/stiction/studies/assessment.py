@@ -552,10 +552,10 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
     study_range, used_range = get_adhesion_ranges(point, study)
     if used_range > study_range:
         text = (
-            f"the range of adhesion is {format_with_unit(used_range, 'um')}, the smallest on this grid, "
-            f"not {format_with_unit(study_range, 'um')}"
+            f"the range of adhesion is {format_with_unit(used_range, 'um')} instead of "
+            f"{format_with_unit(study_range, 'um')}, because this grid resolves no smaller range"
         )
-        yield Caveat(text, "the pull-off force is affected little; use a finer scan for other results", "caution")
+        yield Caveat(text, "the pull-off force hardly changes; use a finer scan for other results", "caution")
     uncertain_inputs = {name.split("_")[0] for name in find_uncertain_inputs(study)} & {
         "hardness",
         "effective",

@@ -31,10 +31,9 @@ MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution t
 def calibration_text(interface: Interface) -> str:
     """Format a calibration: the sum mu0 + tau0 A/F, the fits, and mu0 and tau0 if the tests separate them."""
     first_fit = interface.fits[0]
-    condition = (
-        f"at the A/F of the tests, {_area_per_load_text(interface)}, {SLIDING_RULE_DESCRIPTIONS[first_fit.sliding]}"
-    )
-    lines = [wrap_text(f"μ0 + τ0 A/F = {Estimate(*interface.identified).table_text} {condition}", hanging_indent="  ")]
+    sum_text = f"μ0 + τ0 A/F = {Estimate(*interface.identified).table_text}"
+    condition = f"{SLIDING_RULE_DESCRIPTIONS[first_fit.sliding]}; A/F of the tests: {_area_per_load_text(interface)}"
+    lines = [wrap_text(f"{sum_text}, {condition}", hanging_indent="  ")]
     if interface.separated:
         mu0, tau0 = Estimate(*interface.mu0), Estimate(*(1e3 * item for item in interface.tau0))
         lines += [f"μ0 = {mu0.table_text}", f"τ0 = {tau0.table_text} MPa"]
@@ -47,7 +46,7 @@ def calibration_text(interface: Interface) -> str:
         *(wrap_text(item, hanging_indent="  ") for fit in interface.fits for item in _describe_fit(interface, fit)),
     ]
     if interface.advice:
-        table = [["test that would separate them", "± μ0", "± τ0"]]
+        table = [["further test that would separate μ0 and τ0", "± μ0", "± τ0"]]
         table += [[text, f"{mu0:.2g}", format_with_unit(tau0, "GPa")] for text, mu0, tau0 in interface.advice]
         lines += ["", format_table(table)]
     return "\n".join(lines)
@@ -59,23 +58,24 @@ def _area_per_load_text(interface: Interface) -> str:
     if not np.isfinite(area_per_load).all() or np.ptp(area_per_load) <= MIN_PRINTED_AREA_RANGE * np.median(
         area_per_load
     ):
-        return f"{interface.area_per_load:.3g} /GPa"
+        return f"{interface.area_per_load:.3g} 1/GPa"
     low, high = np.quantile(area_per_load, [0.025, 0.975])
-    return f"{Estimate(interface.area_per_load, float(low), float(high)):.2u} /GPa"
+    return f"{Estimate(interface.area_per_load, float(low), float(high)):.2u} 1/GPa"
 
 
 def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
     sum_value, area_per_load = interface.identified[0], interface.area_per_load
     num_tests = len(interface.tests)
     shortage_text = (
-        f"A/F varies by {format_percent(interface.variation)} among {num_tests} tests"
+        f"A/F varies by {format_percent(interface.variation)} among the {num_tests} tests"
         if num_tests > 1
         else "there is one test"
     )
-    requirement_text = (
-        f", and {MIN_AREA_VARIATION:.0%} are required".replace("%", " %") if num_tests > 2 else ", and three are needed"
+    requirement_text = f"a variation of {format_percent(MIN_AREA_VARIATION)}" if num_tests > 2 else "three tests"
+    yield (
+        f"The tests determine only the sum μ0 + τ0 A/F: {shortage_text}. To determine μ0 and τ0, {requirement_text} "
+        f"{'is' if num_tests > 2 else 'are'} required."
     )
-    yield f"Only μ0 + τ0 A/F is determined: {shortage_text}{requirement_text} to determine either one."
     tau0 = format_with_unit(sum_value / area_per_load, "GPa")
     yield f"The tests allow all values from μ0 = {sum_value:.3g}, τ0 = 0, to μ0 = 0, τ0 = {tau0}."
 
@@ -83,11 +83,11 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
 def _junction_growth_text(interface: Interface) -> str:
     """Return a sentence about the junction growth parameter α, with its fitted interval if α is a range."""
     assert interface.junction_growth is not None, "tests have α"
-    text = f"Junction growth: the tests have α = {interface.junction_growth.short_text}"
+    text = f"Junction growth: the tests were evaluated with α = {interface.junction_growth.short_text}"
     if interface.junction_growth.is_exact:
         return f"{text}. A pair with this interface uses the same value."
     low, value, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
-    text += f", and are consistent with {Estimate(value, low, high):.2u}"
+    text += f", and are consistent with α = {Estimate(value, low, high):.2u}"
     return f"{text}. A pair with this interface uses the same range."
 
 

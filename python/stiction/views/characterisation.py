@@ -387,11 +387,13 @@ class Characterisation:
             return "none: the surface has no slopes"
         if not all(map(math.isfinite, self.friction_estimates)):
             return "none: contacts on such steep slopes are self-locking"
-        axis_texts = (" along x,", " along y,") if len(self.friction_estimates) == 2 else (",",)
-        values = " ".join(f"{value:.3f}{axis}" for value, axis in zip(self.friction_estimates, axis_texts, strict=True))
+        axis_texts = (" along x", " along y") if len(self.friction_estimates) == 2 else ("",)
+        values = ", ".join(
+            f"{value:.3f}{axis}" for value, axis in zip(self.friction_estimates, axis_texts, strict=True)
+        )
         return (
-            f"{values} for two such surfaces, small-slope estimate; friction only at contacts whose slope opposes "
-            f"the motion (the rule of the paper), μ0 = {ASSUMED_MU0:g} (gentle_friction)"
+            f"{values}: small-slope estimate for two such surfaces, μ0 = {ASSUMED_MU0:g}, and friction at opposing "
+            "contacts only"
         )
 
     def _wavelength_rows(self) -> list[TableRow]:

@@ -104,21 +104,21 @@ def yield_wavelength_rows(estimates: Sequence[YieldWavelengthEstimate], scan: Re
     rows = []
     for estimate in estimates:
         if math.isnan(estimate.wavelength):
-            wavelength_text = "never, for these slopes"
+            wavelength_text = "none, for these slopes"
         elif estimate.wavelength > scan.shortest:
-            wavelength_text = "this scan already"
+            wavelength_text = "already in this scan"
         else:
             interval_texts = (
                 format_with_unit(end, "um") for end in (estimate.lower, min(estimate.upper, scan.shortest))
             )
             wavelength_text = f"{format_with_unit(estimate.wavelength, 'um')} [{', '.join(interval_texts)}]"
         rows.append([format_with_unit(estimate.hardness, "GPa"), wavelength_text, f"{estimate.friction:.3f}"])
-    return [["if the hardness is", "it yields at a wavelength of", "μ_s all contacts, at least"], *rows] if rows else []
+    return [["hardness", "contacts yield below a wavelength of", "μ_s all contacts, at least"], *rows] if rows else []
 
 
 ELASTIC_RESULT_CAVEAT = (
-    "This result is elastic: a finer scan has steeper slopes and less area, without a limit. A hardness sets a limit: "
-    "give --hardness, or materials by name."
+    "This result assumes elastic contact: finer scans have steeper slopes and less true area, without a limit. A "
+    "hardness sets a limit: specify --hardness, or the names of the materials."
 )
 
 

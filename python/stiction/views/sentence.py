@@ -32,8 +32,6 @@ from stiction.views.pull_off import pull_off_text
 if TYPE_CHECKING:
     from stiction.studies.study import Study
 
-# roughness counts as negligible if it contributes less than this fraction of the coefficient
-NEGLIGIBLE_ROUGHNESS_FRACTION = 0.05
 # The sentence states how the load is defined if this choice changes the coefficient by more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 MIN_STATED_KAPPA_DEVIATION = 0.2
@@ -314,16 +312,14 @@ def point_detail_sentences(point: PointSummary) -> list[str]:
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return text with the roughness contribution to the coefficient, and the inputs that determine the remainder.
+    """Return text with the roughness contribution to the coefficient, and the inputs that determine the rest.
 
     The text is empty if the contribution is unknown.
     """
     if point.from_roughness is None:
         return ""
     inputs = "the hardness, μ0 and τ0" if point.hardness is not None and point.at["tau0"] > 0 else "μ0"
-    is_negligible = abs(point.from_roughness) <= NEGLIGIBLE_ROUGHNESS_FRACTION * point.value
-    remainder = f"{inputs} determine{'s' * (inputs == 'μ0')} it" if is_negligible else f"the rest is from {inputs}"
-    return f"R{roughness_contribution_text(point)[1:]}; {remainder}."
+    return f"R{roughness_contribution_text(point)[1:]}; the rest is from {inputs}."
 
 
 def contributions_text(point: PointSummary) -> str:

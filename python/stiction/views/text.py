@@ -190,7 +190,7 @@ def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> 
     if tau0 and len(friction.tau0) > 1:
         tau0_texts = (coordinate_text("tau0", float(value)) for value in friction.tau0)
         assignment_texts.append(f"τ0 = {', '.join(tau0_texts)} (--tau0)")
-    text = f"Values of the study by default: {'; '.join(assignment_texts)}." if assignment_texts else ""
+    text = f"Using the values of the study: {'; '.join(assignment_texts)}." if assignment_texts else ""
     return format_paragraph([text])
 
 

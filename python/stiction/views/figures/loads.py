@@ -37,13 +37,13 @@ MAX_DRAWN_DIRECTIONS = 2
 
 
 INTERVAL_BAND_LEGENDS = {
-    True: "light bands: 95 %, combined uncertainty\ndark bands and area: 95 %, sampling intervals",
+    True: "light bands: 95 %, combined intervals\ndark bands and area: 95 %, sampling intervals",
     False: "bands: 95 %, sampling intervals",
 }
 """Legend texts of the interval bands for results with (True) and without (False) a combined interval."""
 
 ALTERNATIVES_BAND_LEGEND = (
-    "light bands: 95 %, combined uncertainty\narea: 95 %, sampling intervals, and errors of the scans\n"
+    "light bands: 95 %, combined intervals\narea: 95 %, sampling intervals, and errors of the scans\n"
     "dark bands: 95 %, sampling intervals"
 )
 """Legend text if the intervals include results for alternative preparations of the scans."""

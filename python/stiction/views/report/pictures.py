@@ -128,7 +128,8 @@ def _contact_panel(picture: xarray.Dataset, direction: float) -> FigurePanel:
         f"{num_opposing} of them {'opposes' if num_opposing == 1 else 'oppose'} the motion."
     )
     if is_cut.any():
-        text += f" The edge cuts contacts with {format_percent(float(force[is_cut].sum() / force.sum()))} of the load."
+        cut_load_text = format_percent(float(force[is_cut].sum() / force.sum()))
+        text += f" The contacts that the edge of the maps cuts carry {cut_load_text} of the load."
     offset = " and ".join(f"{float(picture.attrs[axis]):.3g}" for axis in "xy").replace("-", "\N{MINUS SIGN}")
     position_text = "profile is shown in the pressed position" if "gap" in picture else f"map is moved by {offset} µm"
     description, caption = "The two bodies with their true contacts.", f"{text} The upper {position_text}."

@@ -87,7 +87,7 @@ function intervalName(isCombined, isArea = false) {
   if (!isMeasured) return "interval";
   if (isArea && facts.hasAlternatives && facts.combined[state.kind]) return "sampling interval, extended by errors of the scans";
   if (!isCombined) return "sampling interval";
-  return `interval, combined uncertainty${facts.ranged && !isAtRange() ? ", μ0 and τ0 exact where the study has other values" : ""}`;
+  return `combined interval${facts.ranged && !isAtRange() ? ", μ0 and τ0 exact where the study has other values" : ""}`;
 }
 
 /** Return whether mu0 and tau0 are both within the uncertainty ranges of the study. */
