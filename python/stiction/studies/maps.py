@@ -274,6 +274,7 @@ def evaluate_ensemble_quantities(
                     means_by_cell[cell_index].add(normal, values)
 
             list(pool.map(add_members_to_cell, means_by_cell, itertools.repeat(piece_sums)))
+            del piece, piece_sums  # Release memory before the next piece is read.
     return quantities.build_datasets(means_by_cell, averages)
 
 
@@ -451,6 +452,7 @@ def _average_sums(
             ContactSums(**{name: getattr(first, name) + getattr(second, name) for name in SUM_QUANTITIES})
             for first, second in zip(total_sums, piece_sums, strict=True)
         ] if total_sums else piece_sums  # fmt: skip
+        del piece  # Release memory before the next piece is read.
     return [each.apply(lambda values: values / max(count, 1)) for each in total_sums], count
 
 
