@@ -31,7 +31,7 @@ LABELLED_LINE_PARTS = [
     "With H = ",
     "At 10 mN",
     "True area",
-    "34 % of the contact",
+    "% of the contact slips",
     "wrote ",
 ]
 """Text in the first line of each numbered part of the output."""
