@@ -14,6 +14,7 @@ from stiction.studies.summary import Summary, UncertaintyBudgetEntry, summarize
 from stiction.views.assessment import assessment_paragraph
 from stiction.views.layout import format_paragraph
 from stiction.views.overview import overview_text
+from stiction.views.point import nominal_area_text
 from stiction.views.quantities import quantities_paragraph
 from stiction.views.rows import summary_json
 from stiction.views.text import (
@@ -73,6 +74,11 @@ def test_result_text_starts_with_coefficient_and_verdict():
     verdict_index = lines.index("Do not quote")
     assert verdict_index < 10
     assert lines[verdict_index + 1].startswith("  ! 60 % of the load is on contacts at the edge")
+
+
+@pytest.mark.parametrize(("area", "text"), [(2000.0, "2000 µm²"), (5181.6, "5182 µm²"), (2.304e9, "2304 mm²")])
+def test_nominal_area_has_a_suitable_unit(area, text):
+    assert nominal_area_text(area) == text
 
 
 def test_verbose_tables_of_axes_and_directions_are_labelled_as_sampling_intervals():

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._number_format import format_with_unit
+from stiction._number_format import choose_prefixed_unit, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
 
 if TYPE_CHECKING:
@@ -59,6 +59,12 @@ def cutoff_text(cut_offs: ScanCutoffs, format_length: Callable[[float], str] | N
     if "none" in body_texts:
         return f"{lower} (lower only)" if upper == "none" else f"{upper} (upper only)"
     return f"{upper} (upper) and {lower} (lower)"
+
+
+def nominal_area_text(area: float) -> str:
+    """Return a nominal area (µm²) with four digits and a suitable unit, as in "2304 mm²"."""
+    factor, unit = choose_prefixed_unit(area, "um^2")
+    return f"{area / factor:.4g} {unit}"
 
 
 def material_names_text(study: Study) -> str:

@@ -30,6 +30,7 @@ from stiction.views.point import (
     coordinate_text,
     load_text,
     motion_direction_text,
+    nominal_area_text,
     point_coordinate_text,
     point_load_text,
 )
@@ -386,7 +387,7 @@ def _history_paragraph(point: PointSummary) -> Paragraph:
     mechanics_texts = {"half-space": "the elastic half-space", "asperities": "asperities without interaction"}
     model_texts = [mechanics_texts[study.contact.mechanics]]
     if "nominal_area" in dataset.coords:
-        model_texts.append(f"on a nominal area of {float(dataset['nominal_area']):.4g} µm²")
+        model_texts.append(f"on a nominal area of {nominal_area_text(float(dataset['nominal_area']))}")
     if study.contact.mechanics == "asperities" and study.surfaces.kind != "surface":
         model_texts += [str(getattr(study.contact, name)) for name in ("law", "detection", "curvature")]
     descriptions["model"] = ", ".join(model_texts)

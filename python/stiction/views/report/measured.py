@@ -20,7 +20,13 @@ from stiction.studies.summary import PointSummary, Summary
 from stiction.studies.values_at_nodes import ORDERED_STATUSES, MeasuredValuesAtNodes
 from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.onset import onset_note, onset_text
-from stiction.views.point import averaged_directions_text, cutoff_text, material_names_text, motion_direction_text
+from stiction.views.point import (
+    averaged_directions_text,
+    cutoff_text,
+    material_names_text,
+    motion_direction_text,
+    nominal_area_text,
+)
 from stiction.views.pull_off import pull_off_text
 from stiction.views.quantities import quantity_label
 from stiction.views.report.content import ReportContent
@@ -145,7 +151,7 @@ def _heading_lines(data: MeasuredReportData) -> list[str]:
         )
     modulus_text = format_with_unit(data.effective_modulus, "GPa")
     materials_text = f"{material_names_text(study).capitalize()}. " if material_names_text(study) else ""
-    size_text = f"nominal area {area:.4g} µm²" if study.is_areal else f"length {area:.4g} µm, width 1 µm"
+    size_text = f"nominal area {nominal_area_text(area)}" if study.is_areal else f"length {area:.4g} µm, width 1 µm"
     return [
         f"{materials_text}{surfaces.pressed}, {size_text}, pressed with the {model_name} model; "
         f"E* = {modulus_text}{plasticity_text}."
