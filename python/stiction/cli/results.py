@@ -89,7 +89,7 @@ def export(
     directory: DirectoryArgument,
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write: .nc, .csv or .tex. It must not exist.")],
 ) -> None:
-    """Write the finished repetitions to a netCDF file, or write a table of the values at the loads shown by `info`."""
+    """Write the stored result to a netCDF file, or write a table of the values at the loads shown by `info`."""
     from stiction.views.files import write_result
 
     write_result(open_result_with_warning(directory), file)

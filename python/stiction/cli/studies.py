@@ -41,7 +41,7 @@ def run_study_command(
 ) -> None:
     """Compute a study, draw its figures and print its friction at a few loads.
 
-    Repetitions that already exist in the output directory are kept.
+    Repetitions (for a pair, positions) that already exist in the output directory are kept.
     """
     from stiction.cli.execution import compute_result_in_folder, open_executor, parse_part
     from stiction.cli.result_output import print_result, write_figures

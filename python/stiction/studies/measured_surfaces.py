@@ -816,7 +816,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
     ) = Field(
         default=None,
         description="Shifts (x, y) of the first point of the upper map relative to the first point of the lower map. "
-        "All members have the size of the smallest overlap.",
+        "All positions have the size of the smallest overlap.",
     )  # fmt: skip
 
     @property

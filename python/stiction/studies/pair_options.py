@@ -729,7 +729,8 @@ class ExtraComputationOptions(OptionGroup):
     title: ClassVar[str] = "Computing"
 
     onset: Annotated[Seed | None, PairOption(
-        "N", "Members whose onset of sliding is computed; 0 for none.", usual="16, or 4 for areas with the half-space",
+        "N", "Positions whose onset of sliding is computed; 0 for none.",
+        usual="16, or 4 for areas with the half-space",
     )] = None  # fmt: skip
 
 

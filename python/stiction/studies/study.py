@@ -170,8 +170,8 @@ class EnsembleSettings(SettingsTable):
 
     repetitions: int = Field(
         default=100, ge=1, le=100_000_000,
-        description="Number of pairs for each fractal dimension and amplitude, or number of relative positions of "
-        "measured surfaces.",
+        description="Number of repetitions for each fractal dimension and amplitude, or number of relative positions "
+        "of measured surfaces.",
     )  # fmt: skip
     seed: int = Field(
         default=DEFAULT_SEED, ge=0, lt=2**63,
