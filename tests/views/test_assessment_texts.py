@@ -96,7 +96,7 @@ def test_cutoffs_that_differ_between_bodies_are_both_given(cut_offs, expected_te
     assert cutoff_text(cut_offs) == expected_text
 
 
-def test_all_texts_and_records_of_a_point_give_the_cutoff_of_each_body():
+def test_texts_and_records_of_a_point_give_the_cutoff_of_each_body():
     study = measured_study(hardness=2.0)
     scans = {
         side: getattr(study.surfaces, side).model_copy(update={"max_cut_off": quantity(f"{limit} um", "length")})

@@ -123,7 +123,8 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
         candidates = np.nonzero(is_judged & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)
         ratio[candidates] = _find_smaller_ratio(
-            [each[candidates] for each in deviations], [typical.at_points(candidates) for typical in typical_deviations]
+            [values[candidates] for values in deviations],
+            [typical.at_points(candidates) for typical in typical_deviations],
         )
         is_local_maximum = (ratio > _MIN_OUTLIER_RATIO) & (ratio >= maximum_filter(ratio, size=3))
         if not is_local_maximum.any():
@@ -211,8 +212,8 @@ def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> t
         if heights.ndim == 1
         else [*extrapolations[0], *extrapolations[1]]
     )
-    line_deviations = [np.abs(heights - each) for each in extrapolated_heights]
-    count = np.sum([np.isfinite(each) for each in line_deviations], axis=0)
+    line_deviations = [np.abs(heights - estimate) for estimate in extrapolated_heights]
+    count = np.sum([np.isfinite(deviation) for deviation in line_deviations], axis=0)
     at_edge = count < len(line_deviations)
     smallest_deviations = _find_smallest(line_deviations, 1 if heights.ndim == 1 else _MAX_COINCIDENT_LINES + 1)
     if heights.ndim == 1:
@@ -231,10 +232,10 @@ def _find_smallest(values: list[Floats], number: int) -> list[Floats]:
     For a few arrays, this is faster than sorting.
     """
     smallest = [np.full(values[0].shape, np.inf) for _ in range(number)]
-    for each in values:
-        larger = np.where(np.isnan(each), np.inf, each)
-        for position, other in enumerate(smallest):
-            smallest[position], larger = np.minimum(other, larger), np.maximum(other, larger)
+    for array in values:
+        larger = np.where(np.isnan(array), np.inf, array)
+        for position, smaller in enumerate(smallest):
+            smallest[position], larger = np.minimum(smaller, larger), np.maximum(smaller, larger)
     return smallest
 
 
