@@ -9,6 +9,7 @@ import signal
 import socket
 import stat
 import subprocess
+import threading
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, suppress
@@ -21,7 +22,7 @@ pytest.importorskip("starlette", reason="the extra app is not installed")
 
 from app.server_process import start_server, wait_until, write_maps
 from stiction import Study, run
-from stiction.app import server
+from stiction.app import jobs, server
 from stiction.app.jobs import JobQueue, run_module
 from stiction.app.server import MAX_CONCURRENT_REQUESTS
 
@@ -329,11 +330,15 @@ def test_job_is_marked_as_stopped_before_its_partial_result_is_read(tmp_path, mo
     asyncio.run(check())
 
 
-def test_files_of_a_pair_come_from_its_command_without_another_process(tmp_path, monkeypatch):
+@pytest.fixture
+def fake_pair_command(monkeypatch):
+    """Replace the command of a pair by a function that writes small files and returns a record of two points."""
     answers = [{"headline": False, "caveats": []}, {"headline": True, "caveats": [{"text": "use --tip"}]}]
 
     async def run_module(arguments, on_record=None, **_):
-        assert arguments[:2] == ["stiction", "pair"]
+        if arguments[0] != "stiction":  # the process that reads the finished part of a stopped job
+            return '{"answer": "finished part", "finished": 1, "total": 2}'
+        assert arguments[1] == "pair"
         folder = Path(arguments[-1].removeprefix("--output="))
         run(Study.named("quick").with_changes(SMALL_ENSEMBLE), store=folder)
         for name in ("report.html", "result.csv"):
@@ -341,13 +346,16 @@ def test_files_of_a_pair_come_from_its_command_without_another_process(tmp_path,
         on_record()
         return json.dumps({"command": str(folder), "answers": answers})
 
+    monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
+
+
+def test_files_of_a_pair_come_from_its_command_without_another_process(tmp_path, fake_pair_command):
     async def check():
         queue = JobQueue(tmp_path)
         job = queue.add("a pair", ["pair"])
         await job.task
         return job
 
-    monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
     job = asyncio.run(check())
     assert (job.state, job.error, job.scope, job.finished, job.total) == ("done", "", "", 2, 2)
     assert job.record["headline"]
@@ -356,6 +364,30 @@ def test_files_of_a_pair_come_from_its_command_without_another_process(tmp_path,
     assert texts["page.html"].startswith("report.html of results/")
     assert set(texts) == {"page.html", "result.csv", "result.json", "study.toml"}
     assert not any(str(tmp_path) in text for text in texts.values())
+
+
+def test_pair_job_that_is_stopped_while_its_files_are_copied_shows_one_result(tmp_path, monkeypatch, fake_pair_command):
+    copying, may_continue, open_stored_result = threading.Event(), threading.Event(), jobs.open_stored_result
+
+    def open_after_signal(folder):
+        if threading.current_thread() is not threading.main_thread() and (folder / "report.html").exists():
+            copying.set()
+            assert may_continue.wait(60)
+        return open_stored_result(folder)
+
+    async def check():
+        queue = JobQueue(tmp_path)
+        job = queue.add("a pair", ["pair"])
+        await asyncio.to_thread(copying.wait, 60)
+        job.stop()
+        await job.task
+        may_continue.set()
+        await asyncio.get_running_loop().shutdown_default_executor()
+        return job
+
+    monkeypatch.setattr(jobs, "open_stored_result", open_after_signal)
+    job = asyncio.run(check())
+    assert (job.state, job.record, job.finished, job.versions) == ("stopped", "finished part", 1, 1)
 
 
 def test_cancelled_task_ends_only_after_its_subprocess_has_ended(monkeypatch):

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from stiction.app.form import find_first_option_name, replace_option_names, replace_option_names_in_caveats
-from stiction.studies.store import open_stored_result
+from stiction.studies.store import StoredResult, open_stored_result
 
 POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a command
 # maximum time in seconds that a stopped command may take to write its results; then it is killed
@@ -152,7 +152,7 @@ class JobQueue:
         if job.folder.is_relative_to(self.root):
             record = await self._compute_result(job)
             if job.arguments[0] == "pair":
-                await asyncio.to_thread(self._collect_pair_files, job, record)
+                await self._show_pair_result(job, record)
                 return
         job.activity = "drawing"
         await self._read_result(job)
@@ -179,22 +179,27 @@ class JobQueue:
             monitor_task.cancel()
             await asyncio.wait([monitor_task])
 
-    def _collect_pair_files(self, job: Job, record: str) -> None:
-        """Copy the files that a finished `pair` command wrote, and take the values to show from its JSON record."""
+    async def _show_pair_result(self, job: Job, record: str) -> None:
+        """Copy the files that a finished `pair` command wrote, and show the values in its JSON record."""
         record = hide_private_paths(record, self.root)
         values = json.loads(record)
         if "answers" not in values:
             raise RejectedRequestError(values["remark"])
         files = self._choose_folder()
-        files.mkdir(parents=True)
-        texts = {name: (job.folder / source).read_text("utf-8") for name, source in PAIR_FILES.items()}
-        for name, text in (texts | {"result.json": record}).items():
-            (files / name).write_text(hide_private_paths(text, self.root), "utf-8", "replace")
+        # A thread cannot be cancelled, so it does not change the job, which may be stopped in the meantime.
+        stored_result = await asyncio.to_thread(self._copy_pair_files, job.folder, files, record)
         reported_point = next(point for point in values["answers"] if point["headline"])
         job.record, job.files, job.versions = replace_option_names_in_caveats(reported_point), files, job.versions + 1
         job.scope = ""
-        stored_result = open_stored_result(job.folder)
         job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
+
+    def _copy_pair_files(self, folder: Path, files: Path, record: str) -> StoredResult:
+        """Copy the files of a pair and its JSON record to a new directory, and open the stored result."""
+        texts = {name: (folder / source).read_text("utf-8") for name, source in PAIR_FILES.items()}
+        files.mkdir(parents=True)
+        for name, text in (texts | {"result.json": record}).items():
+            (files / name).write_text(hide_private_paths(text, self.root), "utf-8", "replace")
+        return open_stored_result(folder)
 
     async def _monitor_progress(self, job: Job) -> None:
         """Monitor the progress of a command. Whenever the number of members has doubled, read the result."""
