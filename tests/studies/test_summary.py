@@ -2,6 +2,7 @@
 
 import json
 import sys
+import traceback
 from collections import Counter
 from dataclasses import astuple
 
@@ -77,12 +78,14 @@ def test_result_caches_its_summary_including_onset_and_resolution(surface_folder
 
 def test_result_without_contact_caches_the_error_that_states_the_reason():
     result = Result(empty_dataset(TINY_STUDY))
-    errors = []
-    for _ in range(2):
+    errors, traceback_lengths = [], set()
+    for _ in range(3):
         with pytest.raises(ValueError, match="no pair of this result is in contact") as error_info:
             result.summary()
         errors.append(error_info.value)
-    assert errors[0] is errors[1]
+        traceback_lengths.add(len(traceback.extract_tb(error_info.tb)))
+    assert errors[0] is errors[1] is errors[2]
+    assert len(traceback_lengths) == 1  # the error keeps no frames of earlier calls
 
 
 def test_summary_for_explicitly_given_study_values_equals_the_default_summary(surface_folder, call_counts):

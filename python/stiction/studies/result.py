@@ -466,7 +466,7 @@ class Result:
         """
         if load is None and mu0 is None and tau0 is None:
             if isinstance(self._study_summary, ValueError):
-                raise self._study_summary
+                raise self._study_summary.with_traceback(None)  # otherwise each call would extend the same traceback
             return replace(self._study_summary, onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
         return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
