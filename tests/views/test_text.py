@@ -258,6 +258,23 @@ def test_grouped_caveats_state_the_range_of_their_numbers():
     assert "the pressure is 116 MPa to 1.2 GPa, with 12.5 contacts above 1 % (2 of 2)" in text
 
 
+@pytest.mark.parametrize(
+    ("texts", "expected_text"),
+    [
+        (("version 2024.11.27 with 5 µm", "version 2024.11.27 with 6 µm"), "version 2024.11.27 with 5 to 6 µm"),
+        (("the slope is 1e-05", "the slope is 3e-06"), "the slope is 3e-06 to 1e-05"),
+        (("from 1...2 GPa", "from 1...3 GPa"), "from 1...2 to 3 GPa"),
+    ],
+)
+def test_grouped_caveats_accept_dates_and_exponents(texts, expected_text):
+    points = summarize(generated_result(dimensions=(1.1, 1.2)), generated_study()).points
+    points = [
+        replace(point, caveats=(Caveat(text, "check it", "caution"),))
+        for point, text in zip(points, texts, strict=False)
+    ]
+    assert f"{expected_text} (2 of 2); check it" in " ".join(format_paragraph(assessment_paragraph(points)).split())
+
+
 def test_overview_omits_caveats_of_low_severity_beyond_the_maximum_number_of_lines():
     dataset = generated_result(dimensions=(1.1, 1.2), contact_count=20.0)
     summary = summarize(dataset, generated_study())

@@ -70,7 +70,7 @@ def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]
     return sorted(groups.values(), key=lambda group: group[0].severity != "fault")
 
 
-_CAVEAT_NUMBER_PATTERN = re.compile(r"(\d[\d.]*)( ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?)")
+_CAVEAT_NUMBER_PATTERN = re.compile(r"(\d+(?:\.\d+)?(?:e[+-]?\d+)?)( ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?)")
 """Pattern of a number with its unit. Caveats that differ only in numbers are grouped."""
 
 _PREFIX_FACTORS = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
@@ -85,8 +85,8 @@ def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
 
 def _number_with_unit(number: tuple[str, str]) -> float:
     """Return a number, multiplied by the factor of the prefix of its unit."""
-    digits, unit = number[0].rstrip("."), number[1].strip()
-    return float(digits) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
+    unit = number[1].strip()
+    return float(number[0]) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
 
 
 def _range_text(numbers: Sequence[tuple[str, str]]) -> str:
