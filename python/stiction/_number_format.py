@@ -40,6 +40,11 @@ def format_with_unit(value: float, unit: str) -> str:
     return f"{float(text):g} {name}" if "e" in text else f"{text} {name}"
 
 
+def list_prefixed_units(unit: str) -> tuple[tuple[float, float, str], ...]:
+    """Return the smallest value, the factor and the name of each prefixed unit of a core unit, in descending order."""
+    return _PREFIXED_UNITS.get(unit, ((0.0, 1.0, ""),))
+
+
 def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
     """Choose the prefixed unit in which a value has the fewest zeros. Return the conversion factor and the unit.
 
@@ -50,7 +55,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
     unit : str
         Core unit, or "%" for a fraction. For a unit without prefixes, such as "1", the returned name is empty.
     """
-    units = _PREFIXED_UNITS.get(unit, ((0.0, 1.0, ""),))
+    units = list_prefixed_units(unit)
     if value == 0 or math.isnan(value):
         return next(((factor, name) for _, factor, name in units if factor == 1), units[0][1:])
     # Round the value to the printed digits first, so that 0.99996 mN is printed as 1 mN.

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from stiction import Study, friction_map, run
 from stiction._estimate import Estimate
+from stiction.studies.assessment import LimitCheck
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import at_load
 from stiction.studies.nodes import NodeAxis, compute_error_to_tolerance_ratio, interpolate_table
 from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.summary import summarize
 from stiction.views.report import report_page
+from stiction.views.report.generated import _number_format_of_check
 from stiction.views.report.tables import count_estimate_decimals
 from support.generated_studies import SMALL_STUDY, empty_dataset
 
@@ -143,6 +145,25 @@ def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_e
         for value_and_interval in zip(value.tolist(), lower.tolist(), upper.tolist(), strict=True)
     ]
     assert texts == expected_texts
+
+
+@pytest.mark.parametrize(
+    ("shown", "values"),
+    [
+        ("digits", [0.93, 1.4, 7.1, 14.2, 123.0]),
+        ("digit", [0.0007, 0.000012, 0.2]),
+        ("percent", [0.0, 1e-7, 0.0031, 0.0612, 0.46, 0.999]),
+        ("GPa", [0.735, 1.12, 0.99997, 12.3, 3.4e-4]),
+        ("um", [0.0421, 1.0, 2500.0]),
+    ],
+)
+def test_report_script_prints_numbers_of_caveats_as_the_terminal(report_evaluator, shown, values):
+    check = LimitCheck("name", 0.5, "the value is {}", "check it", shown=shown)
+    texts = report_evaluator(
+        "(format, values) => values.map((value) => filled('the value is {}', format, value))",
+        _number_format_of_check(check), values,
+    )  # fmt: skip
+    assert texts == [check.to_caveat({"name": value}).text for value in values]
 
 
 # ---- Generated profiles ---------------------------------------------------------------------------------------------

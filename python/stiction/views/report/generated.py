@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Sequence
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction._number_format import choose_prefixed_unit, format_with_unit
+from stiction._number_format import format_with_unit, list_prefixed_units
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.assessment import Caveat, LimitCheck
@@ -19,7 +18,7 @@ from stiction.studies.report_data import GeneratedReportData
 from stiction.studies.study import Study
 from stiction.studies.values_at_nodes import GENERATED_STATUSES, GeneratedValuesAtNodes, get_validity_limit
 from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
-from stiction.views.point import motion_direction_text
+from stiction.views.point import coordinate_text, motion_direction_text
 from stiction.views.report.content import ReportContent
 from stiction.views.report.page import escape_html, format_count
 from stiction.views.report.pictures import list_generated_panels
@@ -59,7 +58,8 @@ def _page_facts(data: GeneratedReportData) -> dict[str, Any]:
             "title": f"fractal dimension _D_{convention}", "name": "D", "label": f"Fractal dimension D{convention}",
         },
         "cells": {
-            "values": data.dimensions.tolist(), "texts": [f"D = {dimension:.3f}" for dimension in data.dimensions]
+            "values": data.dimensions.tolist(),
+            "texts": [f"D = {coordinate_text('fractal_dimension', each)}" for each in data.dimensions.tolist()],
         },
         "amplitudes": [format_with_unit(amplitude, "um") for amplitude in data.amplitudes],
         "measure": "total height" if surfaces.amplitude_measure == "height" else surfaces.amplitude_measure,
@@ -119,7 +119,6 @@ def _validity_record(name: str) -> dict[str, Any]:
         "limit": get_validity_limit(name),
         "isDrawn": "hatch" in quantity.shown,
         "factor": 100 if quantity.percent else 1,
-        "decimals": 0 if quantity.percent else 2,
         "unit": " %" if quantity.percent else "",
     }
 
@@ -177,15 +176,10 @@ def _caveat_or_check_record(reason: Caveat | LimitCheck, study: Study) -> dict[s
 
 
 def _number_format_of_check(check: LimitCheck) -> dict[str, Any]:
-    """Return how a page formats the number in the text of a check: source table, factor, decimals and unit."""
-    name, format_name = check.shown_name, check.shown
-    if format_name == "percent":
-        return {"table": name, "factor": 100, "decimals": 0, "unit": " %"}
-    if format_name in ("digits", "digit"):
-        return {"table": name, "factor": 1, "decimals": 1 if format_name == "digits" else 3, "unit": ""}
-    prefix_factor, unit = choose_prefixed_unit(check.limit, format_name)
-    decimals = max(0, 1 - math.floor(math.log10(check.limit / prefix_factor)))
-    return {"table": name, "factor": 1 / prefix_factor, "decimals": decimals, "unit": f" {unit}"}
+    """Return the table of the number in the text of a check, and how the page formats this number."""
+    digits = {"digits": 2, "digit": 1}.get(check.shown, 3)
+    units = list_prefixed_units(check.shown) if check.shown not in ("digits", "digit", "percent") else ()
+    return {"table": check.shown_name, "digits": digits, "units": units, "isPercent": check.shown == "percent"}
 
 
 # ---- Texts and figures -----------------------------------------------------------------------------------------------

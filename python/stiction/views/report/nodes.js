@@ -96,6 +96,24 @@ function quoted(point) {
   return [inDecimals(point.value, point.decimals), formatEnds(point)].filter(Boolean).join(" ");
 }
 
-/** Replace {} in a text with a formatted number. The format is {factor, decimals, unit}. */
-const filled = (text, number, value) => (number
-  ? text.replace("{}", `${inDecimals(number.factor * value, number.decimals)}${number.unit}`) : text);
+/** Format a number with significant digits, without trailing zeros. */
+const inSignificant = (value, digits) => String(Number(value.toPrecision(digits))).replace("-", "−");
+
+/** Format a number in a caveat as the library does. The format is {digits, units, isPercent}: `units` lists the smallest
+ * value, the factor and the name of each prefixed unit. */
+function caveatNumber(value, {digits, units, isPercent}) {
+  if (isPercent) {
+    const percentage = 100 * value, size = Math.abs(percentage);
+    if (size > 0 && size < MIN_PERCENTAGE) return `less than ${MIN_PERCENTAGE} %`;
+    return `${size < 10 ? inSignificant(percentage, size < 1 ? 2 : 3) : inDecimals(percentage, 0)} %`;
+  }
+  if (!units.length) return inSignificant(value, digits);
+  const rounded = Math.abs(Number(value.toPrecision(3)));
+  const [, factor, name] = units.find(([minimum]) => rounded >= minimum);
+  return `${inSignificant(value / factor, digits)} ${name}`;
+}
+
+const MIN_PERCENTAGE = 0.001; // smallest percentage that is printed
+
+/** Replace {} in the text of a caveat with a formatted number. */
+const filled = (text, format, value) => (format ? text.replace("{}", caveatNumber(value, format)) : text);

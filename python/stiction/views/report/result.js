@@ -95,6 +95,7 @@ const isAtRange = () => [["mu0", state.mu0], ["tau0", state.tau0]].every(([name,
   nodeAxes[name].bounds.some(([low, high]) => low <= value && value <= high));
 
 function whyNoInterval() {
+  if (isMeasured && facts.memberCounts[state.kind] < 2) return `there are fewer than two ${facts.kinds[state.kind]}`;
   if (isMeasured) return `too few ${facts.kinds[state.kind]} have a coefficient, or all coefficients are equal`;
   return facts.repetitions === 1 ? "there is one repetition" : "fewer than two repetitions carry load";
 }
@@ -209,6 +210,8 @@ function verdictElements(verdict, caveats) {
     ...(rest.length ? [element("details", {}, element("summary", {}, `${rest.length} more`), ...list(rest))] : []))];
 }
 
+const VALIDITY_DIGITS = 2; // significant digits of indicators of validity, as in the table of `stiction at --verbose`
+
 function figuresOf(at, d, l) {
   const list = element("dl", {});
   const row = (words, value, text, isBeyond = false) => list.append(element("dt", {}, words),
@@ -230,9 +233,9 @@ function figuresOf(at, d, l) {
     const of = quantityAt(quantity, d, l);
     row(words, of.value, `${quoted(of)}\u00a0${unit}`);
   }
-  facts.validity.forEach(({words, limit, factor, decimals, unit}, i) => {
+  facts.validity.forEach(({words, limit, factor, unit}, i) => {
     const value = between(numbers.floats, numbers.offsets[`validity_${i}`] + at.index * here.size, here);
-    if (Number.isFinite(value)) row(words, value, `${inDecimals(factor * value, decimals)}${unit}`, value > limit);
+    if (Number.isFinite(value)) row(words, value, `${inSignificant(factor * value, VALIDITY_DIGITS)}${unit}`, value > limit);
   });
   return list;
 }
