@@ -336,6 +336,8 @@ def fake_pair_command(monkeypatch):
     answers = [{"headline": False, "caveats": []}, {"headline": True, "caveats": [{"text": "use --tip"}]}]
 
     async def run_module(arguments, on_record=None, **_):
+        if '"preview"' in arguments[1]:  # a preview that is slower than the command
+            await asyncio.Event().wait()
         if arguments[0] != "stiction":  # the process that reads the finished part of a stopped job
             return '{"answer": "finished part", "finished": 1, "total": 2}'
         assert arguments[1] == "pair"
@@ -349,10 +351,10 @@ def fake_pair_command(monkeypatch):
     monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
 
 
-def test_files_of_a_pair_come_from_its_command_without_another_process(tmp_path, fake_pair_command):
+def test_files_of_a_pair_come_from_its_command_and_a_slow_preview_is_discarded(tmp_path, fake_pair_command):
     async def check():
         queue = JobQueue(tmp_path)
-        job = queue.add("a pair", ["pair"])
+        job = queue.add("a pair", ["pair"], preview=([], []))
         await job.task
         return job
 

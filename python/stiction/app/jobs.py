@@ -141,14 +141,6 @@ class JobQueue:
         job.state, job.activity = final_state, ""
 
     async def _run_command(self, job: Job) -> None:
-        if job.preview is not None and not job.folder.exists():
-            job.activity = "computing a preview"
-            with suppress(*REPORTED_EXCEPTIONS):  # the command itself reports this error
-                await self._read_result(
-                    job,
-                    "preview with the asperity model, without hardness, at {finished} positions",
-                    preview=job.preview,
-                )
         if job.folder.is_relative_to(self.root):
             record = await self._compute_result(job)
             if job.arguments[0] == "pair":
@@ -164,6 +156,9 @@ class JobQueue:
         """
         job.activity = "computing"
         monitor_task = asyncio.create_task(self._monitor_progress(job))
+        reading_tasks = [monitor_task]
+        if job.preview is not None and not job.folder.exists():
+            reading_tasks.append(asyncio.create_task(self._show_preview(job)))
 
         def show_drawing() -> None:
             monitor_task.cancel()
@@ -176,8 +171,19 @@ class JobQueue:
                 arguments, grace_time=MAX_SHUTDOWN_TIME, memory=JOB_MEMORY_FRACTION, on_record=show_drawing
             )
         finally:
-            monitor_task.cancel()
-            await asyncio.wait([monitor_task])
+            for task in reading_tasks:
+                task.cancel()
+            await asyncio.wait(reading_tasks)
+
+    async def _show_preview(self, job: Job) -> None:
+        """Show a preview while the command of a job computes, unless the command is faster."""
+        job.activity = "computing a preview"
+        with suppress(*REPORTED_EXCEPTIONS):  # the command itself reports this error
+            await self._read_result(
+                job, "preview with the asperity model, without hardness, at {finished} positions", preview=job.preview
+            )
+        if job.activity == "computing a preview":
+            job.activity = "computing"
 
     async def _show_pair_result(self, job: Job, record: str) -> None:
         """Copy the files that a finished `pair` command wrote, and show the values in its JSON record."""
@@ -224,7 +230,7 @@ class JobQueue:
                    "files": str(files), "root": str(self.root)}  # fmt: skip
         arguments = ["stiction.app.result_worker", json.dumps(request | source)]
         response = json.loads(await run_module(arguments, memory=JOB_MEMORY_FRACTION))
-        if response is None:
+        if response is None or (source and job.versions):  # no preview, or a result of the command is already shown
             return
         job.record, job.files, job.versions = response["answer"], files, job.versions + 1
         job.scope = scope and scope.format_map(response) + SCOPE_TEXT_SUFFIX
