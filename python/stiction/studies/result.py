@@ -136,26 +136,34 @@ class Result:
             yield selected_dataset.isel(repetition=slice(piece_start, piece_start + piece_size))
 
     def means(self, names: Iterable[str]) -> xarray.Dataset:
-        """Average variables over all members. Only one piece of the result is held in memory at a time."""
+        """Average variables over the members that the solver completed at a loading step; NaN if there are none.
+
+        Only one piece of the result is held in memory at a time.
+        """
         import xarray
 
-        names, sums, count = list(names), dict[str, xarray.Variable](), 0
+        names, sums, counts = list(names), dict[str, xarray.Variable](), dict[str, xarray.Variable]()
         for piece in self.pieces(names):
-            count += piece.sizes["repetition"]
             for name in names:
                 dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
                 # Summation is fast if the repetitions are contiguous in memory.
                 values = np.ascontiguousarray(piece[name].transpose(*dims, "repetition").values)
-                piece_sum = xarray.Variable(dims, values.sum(axis=-1))
+                is_solved = ~np.isnan(values)
+                piece_sum = xarray.Variable(dims, np.where(is_solved, values, 0).sum(axis=-1))
+                piece_count = xarray.Variable(dims, is_solved.sum(axis=-1))
                 sums[name] = piece_sum if name not in sums else sums[name] + piece_sum
+                counts[name] = piece_count if name not in counts else counts[name] + piece_count
         head = self.head
         coordinates = {name: variable for name, variable in head.coords.items() if "repetition" not in variable.dims}
-        variables = {name: (value.dims, value.values / count, head[name].attrs) for name, value in sums.items()}
+        with np.errstate(invalid="ignore"):
+            variables = {
+                name: (value.dims, value.values / counts[name].values, head[name].attrs) for name, value in sums.items()
+            }
         return xarray.Dataset(variables, coordinates, head.attrs)
 
     @cached_property
     def mean_elastic_loads(self) -> xarray.DataArray:
-        """Elastic load (mN) of each cell at each loading step, averaged over all members."""
+        """Elastic load (mN) of each cell at each loading step, averaged over the members solved at this step."""
         return self.means(["normal_elastic"])["normal_elastic"]
 
     @cached_property
