@@ -13,6 +13,11 @@ from stiction.studies.assessment import (
     TYPICAL_WORK_OF_ADHESION,
     estimate_adhesion_load_ratio,
 )
+from stiction.studies.computed_loads import (
+    find_computed_load_range,
+    find_loads_outside_range,
+    find_loads_without_values,
+)
 from stiction.studies.contact_picture import compute_loading_cycle
 from stiction.studies.evaluation import at_load
 from stiction.studies.members import load_bodies
@@ -162,6 +167,17 @@ def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
         assert is_unloaded(table.isel(load=0))
     with pytest.raises(ValueError, match="loads must be above 0"):
         at_load(run_pair().source, [0.0])
+
+
+def test_load_of_zero_has_values_if_the_smallest_computed_load_is_not_negligible(adhesive_result):
+    values = adhesive_result.at([0.0, 1e3])
+    negligible_load = float(values["load"][0])
+    assert negligible_load < find_computed_load_range(adhesive_result)[0]
+    assert find_loads_outside_range(adhesive_result, values) == [1e3]
+    assert find_loads_without_values(adhesive_result, values) == [1e3]
+    text = result_text(adhesive_result.summarize_dataset(values.sel(load=[negligible_load])))
+    assert "Pull-off force" in text
+    assert text.splitlines()[-1] != "."
 
 
 def test_verbose_text_lists_coefficients_along_the_x_and_y_axes_only_at_loads_above_zero():

@@ -194,7 +194,7 @@ def _print_height_factor_results(
             ) from None
     values = evaluate_at_height_factors(stored_result, height_factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
     result = Result(stored_result)
-    missing_loads = find_loads_outside_range(result, loads)
+    missing_loads = find_loads_outside_range(result, values)
     _report_missing_loads(result, values, missing_loads)
     if as_json:
         print_output(height_scale_json(values, stored_result.study))

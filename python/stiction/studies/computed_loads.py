@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stiction.mechanics.friction import STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLVED, STATUS_OK
 from stiction.studies.maps import find_cell_dimensions
+from stiction.studies.point import is_unloaded
 
 if TYPE_CHECKING:
     import xarray
@@ -24,16 +24,17 @@ NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLV
 def find_loads_without_values(result: Result, values: xarray.Dataset) -> list[float]:
     """Return the loads (mN) at which a dataset from `Result.at` has no coefficient because they were not computed.
 
-    At a computed load, a point without a coefficient may be self-locked, for example. Such loads are not returned.
+    At a computed load, a point without a coefficient may be self-locked, for example. Such loads are not returned, and
+    neither are negligible loads on adhesive bodies, for which there is a pull-off force.
     """
     statuses = values["status"]
     other_dims = [dim for dim in statuses.dims if dim != "load"]
     loads = np.atleast_1d(values["load"].values)
     is_computed = np.atleast_1d((~statuses.isin(NOT_COMPUTED_STATUSES)).any(other_dims).values)
     has_coefficient = np.atleast_1d((statuses == STATUS_OK).any(other_dims).values)
-    outside_loads = [] if has_coefficient.all() else find_loads_outside_range(result, loads.tolist(), values)
+    outside_loads = [] if has_coefficient.all() else find_loads_outside_range(result, values)
     is_missing = ~has_coefficient & (~is_computed | np.isin(loads, outside_loads))
-    return [float(load) for load in loads[is_missing]]
+    return [float(load) for load in loads[is_missing] if not is_unloaded(values.sel(load=load))]
 
 
 def find_computed_load_range(result: Result, values: xarray.Dataset | None = None) -> tuple[float, float]:
@@ -53,9 +54,12 @@ def find_computed_load_range(result: Result, values: xarray.Dataset | None = Non
     return float(computed_loads.min(initial=np.inf)), float(computed_loads.max(initial=0.0))
 
 
-def find_loads_outside_range(
-    result: Result, loads: Sequence[float], values: xarray.Dataset | None = None
-) -> list[float]:
-    """Return the loads (mN) outside the range of `find_computed_load_range`."""
+def find_loads_outside_range(result: Result, values: xarray.Dataset) -> list[float]:
+    """Return the loads (mN) of a dataset outside the computed range, except negligible loads on adhesive bodies."""
     lowest, highest = find_computed_load_range(result, values)
-    return [load for load in loads if not lowest * (1 - _ROUND_OFF) <= load <= highest * (1 + _ROUND_OFF)]
+    return [
+        float(load)
+        for load in np.atleast_1d(values["load"].values)
+        if not lowest * (1 - _ROUND_OFF) <= load <= highest * (1 + _ROUND_OFF)
+        and not is_unloaded(values.sel(load=load))
+    ]
