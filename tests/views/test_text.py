@@ -15,7 +15,7 @@ from stiction.views.assessment import assessment_paragraph
 from stiction.views.layout import format_paragraph
 from stiction.views.overview import overview_text
 from stiction.views.point import nominal_area_text
-from stiction.views.quantities import quantities_paragraph
+from stiction.views.quantities import percent_text, quantities_paragraph
 from stiction.views.rows import summary_json
 from stiction.views.text import (
     MAX_PRINTED_POINTS,
@@ -315,6 +315,15 @@ def test_headings_of_quantities_state_the_fractal_dimension():
         table = text[text.rindex("\n\n") :] if "\n\n" in text else text
         assert expected_heading.split()[0] in table
         assert ("D = 1.1" in table) == (len(dimensions) > 1)
+
+
+def test_fraction_without_an_interval_has_three_digits_or_is_none():
+    assert [percent_text(fraction) for fraction in (0.1087, 0.06353, 0.0, np.nan)] == [
+        "10.9 %",
+        "6.35 %",
+        "0 %",
+        "none",
+    ]
 
 
 def test_formatted_numbers_have_the_documented_digits():

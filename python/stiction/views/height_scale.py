@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._estimate import Estimate
 from stiction._number_format import choose_prefixed_unit, format_significant, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.point import (
@@ -22,6 +21,7 @@ from stiction.studies.point import (
 from stiction.views import rows
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text
+from stiction.views.quantities import percent_text
 
 if TYPE_CHECKING:
     import xarray
@@ -87,7 +87,7 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
     elif (status := find_contact_status(point, study)) != STATUS_OK:
         cells.append(status)
     else:
-        cells.append(f"{Estimate(mean_over_directions(point, 'contact_area_fraction')) / 0.01:.2u} %")
+        cells.append(percent_text(mean_over_directions(point, "contact_area_fraction")))
     return (
         [*cells, format_with_unit(mean_over_directions(point, "pull_off_pressure"), "GPa")]
         if "pull_off_pressure" in point

@@ -53,7 +53,7 @@ def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = Fals
     rows = [row for row in all_rows if set(row[2:]) != {"none"}]
     if is_sentence:
         text = "; ".join(f"{label} {value} {unit}".rstrip() for label, unit, value in rows)
-        return [f"{text[:1].upper()}{text[1:]}."]
+        return [f"{text[:1].upper()}{text[1:]}."] if rows else []
     columns = [
         [f"{cell}, mean [95 %]" if cell else "mean [95 %]", *map(point_load_text, points)],
         *([f"{label} ({unit})" if unit else label, *cells] for label, unit, *cells in rows),
@@ -104,6 +104,11 @@ def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence:
     return [
         name for name in names if (name in point.quantities or name in point.numbers) and not is_hidden.get(name, False)
     ]
+
+
+def percent_text(fraction: float) -> str:
+    """Return a fraction without an interval in percent, as in "10.9 %". It has the digits of values in tables."""
+    return "none" if math.isnan(fraction) else f"{format_significant(100 * fraction, 3)} %"
 
 
 def _find_quantile(point: PointSummary, name: str, fraction: float) -> Estimate:

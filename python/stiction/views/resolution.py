@@ -12,6 +12,7 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.member_names import count_members_text
 from stiction.views.layout import Paragraph, Table, TextRows, WrappedText
 from stiction.views.point import SLIDING_RULE_TITLES, cutoff_text
+from stiction.views.quantities import percent_text
 
 if TYPE_CHECKING:
     from stiction.studies.resolution import ResolutionEffect, ResolvedRoughness, YieldWavelengthEstimate
@@ -64,7 +65,7 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
             [
                 cutoff_text(point.cut_offs),
                 str(Estimate(values["rms_gradient"])),
-                f"{Estimate(values['contact_area_fraction']) / 0.01:.2u} %" if status == STATUS_OK else status,
+                percent_text(values["contact_area_fraction"]) if status == STATUS_OK else status,
                 format_with_unit(values["mean_pressure"], "GPa"),
                 *(_coefficient_text(values[f"friction_{rule}"]) for rule in rules),
             ]
@@ -72,13 +73,7 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
     if resolution.plastic_limit is not None and hardness is not None:
         friction_limit, area_limit = resolution.plastic_limit
         rows.append(
-            [
-                "plastic limit",
-                "",
-                f"{Estimate(area_limit) / 0.01:.2u} %",
-                format_with_unit(hardness, "GPa"),
-                f"{friction_limit:.3f}",
-            ]
+            ["plastic limit", "", percent_text(area_limit), format_with_unit(hardness, "GPa"), f"{friction_limit:.3f}"]
         )
     return rows
 
