@@ -138,4 +138,4 @@ def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans
     options = {"cwd": scans_folder, "without_figures": True, "without_report": True}
     assert "computing" not in check_stiction(*PAIR_COMMAND, "-o", "short", **options).stderr
     monkeypatch.setattr(pipeline, "MIN_ANNOUNCED_TIME", 0.0)
-    assert "computing 2 repetitions: about " in check_stiction(*PAIR_COMMAND, "-o", "long", **options).stderr
+    assert "computing 2 positions: about " in check_stiction(*PAIR_COMMAND, "-o", "long", **options).stderr
