@@ -1,5 +1,8 @@
 """Defects of a scan: found once for a pair, its alternatives and its caveats; spectra without outliers."""
 
+import gc
+import pickle
+import weakref
 from collections import Counter
 
 import numpy as np
@@ -11,7 +14,7 @@ from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.studies.pair import MeasuredPair
 from stiction.studies.pair_options import PairOptions
 from stiction.studies.resolution import find_resolved_roughness
-from stiction.studies.scan_defects import ScanDefects
+from stiction.studies.scan_defects import ScanDefects, find_scan_defects
 from support.machined_surfaces import MACHINED_SURFACES, filtered_noise, scale_to_unit_rms
 from support.rough_surfaces import rough_maps
 
@@ -48,6 +51,19 @@ def test_defects_of_each_scan_are_found_once(scan_folder, monkeypatch):
     assert find_alternatives(result.study) == []
     assert not any("spike" in caveat.text for caveat in result.input_caveats)
     assert num_calls == {"instrument_limit": 2, "find_hidden_noise": 2, "find_outliers": 2}
+
+
+def test_cached_defects_are_released_with_their_scan():
+    scan = rough_maps(points=32)[0]
+    defects = find_scan_defects(scan, None, textured=False)
+    assert find_scan_defects(scan, None, textured=False) is defects
+    assert find_scan_defects(scan, None, textured=True) is not defects
+    assert defects.body_without_outliers is scan
+    assert "_defects" not in vars(pickle.loads(pickle.dumps(scan)))
+    reference = weakref.ref(scan)
+    del scan, defects
+    gc.collect()
+    assert reference() is None
 
 
 def test_file_is_read_once_for_its_relative_and_its_absolute_path(scan_folder):

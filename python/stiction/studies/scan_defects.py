@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -139,7 +137,13 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     return np.asarray(distances > threshold * usual_distance) if usual_distance > 0 else np.zeros(distances.shape, bool)
 
 
-@functools.lru_cache(maxsize=16)
 def find_scan_defects(body: Profile | Surface, tip_radius: float | None, *, textured: bool) -> ScanDefects:
-    """Return the defects of a scan, which are shared by a pair, its alternative preparations and its caveats."""
-    return ScanDefects(body, tip_radius, textured=textured)
+    """Return the defects of a scan, which are shared by a pair, its alternative preparations and its caveats.
+
+    They are cached as an attribute of the body, so that the memory of both is released together.
+    """
+    cached_defects: dict[tuple[float | None, bool], ScanDefects] = vars(body).setdefault("_defects", {})
+    options = tip_radius, textured
+    if options not in cached_defects:
+        cached_defects[options] = ScanDefects(body, tip_radius, textured=textured)
+    return cached_defects[options]
