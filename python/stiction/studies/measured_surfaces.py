@@ -816,7 +816,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
     ) = Field(
         default=None,
         description="Shifts (x, y) of the first point of the upper map relative to the first point of the lower map. "
-        "All positions have the size of the smallest overlap.",
+        "At all positions, areas of the size of the smallest overlap are pressed.",
     )  # fmt: skip
 
     @property
