@@ -106,9 +106,9 @@ def at(
     """Print the static friction, true contact area and stiffness of a result at given loads, with intervals.
 
     Loads, mu0 and tau0 default to the values of the study. Other values need no new contact computation, but loads must
-    be between the smallest and the largest computed load: a warning names other loads, and if no load has values, the
-    exit status is 2. If there are more points than fit on a screen, a selection is printed; --verbose and --json
-    contain all points. Each factor of --scale-heights is computed once and stored with the result.
+    be between the smallest and the largest computed load. A warning names loads outside this range; if no load has
+    values, the exit status is 2. If there are more points than fit on a screen, a selection is printed; --verbose and
+    --json contain all points. Each factor of --scale-heights is computed once and stored with the result.
     """
     from stiction.studies.computed_loads import find_loads_without_values
     from stiction.views import rows, text

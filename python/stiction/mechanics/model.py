@@ -307,7 +307,7 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
             )
         elif _differ_by_a_constant(upper.heights, -lower.heights[::-1]):
             message = (
-                "upper is lower flipped, so the gap is the same on both sides of its middle row, and slopes "
+                "upper is a flipped copy of lower, so the gap is the same on both sides of its middle row, and slopes "
                 "along y cancel; move one of the surfaces, or press another piece"
             )
     if message:

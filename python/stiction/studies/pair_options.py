@@ -729,8 +729,8 @@ class ExtraComputationOptions(OptionGroup):
     title: ClassVar[str] = "Computing"
 
     onset: Annotated[Seed | None, PairOption(
-        "N", "Positions whose onset of sliding is computed; 0 for none.",
-        usual="16, or 4 for areas with the half-space",
+        "N", "Number of positions whose onset of sliding is computed; 0 for none.",
+        usual="16, or 4 for height maps with the half-space model",
     )] = None  # fmt: skip
 
 

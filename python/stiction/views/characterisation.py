@@ -235,14 +235,14 @@ class Characterisation:
 
     @cached_property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest wavelength of the scan that pixels and noise leave usable, as in the caveats. It ignores the tip."""
+        """Shortest reliable wavelength, limited by pixels and noise but not by the tip, as in the caveats."""
         if not self.periodic:
             return self._defects.instrument_limit
         return instrument_limit(self.body_without_outliers, periodic=True, texture=self.textured)
 
     @cached_property
     def tip_limit(self) -> InstrumentLimit | None:
-        """Shortest wavelength that pixels, noise and tip leave usable, or None without a tip radius."""
+        """Shortest reliable wavelength, limited by pixels, noise and tip, or None without a tip radius."""
         if self.tip_radius is None or not self.periodic:
             return self._defects.limit_with_tip
         return instrument_limit(
@@ -282,11 +282,10 @@ class Characterisation:
         if self.body.missing is not None:
             rows.append(TableRow("", ("missing heights are interpolated along lines in the following values",)))
         count = int(self._defects.outliers.sum())
-        outliers_text = f"{count} single points" if count > 1 else "a single point"
+        outliers_text = f"{count} points" if count > 1 else "1 point"
         text = (
-            f"{outliers_text} beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of the neighbours; "
-            f"the spectrum is computed without {'them' if count > 1 else 'it'}; --outliers mask removes "
-            f"{'them' if count > 1 else 'it'}"
+            f"{outliers_text} more than {MIN_OUTLIER_DEVIATIONS:g} robust standard deviations from the neighbours; "
+            f"excluded from the spectrum; --outliers mask removes {'them' if count > 1 else 'it'}"
         )
         rows.append(TableRow("outliers", (text if count else "none",), (json_entry("outliers", count),)))
         rows += [*self._parameter_rows(), TableRow("friction by slope", (self._friction_text(),))]
@@ -631,7 +630,7 @@ def _json_unit(parameter: ParameterDefinition) -> str:
 
 
 def _tip_limit_text(limit: InstrumentLimit) -> str:
-    """Describe the wavelengths that a tip does not resolve, for a limit by pixels, noise and tip.
+    """Describe the wavelengths that a tip does not resolve. The limit accounts for pixels, noise and tip.
 
     No cutoff is suggested, because filtering does not restore these wavelengths.
     """

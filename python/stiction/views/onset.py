@@ -70,7 +70,7 @@ PICOJOULE = 1e-3  # in mN µm
 def onset_note(onset: OnsetValues, study: Study) -> str:
     """Return a note about the number of averaged members and the assumptions for the onset of sliding."""
     count_text = count_members_text(study, onset.num_members)
-    text = f"Means over {count_text} for the onset of sliding, with friction at all contacts."
+    text = f"The onset of sliding is a mean over {count_text}, with friction at all contacts."
     if not onset.is_poisson_ratio_given and math.isfinite(onset.stiffness.value):
         text += f" Poisson's ratio is assumed to be {onset.poisson_ratio[0]:g}."
     return text

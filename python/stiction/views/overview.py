@@ -99,7 +99,7 @@ def _omission_text(printed_points: Sequence[PointSummary], points: Sequence[Poin
         for name, num_available in num_values.items()
         if (num_printed := len({point.at[name] for point in printed_points})) < num_available
     ]
-    return f"Shown: {', '.join(count_texts)}; stiction at prints all." if count_texts else ""
+    return f"Shown: {', '.join(count_texts)}; the command 'stiction at' prints all." if count_texts else ""
 
 
 def _overview_title(point: PointSummary, rule: str, varying_names: Sequence[str]) -> str:

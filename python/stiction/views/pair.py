@@ -217,7 +217,8 @@ def pair(
     tip : str or float, or several, µm, optional
         Radius of the stylus or probe, "10 nm", which limits the curvature that it can follow.
     onset : int, optional
-        Positions whose onset of sliding is computed; 0 for none. By default 16, or 4 for areas with the half-space.
+        Number of positions whose onset of sliding is computed; 0 for none. By default 16, or 4 for height maps with the
+        half-space model.
     directory : path, optional
         Directory of the result, like ``--output``; by default a temporary one, removed when Python exits.
     replace : bool

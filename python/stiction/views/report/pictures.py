@@ -129,7 +129,7 @@ def _contact_panel(picture: xarray.Dataset, direction: float) -> FigurePanel:
     )
     if is_cut.any():
         cut_load_text = format_percent(float(force[is_cut].sum() / force.sum()))
-        text += f" Contacts that the edge of the scans cuts carry {cut_load_text} of the load."
+        text += f" Contacts cut by the edge of the scans carry {cut_load_text} of the load."
     offset = " and ".join(f"{float(picture.attrs[axis]):.3g}" for axis in "xy").replace("-", "\N{MINUS SIGN}")
     position_text = "profile is shown in the pressed position" if "gap" in picture else f"map is moved by {offset} µm"
     description, caption = "The two bodies with their true contacts.", f"{text} The upper {position_text}."
