@@ -351,7 +351,7 @@ def fake_pair_command(monkeypatch):
     monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
 
 
-def test_files_of_a_pair_come_from_its_command_and_a_slow_preview_is_discarded(tmp_path, fake_pair_command):
+def test_pair_job_shows_the_files_of_its_command_and_discards_a_slow_preview(tmp_path, fake_pair_command):
     async def check():
         queue = JobQueue(tmp_path)
         job = queue.add("a pair", ["pair"], preview=([], []))

@@ -1,4 +1,4 @@
-"""Tests of the names of members in texts for people."""
+"""Tests of the names of members in texts for users."""
 
 import pytest
 from stiction import Study
@@ -21,5 +21,5 @@ def test_members_are_named_by_the_surfaces_of_the_study(plural):
     assert name_members("use more members; remember", study) == f"use more {plural}; remember"
 
 
-def test_gap_has_positions():
+def test_members_of_pressed_lines_are_positions():
     assert find_member_names(measured_study(press="lines"))[1] == "positions"

@@ -150,9 +150,9 @@ class JobQueue:
         await self._read_result(job)
 
     async def _compute_result(self, job: Job) -> str:
-        """Run the command of a job until it ends, and return its JSON record.
+        """Run the command of a job until it ends, and return its output.
 
-        A `pair` command also writes its report.
+        A `pair` command prints a JSON record, and then writes a report and a table.
         """
         job.activity = "computing"
         monitor_task = asyncio.create_task(self._monitor_progress(job))
@@ -272,9 +272,10 @@ async def run_module(
 ) -> str:
     """Run a module in a process that ends with the server, and return its output up to the end of a record.
 
-    The process is killed after the record. With `on_record`, which is called after the record, the process runs until
-    it ends. The process may use a fraction `memory` of the machine's memory. After a cancellation it has `grace_time`
-    seconds to write its results. Raises `RejectedRequestError` with the message of the process.
+    Without `on_record`, the process is killed after the record. Otherwise, `on_record` is called after the record, and
+    the process runs until it ends. The process may use a fraction `memory` of the machine's memory. After a
+    cancellation it has `grace_time` seconds to write its results. Raises `RejectedRequestError` with the message of the
+    process.
     """
     process = await asyncio.create_subprocess_exec(
         *memory_limit_command_prefix(memory), sys.executable, "-P", "-m", *arguments, stdin=asyncio.subprocess.DEVNULL,

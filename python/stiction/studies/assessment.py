@@ -104,7 +104,7 @@ class Caveat:
     limit: float = field(default=math.nan, compare=False)
     """Limit that the number exceeds."""
     interval_note: str = ""
-    """Clause about the interval, which ends the text if the point of the caveat has an interval."""
+    """Clause about the interval, which is appended to the text at points that have an interval."""
 
 
 class LimitCheck(NamedTuple):

@@ -142,10 +142,10 @@ def _find_study_loads(at: xarray.Dataset, study: Study) -> NDArray[np.bool_]:
 
 
 def _group_loads(at: xarray.Dataset, result: Result) -> list[NDArray[np.intp]]:
-    """Return the indices of the loads that are evaluated together.
+    """Return groups of load indices. The loads of a group are evaluated together.
 
-    The loads of the study are separate from other loads if their intervals would depend on these. All loads share the
-    nodes of hardness, from which areas are interpolated.
+    The loads of the study form a separate group if other loads would change their intervals. All loads of a group share
+    the hardness nodes, from which areas are interpolated.
     """
     is_study_load = _find_study_loads(at, result.study)
     depends_on_other_loads = bool(result.study.contact.junction_growth) or has_areas_at_nodes(result)

@@ -64,7 +64,8 @@ class CutoffValues:
 def evaluate_cutoffs(result: Result, mu0_index: int = 0, tau0_index: int = 0) -> CutoffValues | None:
     """Evaluate a measured pair at several cutoffs, for the first load and one pair of mu0 and tau0 in the study.
 
-    The cutoffs are those of the result itself or of its stored cutoff study. Returns None if there is neither.
+    The cutoffs are those of the result or of its stored cutoff study. Returns None if the result has one cutoff and no
+    cutoff study.
     """
     points = result.at_study_loads if result.head.sizes.get("cut_off", 1) > 1 else result.values_at_cutoffs
     if points is None:
@@ -75,7 +76,7 @@ def evaluate_cutoffs(result: Result, mu0_index: int = 0, tau0_index: int = 0) ->
 
 
 def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
-    """Return a mask of the contacts of a contact picture that oppose a motion of the upper body.
+    """Return a mask of the contacts of a contact picture that oppose the motion of the upper body.
 
     The direction of motion is in degrees from +x towards +y.
     """

@@ -1,4 +1,4 @@
-"""Names of the members of a study in texts for people: repetitions, positions or pairs of surrogates."""
+"""Names of the members of a study in texts for users: repetitions, positions or pairs of surrogates."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SURROGATE_PAIR_NAMES = ("pair of surrogates", "pairs of surrogates")
 
 
 def find_member_names(study: Study) -> tuple[str, str]:
-    """Return what the members of a study are called: the singular and the plural."""
+    """Return the singular and the plural of the name of the members of a study."""
     if not study.is_measured:
         return REPETITION_NAMES
     surfaces: Any = study.surfaces
@@ -32,7 +32,7 @@ def count_members_text(study: Study, count: float) -> str:
 
 
 def name_members(text: str, study: Study) -> str:
-    """Replace the general word "members" in a text by the name of the members of a study."""
+    """Replace the word "members" in a text with the name of the members of a study."""
     return _MEMBERS_PATTERN.sub(find_member_names(study)[1], text)
 
 

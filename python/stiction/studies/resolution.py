@@ -132,7 +132,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 
 @dataclass(frozen=True, eq=False)
 class ResolvedRoughness:
-    """Roughness of the gap without outliers at resolved wavelengths, and an extrapolation to shorter wavelengths."""
+    """Roughness of the gap at resolved wavelengths, extrapolated to shorter wavelengths. Outliers are interpolated."""
 
     shortest: float  # shortest resolved wavelength (two points or the cutoff), µm
     two_points: float  # shortest wavelength of the unfiltered scans, µm

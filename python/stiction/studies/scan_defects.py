@@ -28,7 +28,8 @@ A point far from its neighbours that is also an outlier is a spike. The distance
 deviation of the heights. It is at most 4 for machined surfaces, and 5 for white noise.
 """
 
-# Smallest ratio of the height without outliers to the height with outliers; a lower scan is flat except for outliers.
+# Smallest ratio of the height range without outliers to the height range with outliers. If the ratio is smaller, the
+# scan is flat except for outliers.
 MIN_ROUGHNESS_RATIO = 1e-6
 
 # Noise or a tip limit is reported if it affects more than this fraction of the mean square slope.
@@ -66,7 +67,7 @@ class ScanDefects:
     def body_without_outliers(self) -> Profile | Surface:
         """Body whose spectrum is assessed: outliers are interpolated, because single points look like white noise.
 
-        The same body if it has no outliers, or if nothing but outliers is rough.
+        If the body has no outliers, or is flat except for outliers, it is returned unchanged.
         """
         body = with_interpolated_points(self.body, self.outliers)
         is_rough = body is self.body or _find_height(body) > MIN_ROUGHNESS_RATIO * _find_height(self.body)
@@ -74,7 +75,7 @@ class ScanDefects:
 
     @cached_property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest wavelength that pixels and noise leave usable.
+        """Shortest reliable wavelength, limited by pixels and noise.
 
         Raises a `ValueError` if the body is flat.
         """
@@ -90,7 +91,7 @@ class ScanDefects:
 
     @cached_property
     def limit_with_tip(self) -> InstrumentLimit | None:
-        """Shortest wavelength that pixels, noise and tip leave usable, or None without a tip radius.
+        """Shortest reliable wavelength, limited by pixels, noise and tip, or None without a tip radius.
 
         Raises a `ValueError` if the body is flat.
         """

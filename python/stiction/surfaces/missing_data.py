@@ -118,7 +118,7 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.of_scan for typical in typical_deviations])
-        # Neighbourhoods only increase typical deviations, so they matter only at the candidates of the whole scan.
+        # A neighbourhood can only raise the typical deviation, so it is evaluated only at outliers of the whole scan.
         is_judged = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(is_judged & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)

@@ -47,7 +47,7 @@ class ShortenedList:
     min_shown: int
     max_shown: int | None
     max_height: int | None
-    noun: str  # what a line is, for the number of omitted lines, such as "caveat"
+    noun: str  # singular noun that follows the number of omitted lines, such as "caveat"
     complete_command: str  # option, command or method that shows all lines
 
 

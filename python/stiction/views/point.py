@@ -36,7 +36,7 @@ def coordinate_text(name: str, value: float) -> str:
 
 
 def point_coordinate_text(point: PointSummary, name: str) -> str:
-    """Return a coordinate of a point with its unit. A cutoff is given for each body if the bodies differ."""
+    """Return a coordinate of a point with its unit. If the bodies have different cutoffs, both are given."""
     if name == "cut_off" and point.cut_offs is not None:
         return cutoff_text(point.cut_offs)
     return coordinate_text(name, point.at[name])

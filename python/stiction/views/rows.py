@@ -258,7 +258,7 @@ def _assessment_table(
 
 
 def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return a column for each body with the longest cutoff (µm) of its scans, if the bodies differ at any point."""
+    """Return a column for each body with the longest cutoff (µm) of its scans, if these differ between the bodies."""
     cutoffs = [tuple(map(max, point.cut_offs)) if point.cut_offs is not None else (0.0, 0.0) for point in points]
     if all(upper == lower for upper, lower in cutoffs):
         return {}

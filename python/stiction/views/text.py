@@ -63,8 +63,8 @@ def study_result_text(
 ) -> str:
     """Return a summary at the loads of its study as terminal text.
 
-    For measured surfaces, this is `result_text`. Generated surfaces have many cells and loads, of which `overview_text`
-    shows the coefficients only.
+    The text is `result_text` for measured surfaces and `overview_text` for generated surfaces. Generated surfaces have
+    many cells and loads, so their text contains only coefficients and caveats.
 
     Parameters
     ----------
@@ -72,9 +72,9 @@ def study_result_text(
     verbose : bool
         True to print all caveats and, for measured surfaces, the inputs, every direction and every quantity.
     max_overview_lines : int, optional
-        Maximum number of lines for caveats of an overview, unless `verbose` is true.
+        Maximum number of caveat lines in an overview, unless `verbose` is true.
     complete_command : str
-        Option or method that shows omitted points and caveats.
+        Option, command or method that shows omitted points and caveats.
     """
     if summary.study.is_measured:
         return result_text(summary, verbose=verbose, complete_command=complete_command)
@@ -99,7 +99,7 @@ def result_text(
         Maximum number of lines for caveats. The first caveat, all faults, and the number of omitted caveats are always
         printed.
     complete_command : str
-        Option or method that shows omitted points and caveats.
+        Option, command or method that shows omitted points and caveats.
     """
     return main_values_text(
         summary, verbose=verbose, max_lines=max_lines, complete_command=complete_command
@@ -367,7 +367,7 @@ def _coefficients_table(
 
 
 def _coefficient_cell(estimate: Estimate) -> str:
-    """Return a coefficient with the digits of the first lines, and "no interval" if its interval is missing."""
+    """Format a coefficient as in the first lines of the output, with "no interval" if its interval is missing."""
     return str(estimate) if estimate.has_interval or math.isnan(estimate.value) else f"{estimate} no interval"
 
 

@@ -176,7 +176,7 @@ def _caveat_or_check_record(reason: Caveat | LimitCheck, study: Study) -> dict[s
 
 
 def _number_format_of_check(check: LimitCheck) -> dict[str, Any]:
-    """Return the table of the number in the text of a check, and how the page formats this number."""
+    """Return the source table and the format of the number in the text of a check."""
     digits = {"digits": 2, "digit": 1}.get(check.shown, 3)
     units = list_prefixed_units(check.shown) if check.shown not in ("digits", "digit", "percent") else ()
     return {"table": check.shown_name, "digits": digits, "units": units, "isPercent": check.shown == "percent"}

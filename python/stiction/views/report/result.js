@@ -198,7 +198,7 @@ function judgement(points, d, l) {
     `${near.loadText} it is: ${near.verdict}. `, back)] : []);
 }
 
-const MAX_OPEN_CAVEATS = 3; // number of caveats, or more if there are more faults, that are shown while the list of caveats is closed
+const MAX_OPEN_CAVEATS = 3; // number of caveats above the closed list; faults are never in this list
 
 function verdictElements(verdict, caveats) {
   const kind = VERDICT_CLASSES[verdict];
