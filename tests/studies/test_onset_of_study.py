@@ -129,10 +129,10 @@ def test_table_and_text_and_figure_and_report_show_the_onset(study, tmp_path):
     ]  # fmt: skip
     assert all(np.isfinite(line.get_ydata()).any() for line in panels[0].get_lines()[::2])
     report = report_page(result.source)
-    assert "How the pairs begin to slide" in report
+    assert "Onset of sliding over fractal dimension" in report
     with disable_drawing():
         report_without_onset = report_page(run(Study.named("quick").with_changes(PROFILE_STUDY_CHANGES)))
-    assert "How the pairs begin to slide" not in report_without_onset
+    assert "Onset of sliding over fractal dimension" not in report_without_onset
 
 
 REJECTED_STUDY_CHANGE_CASES = [
