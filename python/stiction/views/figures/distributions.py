@@ -147,12 +147,12 @@ def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
         axes.axhspan(low, high, color=SLIDING_RULE_COLOURS[rule], alpha=0.15, linewidth=0)
         axes.axhline(mean_value, color=SLIDING_RULE_COLOURS[rule], linewidth=0.6)
     axes.set(ylim=(0, 1.05 * max(highest, 1e-3)), ylabel=axis_label("friction_coefficient"))
-    axes.set_xlabel("offset of the upper body (µm)" if by_offset else "positions and directions, in order")
+    axes.set_xlabel("offset of the upper body (µm)" if by_offset else "single results, in ascending order")
     parameters = friction_parameters_text(float(point["mu0"]), float(point["tau0"]))
     caption = f"at {format_with_unit(float(point['load']), 'mN')}, {parameters}, single directions"
     figure.suptitle(f"{title}\n{caption}".strip(), fontsize=6)
     num_missing = int(np.isnan(values.values).reshape(values.shape[0], -1).any(axis=-1).sum())
-    note = f"; {num_missing} positions have no result" if num_missing else ""
+    note = f"; {num_missing} of {values.shape[0]} results are incomplete" if num_missing else ""
     legend_title = f"lines: means; bands: 95 %, sampling intervals{note}"
     figure.legend(*axes.get_legend_handles_labels(), title=legend_title, loc="outside lower center", ncols=2)
     return figure
@@ -196,7 +196,5 @@ def contact_sizes_figure(
         axes[1].text(hardness, 90, "hardness ", fontsize=6, color="0.3", ha="right", va="center")
     axes[0].set_title(title, loc="left", fontsize=6, pad=3)
     handles = axes[0].get_legend_handles_labels()
-    figure.legend(
-        *handles, title="thick: mean over positions; thin: single positions", loc="outside lower center", ncols=3
-    )
+    figure.legend(*handles, title="thick: mean; thin: single results", loc="outside lower center", ncols=3)
     return figure

@@ -291,9 +291,7 @@ def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, 
     mean = (
         select_sliding_rule(points["friction_all_round"], _list_sliding_rules(points)[0]).sel(statistic="mean").values
     )
-    axes.plot(
-        x[is_incomplete], mean[is_incomplete], "x", color="0.3", markersize=4, label="some positions have no result"
-    )
+    axes.plot(x[is_incomplete], mean[is_incomplete], "x", color="0.3", markersize=4, label="some results are missing")
 
 
 def format_log_axis(axis: Any) -> None:

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 from stiction._number_format import format_percent, format_with_unit
 from stiction.studies.figure_values import CutoffValues, find_opposing_contacts
+from stiction.studies.member_names import find_member_names
 from stiction.studies.report_data import GeneratedReportData, MeasuredReportData
 from stiction.studies.study import Study
 from stiction.views.figures.contact import contact_forces_figure, contact_map_figure
@@ -107,11 +108,11 @@ def list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
     if data.contact_picture is not None:
         panels.append(_contact_panel(data.contact_picture, data.directions[0]))
     if data.positions is not None:
-        panels.append(_positions_panel(data.positions, title))
+        panels.append(_members_panel(data.positions, data.study, title))
     if data.cutoff_values is not None:
         panels.append(_cutoff_panel(data.cutoff_values, title))
     if data.summary.onset is not None:
-        panels += _onset_panels(data.summary.onset, title)
+        panels += _onset_panels(data.summary.onset, data.study, title)
     panels += [_height_factors_panel(points, scaled, title) for scaled, points in data.height_factors.items()]
     if data.loading_cycle is not None:
         panels.append(_adhesion_panel(data.loading_cycle, title))
@@ -138,11 +139,12 @@ def _contact_panel(picture: xarray.Dataset, direction: float) -> FigurePanel:
     )
 
 
-def _positions_panel(point: xarray.Dataset, title: str) -> FigurePanel:
-    """Return the panel that shows the friction at single positions."""
+def _members_panel(point: xarray.Dataset, study: Study, title: str) -> FigurePanel:
+    """Return the panel that shows the friction coefficients of single members."""
+    singular, plural = find_member_names(study)
     return FigurePanel(
-        "Single positions",
-        "Friction coefficient at each position in each direction.",
+        f"Single {plural}",
+        f"Friction coefficient for each {singular} and direction.",
         "At the first load, μ0 and τ0 of the study; the sliders do not change this figure.",
         partial(positions_figure, point, title=title),
     )
@@ -158,7 +160,7 @@ def _cutoff_panel(values: CutoffValues, title: str) -> FigurePanel:
     )
 
 
-def _onset_panels(onset: xarray.Dataset, title: str) -> list[FigurePanel]:
+def _onset_panels(onset: xarray.Dataset, study: Study, title: str) -> list[FigurePanel]:
     """Return the panel with the onset curve and, for maps, the panel with the map of slip."""
     curve_panel = FigurePanel(
         "Onset of sliding",
@@ -177,7 +179,7 @@ def _onset_panels(onset: xarray.Dataset, title: str) -> list[FigurePanel]:
     slip_panel = FigurePanel(
         "Order of slip",
         "Contacts on a map of the lower body, coloured by the tangential load at which they slip.",
-        f"For one position: {points_text if 'slip' in onset else contacts_text}",
+        f"For one {find_member_names(study)[0]}: {points_text if 'slip' in onset else contacts_text}",
         partial(slip_figure, onset, title=title),
     )
     return [curve_panel, slip_panel]
