@@ -10,6 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from stiction import Profile, Result
+from stiction.studies import figure_values
 from stiction.studies.contact_forces import build_contact_forces
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load, choose_loads_in_range
@@ -404,6 +405,14 @@ def test_filtered_result_that_is_quoted_does_not_change_the_resolved_wavelengths
         for dataset, each in ((points, study), (points.isel(cut_off=[1, 0]), filtered_first))
     ]
     assert shortest_wavelengths[0] == shortest_wavelengths[1] < float(points["cut_off"].max())
+
+
+def test_list_of_figures_computes_no_resolution_limits(maps_at_two_cutoffs, monkeypatch):
+    def fail(*_):
+        pytest.fail("the limits are computed although the figure is not drawn")
+
+    monkeypatch.setattr(figure_values, "build_resolution_limits", fail)
+    assert "cut_off" in Result.of(maps_at_two_cutoffs).figures()
 
 
 def test_report_and_plot_draw_the_same_figure_over_the_cutoff(maps_at_two_cutoffs):

@@ -159,6 +159,7 @@ def _measured_surface_figures(
         study.contact.hardness,
     )
     first_load, onset = study_loads[0], result.onset
+    has_several_cutoffs = points.sizes["cut_off"] > 1 or result.values_at_cutoffs is not None
     for number, (mu0_index, tau0_index) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
         suffix = "" if number == 1 else f"-{number}"
         selection = unfiltered_points.isel(mu0=mu0_index, tau0=tau0_index)
@@ -167,8 +168,8 @@ def _measured_surface_figures(
         if points.sizes.get("direction", 1) >= MIN_COMPASS_DIRECTIONS:
             yield f"compass{suffix}", partial(friction_by_direction_figure, dataset, title=title)
         yield f"positions{suffix}", partial(_positions_figure, result, dataset, title=title)
-        if (cutoffs := evaluate_cutoffs(result, mu0_index, tau0_index)) is not None:
-            yield f"cut_off{suffix}", partial(cut_off_figure, cutoffs.points, limits=cutoffs.limits, title=title)
+        if has_several_cutoffs:
+            yield f"cut_off{suffix}", partial(_cut_off_figure, result, mu0_index, tau0_index, title=title)
     for scaled_bodies in result.height_factors:
         name = "height_scale" if scaled_bodies == "both" else f"height_scale_{scaled_bodies}"
         for number, indices in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
@@ -196,6 +197,12 @@ def _measured_surface_figures(
         )
     elif (contact_forces := result.contact_forces) is not None:
         yield "contact", partial(contact_forces_figure, contact_forces, title=title)
+
+
+def _cut_off_figure(result: Result, mu0_index: int, tau0_index: int, *, title: str) -> Figure:
+    cutoffs = evaluate_cutoffs(result, mu0_index, tau0_index)
+    assert cutoffs is not None, "the figure is drawn only if there are several cutoffs"
+    return cut_off_figure(cutoffs.points, limits=cutoffs.limits, title=title)
 
 
 def _positions_figure(result: Result, point: xarray.Dataset, *, title: str) -> Figure:
