@@ -368,6 +368,28 @@ def test_pair_job_shows_the_files_of_its_command_and_discards_a_slow_preview(tmp
     assert not any(str(tmp_path) in text for text in texts.values())
 
 
+def test_command_and_its_preview_share_the_memory_of_the_machine(tmp_path, monkeypatch):
+    memory_fractions = {}
+
+    async def run_module(arguments, memory, **_):
+        kind = "preview" if '"preview"' in arguments[1] else arguments[0]
+        memory_fractions[kind] = memory
+        if kind == "preview":
+            return "null"
+        await asyncio.sleep(0.1)
+        raise jobs.RejectedRequestError("the command failed")
+
+    async def check():
+        job = JobQueue(tmp_path).add("a pair", ["pair"], preview=([], []))
+        await job.task
+        return job
+
+    monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
+    assert asyncio.run(check()).error == "the command failed"
+    assert set(memory_fractions) == {"preview", "stiction"}
+    assert sum(memory_fractions.values()) < 1
+
+
 def test_pair_job_that_is_stopped_while_its_files_are_copied_shows_one_result(tmp_path, monkeypatch, fake_pair_command):
     copying, may_continue, open_stored_result = threading.Event(), threading.Event(), jobs.open_stored_result
 

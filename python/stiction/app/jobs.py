@@ -32,7 +32,8 @@ KILLED_PROCESS_TIMEOUT = 1.0  # maximum time in seconds for which the app waits 
 MAX_WAITING_JOBS = 8  # maximum number of jobs in the queue
 MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command may print
 JOB_MEMORY_FRACTION = 0.5  # maximum fraction of the machine's memory that the running job may use
-READER_MEMORY_FRACTION = 0.25  # maximum fraction of the machine's memory that each of the two reader processes may use
+# maximum fraction of the machine's memory that each of the two reader processes and each preview may use
+READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
 END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record; a command prints this record before it draws figures
 # files for the user, and the names under which a `pair` command writes them
@@ -229,7 +230,8 @@ class JobQueue:
                    "command": "" if scope else job.arguments[0],
                    "files": str(files), "root": str(self.root)}  # fmt: skip
         arguments = ["stiction.app.result_worker", json.dumps(request | source)]
-        response = json.loads(await run_module(arguments, memory=JOB_MEMORY_FRACTION))
+        memory = READER_MEMORY_FRACTION if source else JOB_MEMORY_FRACTION  # a preview runs in addition to the command
+        response = json.loads(await run_module(arguments, memory=memory))
         if response is None or (source and job.versions):  # no preview, or a result of the command is already shown
             return
         job.record, job.files, job.versions = response["answer"], files, job.versions + 1
