@@ -28,6 +28,18 @@ def parse_csv(text):
     return list(csv.DictReader(text.splitlines()))
 
 
+@pytest.mark.parametrize(("contact_status", "expected_status"), [("ok", "no-mean"), ("complete", "complete")])
+def test_missing_area_fraction_does_not_have_the_status_ok(contact_status, expected_status):
+    dataset = measured_result(loads=(1.0, 1e3))
+    fractions = dataset["contact_area_fraction"]
+    dataset["contact_area_fraction"] = fractions.where(fractions["load"] < 10.0)
+    dataset["contact_status"] = "load", np.where(fractions["load"] < 10.0, "ok", contact_status)
+    rows = values_frame(dataset)
+    rows = rows[rows["name"] == "contact_area_fraction"]
+    assert rows["status"].tolist() == ["ok", expected_status]
+    assert np.isfinite(rows["value"]).tolist() == [True, False]
+
+
 def test_data_frame_contains_all_numeric_variables():
     dataset = measured_result(**MULTI_VALUE_ARGUMENTS)
     rows = values_frame(dataset)

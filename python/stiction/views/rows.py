@@ -123,7 +123,9 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
     unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
     columns["unit"] = str(table.attrs.get("units", unit)).replace("um^2", "um2") or "1"
     if name == "contact_area_fraction" and "contact_status" in dataset:
-        columns["status"] = broadcast_to_rows(dataset.variables["contact_status"])
+        status = broadcast_to_rows(dataset.variables["contact_status"])
+        is_missing = (status == STATUS_OK) & ~np.isfinite(columns["value"])
+        columns["status"] = np.where(is_missing, "no-mean", status)
     elif "status" in dataset and set(dataset["status"].dims) <= set(dims):
         columns["status"] = broadcast_to_rows(dataset.variables["status"])
     else:
