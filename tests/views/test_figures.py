@@ -387,10 +387,11 @@ def test_unfiltered_scans_are_drawn_to_the_left_of_the_first_cutoff(maps_at_two_
     first_cutoff = float(points["cut_off"].values[1])
     limits = build_resolution_limits(points, result.study)
     assert limits["shortest"] == pytest.approx(2 * max(load_bodies(result.study).member(0, 0.0).pair[0].spacings))
-    for shortest_wavelength in (0.7 * first_cutoff, first_cutoff, 2 * first_cutoff):
+    for ratio in (0.7, 1 - 1e-12, 1.0, 2.0):
+        shortest_wavelength = ratio * first_cutoff
         (axes, _) = cut_off_figure(points, limits=limits | {"shortest": shortest_wavelength}).axes
         position, *_ = axes.lines[0].get_xdata()
-        assert position < first_cutoff
+        assert position < first_cutoff / 1.01
         # the grey area of wavelengths that are not resolved contains no point
         (unresolved,) = (each for each in axes.patches if each.get_label() == "not resolved")
         assert unresolved.get_x() + unresolved.get_width() < position

@@ -135,14 +135,15 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
     """Draw a figure, 80 mm wide, of friction coefficient and true area at one load against the cutoff wavelength.
 
     `points` is a result of `evaluate_at_cutoffs` at one load, mu0 and tau0. Unfiltered surfaces (cutoff 0) are drawn at
-    their shortest resolved wavelength or, if this is unknown or not below the first cutoff, to the left of the first
-    cutoff. `limits` adds a line at the plastic limit, dashed extrapolated values, and grey unresolved wavelengths.
+    their shortest resolved wavelength or, if this is unknown or not clearly below the first cutoff, to the left of the
+    first cutoff. `limits` adds a line at the plastic limit, dashed extrapolated values, and grey unresolved
+    wavelengths.
     """
     limits = limits or {}
     cut_off = np.asarray(points["cut_off"].values, dtype=np.float64)
     shortest_cutoff = cut_off[cut_off > 0].min(initial=2.0)
     unfiltered_position = limits.get("shortest") or shortest_cutoff
-    if not unfiltered_position < shortest_cutoff:
+    if not unfiltered_position < shortest_cutoff / MIN_POSITION_RATIO:
         unfiltered_position = shortest_cutoff / UNFILTERED_POSITION_RATIO
     positions = np.where(cut_off > 0, cut_off, unfiltered_position)
     figure = _friction_and_area_figure(points, "cut_off", positions, title, limits)
@@ -150,6 +151,7 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
     return figure
 
 
+MIN_POSITION_RATIO = 1.05  # smallest ratio of two wavelengths whose points are visibly next to each other
 UNFILTERED_POSITION_RATIO = 1.5
 """Ratio of the shortest cutoff to the cutoff at which unfiltered scans are drawn if their resolution is unknown."""
 
