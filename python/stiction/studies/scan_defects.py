@@ -45,10 +45,14 @@ class ScanDefects:
     tip_radius : float, µm, or None
     textured : bool
         True if lines and humps in the spectrum belong to the surface.
+    periodic : bool
+        True if the body is periodic, as in `power_spectrum`.
     """
 
-    def __init__(self, body: Profile | Surface, tip_radius: float | None, *, textured: bool) -> None:
-        self.body, self.tip_radius, self.textured = body, tip_radius, textured
+    def __init__(
+        self, body: Profile | Surface, tip_radius: float | None, *, textured: bool, periodic: bool = False
+    ) -> None:
+        self.body, self.tip_radius, self.textured, self.periodic = body, tip_radius, textured, periodic
 
     @cached_property
     def outliers(self) -> NDArray[np.bool_]:
@@ -79,7 +83,7 @@ class ScanDefects:
 
         Raises a `ValueError` if the body is flat.
         """
-        return instrument_limit(self.body_without_outliers, texture=self.textured)
+        return self._find_limit(None)
 
     @cached_property
     def hidden_noise(self) -> HiddenNoise | None:
@@ -87,7 +91,9 @@ class ScanDefects:
 
         None also if visible noise already exceeds a tenth of the mean square slope, or if the scan is textured.
         """
-        return None if self.instrument_limit.matters or self.textured else find_hidden_noise(self.body_without_outliers)
+        if self.instrument_limit.matters or self.textured:
+            return None
+        return find_hidden_noise(self.body_without_outliers, periodic=self.periodic)
 
     @cached_property
     def limit_with_tip(self) -> InstrumentLimit | None:
@@ -95,9 +101,7 @@ class ScanDefects:
 
         Raises a `ValueError` if the body is flat.
         """
-        if self.tip_radius is None:
-            return None
-        return instrument_limit(self.body_without_outliers, tip_radius=self.tip_radius, texture=self.textured)
+        return None if self.tip_radius is None else self._find_limit(self.tip_radius)
 
     @property
     def tip_limit(self) -> InstrumentLimit | None:
@@ -110,6 +114,11 @@ class ScanDefects:
         if limit is None or limit.reason != "tip":
             return None
         return limit if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else None
+
+    def _find_limit(self, tip_radius: float | None) -> InstrumentLimit:
+        return instrument_limit(
+            self.body_without_outliers, tip_radius=tip_radius, periodic=self.periodic, texture=self.textured
+        )
 
 
 def _find_height(body: Profile | Surface) -> float:
@@ -138,13 +147,15 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     return np.asarray(distances > threshold * usual_distance) if usual_distance > 0 else np.zeros(distances.shape, bool)
 
 
-def find_scan_defects(body: Profile | Surface, tip_radius: float | None, *, textured: bool) -> ScanDefects:
+def find_scan_defects(
+    body: Profile | Surface, tip_radius: float | None, *, textured: bool, periodic: bool = False
+) -> ScanDefects:
     """Return the defects of a scan, which are shared by a pair, its alternative preparations and its caveats.
 
     They are cached as an attribute of the body, so that the memory of both is released together.
     """
-    cached_defects: dict[tuple[float | None, bool], ScanDefects] = vars(body).setdefault("_defects", {})
-    options = tip_radius, textured
+    cached_defects: dict[tuple[float | None, bool, bool], ScanDefects] = vars(body).setdefault("_defects", {})
+    options = tip_radius, textured, periodic
     if options not in cached_defects:
-        cached_defects[options] = ScanDefects(body, tip_radius, textured=textured)
+        cached_defects[options] = ScanDefects(body, tip_radius, textured=textured, periodic=periodic)
     return cached_defects[options]

@@ -33,7 +33,6 @@ from stiction.surfaces.roughness import (
 from stiction.surfaces.scale import (
     InstrumentLimit,
     ScaleDependentRoughness,
-    instrument_limit,
     scale_dependent_roughness,
 )
 from stiction.surfaces.sections import DEFAULT_SECTION_COUNT, SectionLengthError, SectionParameters, section_parameters
@@ -170,7 +169,7 @@ class Characterisation:
 
     @property
     def _defects(self) -> ScanDefects:
-        return find_scan_defects(self.body, self.tip_radius, textured=self.textured)
+        return find_scan_defects(self.body, self.tip_radius, textured=self.textured, periodic=self.periodic)
 
     @property
     def body_without_outliers(self) -> Profile | Surface:
@@ -233,21 +232,15 @@ class Characterisation:
         """Cumulative slope and curvature as functions of wavelength."""
         return scale_dependent_roughness(self.body_without_outliers, periodic=self.periodic)
 
-    @cached_property
+    @property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest reliable wavelength, limited by pixels and noise but not by the tip, as in the caveats."""
-        if not self.periodic:
-            return self._defects.instrument_limit
-        return instrument_limit(self.body_without_outliers, periodic=True, texture=self.textured)
+        """Shortest reliable wavelength, limited by pixels and noise but not by the tip."""
+        return self._defects.instrument_limit
 
-    @cached_property
+    @property
     def tip_limit(self) -> InstrumentLimit | None:
         """Shortest reliable wavelength, limited by pixels, noise and tip, or None without a tip radius."""
-        if self.tip_radius is None or not self.periodic:
-            return self._defects.limit_with_tip
-        return instrument_limit(
-            self.body_without_outliers, tip_radius=self.tip_radius, periodic=True, texture=self.textured
-        )
+        return self._defects.limit_with_tip
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
