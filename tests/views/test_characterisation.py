@@ -32,6 +32,7 @@ from stiction.surfaces.spectrum import find_spectral_peak
 from stiction.views.characterisation import NEGLIGIBLE_SLOPE_FRACTION, Characterisation, characterisation_text
 from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.scans import joined_spectrum_figure
+from support.rough_surfaces import periodic_body
 
 PROFILE_WITHOUT_BAND = Profile(np.sin(np.arange(700) / 20), spacing=5.0)
 
@@ -121,6 +122,17 @@ def test_tip_radius_adds_a_line_without_a_second_cutoff(profile):
         }
         assert len(suggested_cutoffs) == (name == "noisy")
         assert "tip" not in texts_without_tip
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_caveats_and_table_of_noisy_body_suggest_the_same_cutoff(periodic):
+    smooth_profile = periodic_body((1500,), hurst=0.7, longest=1, shortest=180)
+    noise = 3e-5 * np.random.default_rng(1).normal(size=1500)
+    noisy_profile = Profile(smooth_profile.heights + noise, spacing=smooth_profile.spacing)
+    characterisation = Characterisation(noisy_profile, periodic=periodic)
+    limit = characterisation.instrument_limit
+    assert limit.matters
+    assert [caveat.cut_off for caveat in characterisation.caveats if caveat.severity == "fault"] == [limit.cut_off]
 
 
 def test_spectrum_that_is_not_a_power_law_has_no_hurst_exponent(profile):

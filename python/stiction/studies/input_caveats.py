@@ -174,14 +174,15 @@ def find_scan_caveats(
     has_second_cutoff: bool = False,
     elastic: bool = False,
     alternatives: Collection[str] = (),
+    periodic: bool = False,
 ) -> list[Caveat]:
     """Return caveats about heights, form and spikes of a scan, and about wavelengths not attributed to the surface.
 
     If `textured` is true, the spectrum may have lines and humps. `has_second_cutoff` is true if the study also has the
     filtered scan, and `elastic` is true if the study has no hardness. `alternatives` contains the names of the
-    alternative preparations that the interval includes.
+    alternative preparations that the interval includes. `periodic` is as in `power_spectrum`.
     """
-    defects = find_scan_defects(body, tip_radius, textured=textured)
+    defects = find_scan_defects(body, tip_radius, textured=textured, periodic=periodic)
     instrument_caveats = _find_instrument_caveats(defects, has_second_cutoff, elastic, TIP_ALTERNATIVE in alternatives)
     return [
         *_find_form_caveats(defects, form=form, has_masked_result=SPIKES_ALTERNATIVE in alternatives),
@@ -292,7 +293,8 @@ def _find_instrument_caveats(
     body = defects.body_without_outliers
     if not isinstance(body, Profile):
         return
-    peak = find_spectral_peak(power_spectrum(levelled(body, "line")))
+    spectrum = power_spectrum(body, periodic=True) if defects.periodic else power_spectrum(levelled(body, "line"))
+    peak = find_spectral_peak(spectrum)
     if peak is not None and peak[1] >= MAX_SPECTRAL_PEAK_FRACTION and peak[0] > shortest_resolved:
         fraction_text, wavelength_text = format_percent(peak[1]), format_with_unit(peak[0], "um")
         text = f"a peak at {wavelength_text}, perhaps from the instrument, contributes {fraction_text} of the curvature"

@@ -30,11 +30,7 @@ from stiction.surfaces.roughness import (
     roughness_parameters,
     surface_parameters,
 )
-from stiction.surfaces.scale import (
-    InstrumentLimit,
-    ScaleDependentRoughness,
-    scale_dependent_roughness,
-)
+from stiction.surfaces.scale import InstrumentLimit, ScaleDependentRoughness, scale_dependent_roughness
 from stiction.surfaces.sections import DEFAULT_SECTION_COUNT, SectionLengthError, SectionParameters, section_parameters
 from stiction.surfaces.spectrum import (
     PowerSpectrum,
@@ -309,7 +305,7 @@ class Characterisation:
     @cached_property
     def caveats(self) -> list[Caveat]:
         """Caveats about the scan: heights, form, spikes, and wavelengths that may be noise."""
-        return find_scan_caveats(self.body, tip_radius=self.tip_radius, textured=self.textured)
+        return find_scan_caveats(self.body, tip_radius=self.tip_radius, textured=self.textured, periodic=self.periodic)
 
     def _parameter_rows(self) -> list[TableRow]:
         rows = self._rows_of_parameter_values(self.parameters.values)
