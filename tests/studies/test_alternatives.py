@@ -106,7 +106,7 @@ def test_interval_of_elastic_pair_includes_result_without_blunt_tip(blunt_result
     assert contains(blunt_result.interval, true_value)
     assert not contains(result_without_estimate.interval, true_value)
     assert covers(blunt_result.next_test, result_without_estimate.next_test)
-    (tip_caveat,) = (each for each in blunt_result.caveats if "tip" in each.text)
+    (tip_caveat,) = (each for each in blunt_result.caveats if "tip does not resolve" in each.text)
     assert "the interval includes an estimate of this" in tip_caveat.text
     assert tip_caveat.severity == "fault"
     assert blunt_result.verdict == result_without_estimate.verdict == "Do not quote"
@@ -277,6 +277,23 @@ def test_interval_of_profiles_includes_result_without_spikes(mechanics):
     )  # fmt: skip
     assert np.isfinite(result.interval).all()
     assert covers(result.interval, result.alternatives["spikes"].interval)
+
+
+@pytest.mark.parametrize("seed", [4, 6])
+def test_spikes_do_not_improve_the_assessment(seed):
+    surfaces = rough_maps(seed, points=40, rms=0.005)
+    options = PAIR_OPTIONS | {"hardness": "2 GPa", "load": "10 MPa", "cutoff": "none"}
+    clean_result, result = pair(*surfaces, **options), pair(*map(add_spikes, surfaces), **options)
+    own_point = ResultWithoutAlternatives(result.stored).summary().first
+    assert own_point.verdict == "Quote with care"
+    assert own_point.bracket is not None
+    point = result.summary().first
+    assert point.verdict == clean_result.verdict == "Do not quote"
+    assert {each.name for each in point.faults} == {each.name for each in clean_result.summary().first.faults}
+    assert point.bracket is None
+    assert (point.value, point.rules[0].sampling_interval) == (own_point.value, own_point.rules[0].sampling_interval)
+    (same_point,) = result.summarize_dataset(result.at(budget=True).isel(load=0, mu0=0, tau0=0)).points
+    assert same_point.caveats == point.caveats
 
 
 def test_sharpened_scan_with_factor_one_equals_tip_reconstruction(blunt_scans):

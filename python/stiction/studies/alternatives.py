@@ -27,6 +27,12 @@ ALTERNATIVE_LABELS: dict[AlternativeName, str] = {
 }
 """Labels of the alternative preparations in the uncertainty budget."""
 
+ALTERNATIVE_CONDITIONS: dict[AlternativeName, str] = {
+    SPIKES_ALTERNATIVE: "without outliers",
+    TIP_ALTERNATIVE: "with an estimate of the roughness that the tip did not reach",
+}
+"""Clauses that name the alternative preparations in caveats."""
+
 TIP_CORRECTION = 4.0
 """Multiple of the tip correction that the alternative preparation *tip* subtracts from the scans.
 

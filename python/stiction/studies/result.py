@@ -484,7 +484,11 @@ class Result:
         """Summarize a dataset returned by `at` with `budget=True`, or a selection from such a dataset."""
         from stiction.studies.summary import summarize
 
-        return summarize(at, self.study, input_caveats=self.input_caveats)
+        alternatives = {
+            name: summarize(other.at(at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values), other.study)
+            for name, other in self.alternatives.items()
+        }
+        return summarize(at, self.study, input_caveats=self.input_caveats, alternatives=alternatives)
 
     @cached_property
     def _study_summary(self) -> Summary | ValueError:

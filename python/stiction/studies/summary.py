@@ -17,6 +17,7 @@ import numpy as np
 from stiction._estimate import Estimate, Interval
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_range_for_finer_scans
+from stiction.studies.alternatives import ALTERNATIVE_CONDITIONS, AlternativeName
 from stiction.studies.assessment import (
     ASPERITY_CHECKS,
     MORE_CONTACTS_REMEDY,
@@ -318,7 +319,10 @@ class Summary:
         return self.headlines[0]
 
 
-def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Caveat] = (), **alongside: Any) -> Summary:
+def summarize(
+    at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Caveat] = (),
+    alternatives: Mapping[AlternativeName, Summary] | None = None, **alongside: Any,
+) -> Summary:  # fmt: skip
     """Summarize a dataset that `Result.at` returned for a given study.
 
     Parameters
@@ -327,12 +331,35 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
     study : Study
     input_caveats : sequence of Caveat
         Caveats about the bodies, as returned by `find_input_caveats`.
+    alternatives : mapping of Summary, optional
+        Summaries for alternative preparations of the scans at the same points, without caveats about the bodies.
     **alongside : xarray.Dataset
         `onset` and `values_at_cutoffs`, if they are stored.
     """
     summaries = [summarize_point(point, study, input_caveats) for point in iterate_points(at)]
     summaries = _merge_cutoff_points(summaries) if study.surfaces.both_readings else summaries
+    for name, other in (alternatives or {}).items():
+        summaries = [_include_faults_of_alternative(point, name, other) for point in summaries]
     return Summary(study, at, tuple(summaries), **alongside)
+
+
+def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
+    """Return a point after adding the faults of an alternative preparation that the point does not have itself.
+
+    Errors of a scan do not improve an assessment: spikes hold two bodies apart, for example, so that more contacts
+    carry the load.
+    """
+    (other_point,) = (each for each in alternative.points if each.at == point.at)
+    own_faults = {each.name or each.text for each in point.faults}
+    other_faults = [
+        replace(each, text=f"{ALTERNATIVE_CONDITIONS[name]}: {each.text}")
+        for each in other_point.faults
+        if (each.name or each.text) not in own_faults
+    ]
+    if not other_faults:
+        return point
+    caveats = sorted([*point.caveats, *other_faults], key=lambda caveat: caveat.severity != "fault")
+    return replace(point, caveats=tuple(caveats), bracket=None)
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
