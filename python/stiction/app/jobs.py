@@ -15,9 +15,10 @@ import shlex
 import shutil
 import signal
 import sys
-from asyncio.subprocess import PIPE
-from collections.abc import Callable
-from contextlib import suppress
+from asyncio import StreamReader
+from asyncio.subprocess import PIPE, Process
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -81,6 +82,16 @@ class Job:
             "words": self.activity, "by": self.scope, "answer": self.record, "error": replace_option_names(self.error),
             "command": shlex.join(["stiction", *self.arguments]), "option": find_first_option_name(self.error),
         }  # fmt: skip
+
+    def show(self, record: Any, files: Path, *, scope: str = "", counts: tuple[int, int] | None = None) -> None:
+        """Show the values of a result, and the files that the user can save.
+
+        `scope` describes the members of an intermediate result. `counts` are the numbers of finished and of all
+        members, unless they remain the same.
+        """
+        self.record, self.files, self.scope, self.versions = record, files, scope, self.versions + 1
+        if counts is not None:
+            self.finished, self.total = counts
 
     def stop(self) -> None:
         """Stop the command. The results computed so far are read after the process has ended."""
@@ -188,7 +199,6 @@ class JobQueue:
 
     async def _show_pair_result(self, job: Job, record: str) -> None:
         """Copy the files that a finished `pair` command wrote, and show the values in its JSON record."""
-        record = hide_private_paths(record, self.root)
         values = json.loads(record)
         if "answers" not in values:
             raise RejectedRequestError(values["remark"])
@@ -196,9 +206,8 @@ class JobQueue:
         # A thread cannot be cancelled, so it does not change the job, which may be stopped in the meantime.
         stored_result = await asyncio.to_thread(self._copy_pair_files, job.folder, files, record)
         reported_point = next(point for point in values["answers"] if point["headline"])
-        job.record, job.files, job.versions = replace_option_names_in_caveats(reported_point), files, job.versions + 1
-        job.scope = ""
-        job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
+        counts = stored_result.num_finished, stored_result.study.ensemble.repetitions
+        job.show(replace_option_names_in_caveats(reported_point), files, counts=counts)
 
     def _copy_pair_files(self, folder: Path, files: Path, record: str) -> StoredResult:
         """Copy the files of a pair and its JSON record to a new directory, and open the stored result."""
@@ -234,10 +243,12 @@ class JobQueue:
         response = json.loads(await run_module(arguments, memory=memory))
         if response is None or (source and job.versions):  # no preview, or a result of the command is already shown
             return
-        job.record, job.files, job.versions = response["answer"], files, job.versions + 1
-        job.scope = scope and scope.format_map(response) + SCOPE_TEXT_SUFFIX
-        if not source:
-            job.finished, job.total = response["finished"], response["total"]
+        job.show(
+            response["answer"],
+            files,
+            scope=scope and scope.format_map(response) + SCOPE_TEXT_SUFFIX,
+            counts=None if source else (response["finished"], response["total"]),
+        )
 
     def _choose_folder(self) -> Path:
         """Return a new path for the files of a result that the user can save."""
@@ -279,6 +290,26 @@ async def run_module(
     cancellation it has `grace_time` seconds to write its results. Raises `RejectedRequestError` with the message of the
     process.
     """
+    async with _start_module(arguments, memory, grace_time) as (process, output_stream, error_task):
+        output, has_record = await _read_record(output_stream)
+        if has_record:
+            if on_record is None:
+                return output
+            on_record()
+            await output_stream.read()
+        if (status := await process.wait()) != 0:
+            raise RejectedRequestError(_failure_message(status, (await error_task).decode(errors="replace")))
+        return output
+
+
+@asynccontextmanager
+async def _start_module(
+    arguments: list[str], memory: float, grace_time: float
+) -> AsyncIterator[tuple[Process, StreamReader, asyncio.Task[bytes]]]:
+    """Start a module in a process, and end the process on exit. Errors are read by a task, so that they block nothing.
+
+    A process that still runs on exit is interrupted, and killed after `grace_time` seconds.
+    """
     process = await asyncio.create_subprocess_exec(
         *memory_limit_command_prefix(memory), sys.executable, "-P", "-m", *arguments, stdin=asyncio.subprocess.DEVNULL,
         stdout=PIPE, stderr=PIPE, limit=MAX_OUTPUT_BYTES,
@@ -287,24 +318,7 @@ async def run_module(
     assert output_stream is not None and error_stream is not None  # noqa: PT018
     error_task = asyncio.create_task(error_stream.read())
     try:
-        try:
-            output = (await output_stream.readuntil(END_OF_JSON_RECORD)).decode()
-            if on_record is None:
-                return output
-            on_record()
-            await output_stream.read()
-        except asyncio.LimitOverrunError:
-            raise RejectedRequestError("the output of the command is too long for the page") from None
-        except asyncio.IncompleteReadError as incomplete:
-            output = incomplete.partial.decode()
-        if (status := await process.wait()) == 0:
-            return output
-        if status < 0:
-            name = signal.Signals(-status).name
-            raise RejectedRequestError(f"the system ended the command ({name}); memory may be insufficient")
-        lines = [line.removeprefix("stiction: ") for line in (await error_task).decode(errors="replace").splitlines()]
-        messages = [line for line in lines if not line.startswith(("warning: ", "try stiction "))]
-        raise RejectedRequestError("\n".join(messages[-3:]) or "the command ended without a message")
+        yield process, output_stream, error_task
     finally:
         if process.returncode is None and grace_time:
             process.send_signal(signal.SIGINT)
@@ -315,3 +329,22 @@ async def run_module(
             with suppress(TimeoutError):  # wait, so that the transport is closed before the event loop is closed
                 await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
         error_task.cancel()
+
+
+async def _read_record(stream: StreamReader) -> tuple[str, bool]:
+    """Read the output of a process up to the end of a record, or all of it if there is no record (False)."""
+    try:
+        return (await stream.readuntil(END_OF_JSON_RECORD)).decode(), True
+    except asyncio.LimitOverrunError:
+        raise RejectedRequestError("the output of the command is too long for the page") from None
+    except asyncio.IncompleteReadError as incomplete:
+        return incomplete.partial.decode(), False
+
+
+def _failure_message(status: int, error_output: str) -> str:
+    """Return the message of a command that failed with an exit status; the status is negative after a signal."""
+    if status < 0:
+        return f"the system ended the command ({signal.Signals(-status).name}); memory may be insufficient"
+    lines = [line.removeprefix("stiction: ") for line in error_output.splitlines()]
+    messages = [line for line in lines if not line.startswith(("warning: ", "try stiction "))]
+    return "\n".join(messages[-3:]) or "the command ended without a message"
