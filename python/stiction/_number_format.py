@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple, TypeVar
+
+_Item = TypeVar("_Item", bound=tuple[Any, ...])
 
 _PREFIXED_UNITS = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
@@ -19,6 +22,8 @@ _PREFIXED_UNITS = {
 }
 """Prefixed units of each core unit: smallest value to be printed in the unit, factor to the core unit, and name."""
 
+_NO_PREFIXES = ((0.0, 1.0, ""),)
+
 
 def format_significant(value: float, digits: int = 2) -> str:
     """Format a number to `digits` significant digits. Exponents are used only below 1e-6 and from 1e6 upwards."""
@@ -31,18 +36,72 @@ def format_significant(value: float, digits: int = 2) -> str:
     return f"{rounded:.0f}" if abs(rounded) >= 1 else f"{rounded:.{digits + 5}f}".rstrip("0")
 
 
+class NumberFormat(NamedTuple):
+    """Format of numbers of a certain size. In `text`, {} stands for the number, divided by `factor` and rounded.
+
+    Attributes
+    ----------
+    minimum : float
+        Smallest absolute value of the numbers.
+    factor : float
+    text : str
+    digits : int
+        Number of significant digits.
+    """
+
+    minimum: float
+    factor: float
+    text: str
+    digits: int
+
+    def format(self, value: float) -> str:
+        """Format a number."""
+        number_text = format_significant(value / self.factor, self.digits)
+        return "none" if math.isnan(value) else self.text.replace("{}", number_text)
+
+
+_PERCENT_FORMATS = (
+    NumberFormat(1.0, 0.01, "{} %", 3),
+    NumberFormat(0.1, 0.01, "{} %", 2),
+    NumberFormat(0.01, 0.01, "{} %", 3),
+    NumberFormat(1e-5, 0.01, "{} %", 2),
+    NumberFormat(0.0, 0.01, "less than 0.001 %", 2),
+)
+
+MIN_ROUNDED_UP = 0.9995
+"""Smallest number that is 1 after rounding to three digits: 0.99996 mN is printed as 1 mN."""
+
+
+def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
+    """Return the formats of a kind of numbers in descending order of `minimum`, which is 0 for the last format.
+
+    Parameters
+    ----------
+    kind : str
+        "percent" for fractions that are printed in percent, "digits" and "digit" for numbers with two digits and with
+        one digit, or a core unit.
+    """
+    if kind == "percent":
+        return _PERCENT_FORMATS
+    if kind in ("digits", "digit"):
+        return (NumberFormat(0.0, 1.0, "{}", 2 if kind == "digits" else 1),)
+    units = _PREFIXED_UNITS.get(kind, _NO_PREFIXES)
+    return tuple(NumberFormat(minimum, factor, f"{{}} {name}".strip(), 3) for minimum, factor, name in units)
+
+
+def format_number(value: float, kind: str) -> str:
+    """Format a number as its kind and its size require. `kind` is explained at `list_number_formats`."""
+    return _choose_by_size(value, list_number_formats(kind)).format(value)
+
+
 def format_with_unit(value: float, unit: str) -> str:
     """Format a length (um), pressure (GPa), force (mN) or energy (pJ) to three digits with a suitable prefix."""
-    if math.isnan(value):
-        return "none"
-    factor, name = choose_prefixed_unit(value, unit)
-    text = f"{value / factor:.3g}"
-    return f"{float(text):g} {name}" if "e" in text else f"{text} {name}"
+    return format_number(value, unit)
 
 
-def list_prefixed_units(unit: str) -> tuple[tuple[float, float, str], ...]:
-    """Return the smallest value, the factor and the name of each prefixed unit of a core unit, in descending order."""
-    return _PREFIXED_UNITS.get(unit, ((0.0, 1.0, ""),))
+def format_percent(fraction: float) -> str:
+    """Format a fraction as a percentage, as in "37 %". Percentages below 1 % and from 10 % to 99 % have two digits."""
+    return format_number(fraction, "percent")
 
 
 def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
@@ -55,17 +114,14 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
     unit : str
         Core unit, or "%" for a fraction. For a unit without prefixes, such as "1", the returned name is empty.
     """
-    units = list_prefixed_units(unit)
-    if value == 0 or math.isnan(value):
-        return next(((factor, name) for _, factor, name in units if factor == 1), units[0][1:])
-    # Round the value to the printed digits first, so that 0.99996 mN is printed as 1 mN.
-    rounded = float(f"{abs(value):.3g}")
-    return next((factor, name) for minimum, factor, name in units if rounded >= minimum)
+    _, factor, name = _choose_by_size(value, _PREFIXED_UNITS.get(unit, _NO_PREFIXES))
+    return factor, name
 
 
-MIN_PRINTED_PERCENTAGE = (
-    0.001  # smallest percentage that is printed; smaller percentages are printed as "less than" this number
-)
+def _choose_by_size(value: float, items: Sequence[_Item]) -> _Item:
+    """Choose the first item whose first entry does not exceed the rounded absolute value; 0 and NaN count as 1."""
+    size = 1.0 if value == 0 or math.isnan(value) else abs(value)
+    return next(item for item in items if size >= MIN_ROUNDED_UP * item[0])
 
 
 def format_time(seconds: float) -> str:
@@ -75,16 +131,6 @@ def format_time(seconds: float) -> str:
 
 
 _TIME_UNITS = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"), (1e-3, "ms"))
-
-
-def format_percent(fraction: float) -> str:
-    """Format a fraction as a percentage, as in "37 %". Percentages below 1 % have two significant digits."""
-    if math.isnan(fraction):
-        return "none"
-    value = 100 * fraction
-    if 0 < abs(value) < MIN_PRINTED_PERCENTAGE:
-        return f"less than {MIN_PRINTED_PERCENTAGE:g} %"
-    return f"{value:.2g} %" if abs(value) < 1 else f"{value:.3g} %" if abs(value) < 10 else f"{value:.0f} %"
 
 
 def to_json(record: Any, **options: Any) -> str:

@@ -24,7 +24,7 @@ class ReportEvaluator:
         )
         self._engine.eval(
             f"const numbers = {{offsets: facts.tables, floats: doubles(Uint8Array.from({list(floats)}), facts.leading),"
-            f" small: Int8Array.from({np.frombuffer(small, np.int8).tolist()})}}; null"
+            f" small: Int8Array.from({np.frombuffer(small, np.int8).tolist()}), formats: facts.formats}}; null"
         )
 
     def __call__(self, function, *arguments):
@@ -55,17 +55,23 @@ class ReportEvaluator:
         )  # fmt: skip
 
     def evaluate_verdict(self, mu0, tau0, *, cell, amplitude, way, load):
-        """Return the verdict and the reasons at mu0 and tau0 (GPa)."""
+        """Return the verdict and the caveats at mu0 and tau0 (GPa)."""
         facts = self.facts
         cell_index = cell * max(1, len(facts["amplitudes"])) + amplitude
         index = (cell_index * len(facts["ways"]) + way) * len(facts["loads"]["values"]) + load
-        return facts["judgements"][
-            self(
-                "(index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0);"
-                " return atNearest(numbers.floats, facts.tables.judgement + index * place.size, place); }",
-                index, mu0, 1000 * tau0,
-            )
-        ]  # fmt: skip
+        return self(
+            "(index, mu0, tau0) => judgementAt(numbers, facts.judgements, index, placeAt(facts.axes, mu0, tau0))",
+            index, mu0, 1000 * tau0,
+        )  # fmt: skip
+
+    def format_validity(self, name, mu0, tau0, **place):
+        """Return the text of a quantity that shows whether the model is valid, and whether it is beyond its limit."""
+        return self(
+            "(name, index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0); return ["
+            "printed(numberAt(numbers, `validity_${name}`, index, place)),"
+            " atNearest(numbers.small, facts.tables[`beyond_${name}`] + index * place.size, place)]; }",
+            name, self.coefficient_index(**place), mu0, 1000 * tau0,
+        )  # fmt: skip
 
 
 def _script_text(page, name):

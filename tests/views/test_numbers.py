@@ -2,20 +2,22 @@
 
 import functools
 import itertools
+import re
+from importlib import resources
 
 import numpy as np
 import pytest
 from stiction import Study, friction_map, run
 from stiction._estimate import Estimate
-from stiction.studies.assessment import LimitCheck
+from stiction._number_format import format_significant, list_number_formats
+from stiction.studies.assessment import MAX_AFFECTED_FRACTION, LimitCheck
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import at_load
 from stiction.studies.nodes import NodeAxis, compute_error_to_tolerance_ratio, interpolate_table
 from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.summary import summarize
 from stiction.views.report import report_page
-from stiction.views.report.generated import _number_format_of_check
-from stiction.views.report.tables import count_estimate_decimals
+from stiction.views.report.tables import NumberArray, count_estimate_decimals
 from support.generated_studies import SMALL_STUDY, empty_dataset
 
 pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
@@ -150,20 +152,42 @@ def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_e
 @pytest.mark.parametrize(
     ("shown", "values"),
     [
-        ("digits", [0.93, 1.4, 7.1, 14.2, 123.0]),
+        ("digits", [0.93, 1.4, 2.25, 7.1, 14.2, 123.0]),
         ("digit", [0.0007, 0.000012, 0.2]),
-        ("percent", [0.0, 1e-7, 0.0031, 0.0612, 0.46, 0.999]),
-        ("GPa", [0.735, 1.12, 0.99997, 12.3, 3.4e-4]),
+        ("percent", [0.0, 1e-7, 0.0031, 0.0612, 0.099961, 0.125, 0.46, 0.999, 2.34]),
+        ("GPa", [0.0, 0.735, 1.12, 0.99997, 12.3, 3.4e-4]),
         ("um", [0.0421, 1.0, 2500.0]),
     ],
 )
 def test_report_script_prints_numbers_of_caveats_as_the_terminal(report_evaluator, shown, values):
-    check = LimitCheck("name", 0.5, "the value is {}", "check it", shown=shown)
+    check = LimitCheck("name", 0.5, "{}", "check it", shown=shown)
+    array = NumberArray(np.array(values), list_number_formats(shown))
     texts = report_evaluator(
-        "(format, values) => values.map((value) => filled('the value is {}', format, value))",
-        _number_format_of_check(check), values,
+        "(formats, values, indices) => values.map((value, i) => printed({value, format: formats[indices[i]]}))",
+        array.format_records(), values, array.columns()["format"].tolist(),
     )  # fmt: skip
     assert texts == [check.to_caveat({"name": value}).text for value in values]
+
+
+def test_caveat_between_nodes_contains_the_number_of_the_nearest_node_if_another_node_has_no_number(report_evaluator):
+    script = """(mu0) => {
+      const numbers = {floats: [0.1, 0.1, 0.2, 0.2, NaN, NaN, 0, 0, 0, 0, 0, 0], small: [0, 0, 0, 0, 1, 1],
+        offsets: {name_value: 0, judgement: 6, name_format: 0},
+        formats: {name: [{factor: 0.01, digits: 2, text: "{} %"}, {factor: 1, digits: 1, text: "{}"}]}};
+      const axes = {mu0: {rising: [0, 1, 2], bounds: []}, tau0: {rising: [0, 1], bounds: []}};
+      const judgements = [{verdict: "", caveats: [{text: "{} of the load", number: "name"}, {text: "few contacts"}]}];
+      return judgementAt(numbers, judgements, 0, placeAt(axes, mu0, 0.5)).caveats.map(({text}) => text);
+    }"""
+    assert report_evaluator(script, 0.25) == ["13 % of the load", "few contacts"]
+    assert report_evaluator(script, 1.2) == ["20 % of the load", "few contacts"]
+
+
+def test_report_scripts_contain_no_number_of_digits():
+    scripts = [
+        (resources.files("stiction.views.report") / f"{name}.js").read_text("utf-8") for name in ("nodes", "result")
+    ]
+    digits = re.findall(r"to(?:Fixed|Precision)\((\d+)", "".join(scripts))
+    assert set(digits) <= {"12"}  # Twelve digits remove rounding errors from inputs.
 
 
 # ---- Generated profiles ---------------------------------------------------------------------------------------------
@@ -295,9 +319,32 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
                 mu0, float(tau0), cell=indices[0], amplitude=indices[1], way=0, load=load_index
             )
             assert assessment["verdict"] == point.verdict
-            assert [caveat["remedy"] for caveat in assessment["caveats"]] == [caveat.remedy for caveat in point.caveats]
+            for name in ("text", "remedy"):
+                expected_texts = [getattr(caveat, name) for caveat in point.caveats]
+                assert [caveat[name] for caveat in assessment["caveats"]] == expected_texts
             verdicts.add(point.verdict)
     assert "Do not quote" in verdicts
+
+
+def test_validity_in_reports_of_generated_profiles_is_printed_like_in_tables(generated_dataset, report_evaluator):
+    study = parse_study_of_dataset(generated_dataset)
+    mu0, tau0 = study.friction.mu0[1], float(study.friction.tau0[1])
+    load = report_evaluator.facts["loads"]["values"][25]
+    reference = at_load(generated_dataset, [load], mu0=[mu0], tau0=[tau0])
+    are_beyond = []
+    for point in summarize(reference, study).points:
+        place = {
+            "cell": generated_dataset["fractal_dimension"].values.tolist().index(point.at["fractal_dimension"]),
+            "amplitude": generated_dataset["amplitude"].values.tolist().index(point.at["amplitude"]),
+        }
+        for name in ("share_beyond_hertz", "share_below_grid"):
+            text, is_beyond = report_evaluator.format_validity(name, mu0, tau0, **place, load=25)
+            fraction = point.numbers[name]
+            assert is_beyond == (fraction > MAX_AFFECTED_FRACTION)
+            if np.isfinite(fraction):  # other fractions are not shown
+                assert text == f"{format_significant(100 * fraction)} %"
+                are_beyond.append(is_beyond)
+    assert set(are_beyond) == {0, 1}
 
 
 # ---- Measured surfaces ----------------------------------------------------------------------------------------------
@@ -372,8 +419,6 @@ def test_contact_values_in_reports_of_measured_surfaces_equal_library_values(dat
 @pytest.fixture(scope="module")
 def drawing_functions(report_evaluator):
     """Functions of `plots.js` that need no document."""
-    from importlib import resources
-
     text = (resources.files("stiction.views.report") / "plots.js").read_text("utf-8")
     report_evaluator._engine.eval(
         text.split("// ---- Axes ---")[0].split("// ---- Ticks and cells")[1].partition("\n")[2] + "; null"

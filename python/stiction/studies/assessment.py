@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._number_format import format_percent, format_significant, format_with_unit
+from stiction._number_format import format_number, format_percent, format_significant, format_with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
@@ -118,7 +118,7 @@ class LimitCheck(NamedTuple):
     text: str
     remedy: str
     severity: Severity = "fault"
-    shown: str = "digits"  # format of the number: "digit" for one digit, "digits" for two, "percent", or a unit
+    shown: str = "digits"  # kind of the number, as for `list_number_formats`
     # name of the number that is mentioned in the text; by default, the number that is compared with the limit
     about: str = ""
 
@@ -130,12 +130,7 @@ class LimitCheck(NamedTuple):
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
         """Create the caveat for a point that fails the check. The text contains the numbers of the point."""
         value, checked_number = (float(numbers[name]) for name in (self.shown_name, self.name))
-        if self.shown in ("digits", "digit"):
-            number_text = format_significant(value * ROUND_UP_FACTOR, 2 if self.shown == "digits" else 1).replace(
-                "-", "\N{MINUS SIGN}"
-            )
-        else:
-            number_text = format_percent(value) if self.shown == "percent" else format_with_unit(value, self.shown)
+        number_text = format_number(value * ROUND_UP_FACTOR, self.shown).replace("-", "\N{MINUS SIGN}")
         return Caveat(
             self.text.replace("{}", number_text), self.remedy, self.severity, name=self.name, value=checked_number,
             limit=self.limit,

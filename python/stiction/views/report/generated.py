@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
 from stiction._checks import Floats
-from stiction._number_format import format_with_unit, list_prefixed_units
+from stiction._number_format import NumberFormat, format_with_unit, list_number_formats
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.assessment import Caveat, LimitCheck
@@ -22,7 +22,7 @@ from stiction.views.point import coordinate_text, motion_direction_text
 from stiction.views.report.content import ReportContent
 from stiction.views.report.page import escape_html, format_count
 from stiction.views.report.pictures import list_generated_panels
-from stiction.views.report.tables import QUANTITY_DIGITS, EstimateArray, ReportArray
+from stiction.views.report.tables import QUANTITY_DIGITS, EstimateArray, NumberArray, ReportArray
 
 
 def generated_report_content(data: GeneratedReportData, name: str) -> ReportContent:
@@ -35,8 +35,9 @@ def generated_report_content(data: GeneratedReportData, name: str) -> ReportCont
         colour_ranges = _compute_colour_ranges(values)
         facts |= _node_facts(values, data.study) | {"maps": list(colour_ranges)}
         arrays |= _node_arrays(values)
-        for quantity_name, (low, high) in colour_ranges.items():
-            arrays |= {f"colours_{quantity_name}_low": low, f"colours_{quantity_name}_high": high}
+        for quantity_name, ends in colour_ranges.items():
+            for end, numbers in zip(("low", "high"), ends, strict=True):
+                arrays[f"colours_{quantity_name}_{end}"] = NumberArray(numbers, list_number_formats("digits"))
     return ReportContent(
         name=name,
         heading_lines=_heading_lines(data),
@@ -101,26 +102,47 @@ def _node_arrays(values: GeneratedValuesAtNodes) -> dict[str, ReportArray]:
         name: EstimateArray(points, digits=1 if name == "friction" else QUANTITY_DIGITS)
         for name, points in values.estimates.items()
     }
-    arrays |= {f"validity_{index}": means for index, means in enumerate(values.validity.values())}
+    arrays["width"] = NumberArray(_relative_half_widths(values.estimates["friction"]), _WIDTH_FORMATS)
+    for name, means in values.validity.items():
+        arrays[f"validity_{name}"] = NumberArray(means, _VALIDITY_FORMATS[QUANTITIES[name].percent])
+        arrays[f"beyond_{name}"] = (means > get_validity_limit(name)).astype(np.int8)
     arrays["status"] = values.status_codes.astype(np.int8)
     arrays["fine"] = values.is_interpolated.astype(np.int8)
     arrays["judgement"] = values.assessment_indices.astype(float)
-    reasons = [reason for assessment in values.assessments for reason in assessment]
-    for name in sorted({each.shown_name for each in reasons if isinstance(each, LimitCheck) and "{}" in each.text}):
-        arrays[f"number_{name}"] = values.checked_numbers[name]
-    return arrays
+    return arrays | _caveat_number_arrays(values)
+
+
+def _caveat_number_arrays(values: GeneratedValuesAtNodes) -> dict[str, ReportArray]:
+    """Return the numbers in the texts of caveats at the nodes whose assessments contain these caveats."""
+    assessments_by_number: dict[tuple[str, str], list[int]] = {}
+    for index, assessment in enumerate(values.assessments):
+        for check in filter(_has_number, assessment):
+            assessments_by_number.setdefault((check.shown_name, check.shown), []).append(index)
+    return {
+        f"number_{name}": NumberArray(
+            np.where(np.isin(values.assessment_indices, indices), values.checked_numbers[name], np.nan),
+            list_number_formats(kind),
+        )
+        for (name, kind), indices in sorted(assessments_by_number.items())
+    }
+
+
+def _has_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
+    """Return whether the text of a caveat contains a number of the point."""
+    return isinstance(reason, LimitCheck) and "{}" in reason.text
+
+
+_WIDTH_FORMATS = (NumberFormat(0.0, 0.01, "±{} %", 2),)
+_VALIDITY_FORMATS = {
+    True: (NumberFormat(0.0, 0.01, "{} %", 2),),
+    False: (NumberFormat(0.0, 1.0, "{}", 2),),
+}  # as in the table of `stiction at --verbose`, for percentages (True) and for other numbers (False)
 
 
 def _validity_record(name: str) -> dict[str, Any]:
-    """Return how a page prints a quantity that shows whether the contact model is valid, and its limit."""
-    quantity = QUANTITIES[name]
-    return {
-        "words": quantity.table_label[0].upper() + quantity.table_label[1:],
-        "limit": get_validity_limit(name),
-        "isDrawn": "hatch" in quantity.shown,
-        "factor": 100 if quantity.percent else 1,
-        "unit": " %" if quantity.percent else "",
-    }
+    """Return the name and the label of a quantity that shows whether the contact model is valid."""
+    label = QUANTITIES[name].table_label
+    return {"name": name, "words": label[0].upper() + label[1:]}
 
 
 def _relative_half_widths(points: Floats) -> Floats:
@@ -167,19 +189,11 @@ def _choose_initial_cell_and_load(values: GeneratedValuesAtNodes, study: Study) 
 
 
 def _caveat_or_check_record(reason: Caveat | LimitCheck, study: Study) -> dict[str, Any]:
-    """Return a caveat or check as a record: text, remedy, severity, and the format of the number in the text."""
-    number_format = _number_format_of_check(reason) if isinstance(reason, LimitCheck) and "{}" in reason.text else None
+    """Return a caveat or check as a record: text, remedy, severity, and the name of the number in the text."""
     return {
         "text": name_members(reason.text, study), "remedy": name_members(reason.remedy, study),
-        "severity": reason.severity, "number": number_format,
+        "severity": reason.severity, "number": f"number_{reason.shown_name}" if _has_number(reason) else None,
     }  # fmt: skip
-
-
-def _number_format_of_check(check: LimitCheck) -> dict[str, Any]:
-    """Return the source table and the format of the number in the text of a check."""
-    digits = {"digits": 2, "digit": 1}.get(check.shown, 3)
-    units = list_prefixed_units(check.shown) if check.shown not in ("digits", "digit", "percent") else ()
-    return {"table": check.shown_name, "digits": digits, "units": units, "isPercent": check.shown == "percent"}
 
 
 # ---- Texts and figures -----------------------------------------------------------------------------------------------

@@ -76,6 +76,21 @@ function pointAt({offsets, floats, small}, name, index, place) {
     decimals: decimals("decimals"), upperDecimals: decimals("upper_decimals")};
 }
 
+/** Return a number without an interval at a place, and the format of the nearest node.
+ * The number is that of the nearest node if another neighbour has no number. */
+function numberAt({offsets, formats, floats, small}, name, index, place) {
+  const nearest = (table, part) => atNearest(table, offsets[`${name}_${part}`] + index * place.size, place);
+  const value = between(floats, offsets[`${name}_value`] + index * place.size, place);
+  return {value: Number.isFinite(value) ? value : nearest(floats, "value"), format: formats[name][nearest(small, "format")]};
+}
+
+/** Return the verdict and the caveats at the node nearest to a place. Numbers in caveats are interpolated. */
+function judgementAt(numbers, judgements, index, place) {
+  const {verdict, caveats} = judgements[atNearest(numbers.floats, numbers.offsets.judgement + index * place.size, place)];
+  const filled = ({text, number}) => (number ? text.replace("{}", printed(numberAt(numbers, number, index, place))) : text);
+  return {verdict, caveats: caveats.map((caveat) => ({...caveat, text: filled(caveat)}))};
+}
+
 // ---- Numbers as text ------------------------------------------------------------------------------------------------
 
 /** Format a number with decimals, or rounded to tens, without a minus sign for zero. */
@@ -96,24 +111,6 @@ function quoted(point) {
   return [inDecimals(point.value, point.decimals), formatEnds(point)].filter(Boolean).join(" ");
 }
 
-/** Format a number with significant digits, without trailing zeros. */
-const inSignificant = (value, digits) => String(Number(value.toPrecision(digits))).replace("-", "−");
-
-/** Format a number in a caveat as the library does. The format is {digits, units, isPercent}: `units` lists the smallest
- * value, the factor and the name of each prefixed unit. */
-function caveatNumber(value, {digits, units, isPercent}) {
-  if (isPercent) {
-    const percentage = 100 * value, size = Math.abs(percentage);
-    if (size > 0 && size < MIN_PERCENTAGE) return `less than ${MIN_PERCENTAGE} %`;
-    return `${size < 10 ? inSignificant(percentage, size < 1 ? 2 : 3) : inDecimals(percentage, 0)} %`;
-  }
-  if (!units.length) return inSignificant(value, digits);
-  const rounded = Math.abs(Number(value.toPrecision(3)));
-  const [, factor, name] = units.find(([minimum]) => rounded >= minimum);
-  return `${inSignificant(value / factor, digits)} ${name}`;
-}
-
-const MIN_PERCENTAGE = 0.001; // smallest percentage that is printed
-
-/** Replace {} in the text of a caveat with a formatted number. */
-const filled = (text, format, value) => (format ? text.replace("{}", caveatNumber(value, format)) : text);
+/** Format a number {value, format} without an interval. The library chooses the format {factor, digits, text} of a node. */
+const printed = ({value, format: {factor, digits, text}}) =>
+  text.replace("{}", String(Number((value / factor).toPrecision(digits))).replace("-", "−"));

@@ -368,8 +368,9 @@ const ringed = (x, y, size, width = 2.5) => [["var(--paper)", 2 * width + 1], ["
   shape("circle", {cx: x, cy: y, r: size, "stroke-width": w, style: `fill: none; stroke: ${colour}`}));
 
 /** Draw a map of a quantity against fractal dimension and load, and return the entries of the legend.
- * `map` is {status, value, trusted}, `colours` are the ends of the scale, and `picked` is the chosen cell [d, l]. */
-function drawMap(place, {facts, map, loads, colours: [low, high], ticks, picked, title}) {
+ * `map` is {status, value, trusted}, `colours` are the ends {value, text} of the scale, and `picked` is the chosen cell [d, l]. */
+function drawMap(place, {facts, map, loads, colours, ticks, picked, title}) {
+  const [low, high] = colours.map(({value}) => value);
   const x = edges(facts.cells.values);
   const y = edges(loads.map(Math.log)).map(Math.exp);
   const {X, Y, box, frame, inside, picture, unit} = axes(
@@ -417,9 +418,9 @@ function drawMap(place, {facts, map, loads, colours: [low, high], ticks, picked,
   legend.push([swatch(() => shape("rect"), () => ringed(12, 8, 5)[1]), "picked point"]);
   const values = map.value.flat().filter((value) => value !== null);
   if (values.some((value) => value > high))
-    legend.push([swatch((each) => shape("rect", {...each, fill: LEVEL_COLOURS.at(-1)})), `${tickText(Number(high.toPrecision(2)))} and above`]);
+    legend.push([swatch((each) => shape("rect", {...each, fill: LEVEL_COLOURS.at(-1)})), `${colours[1].text} and above`]);
   if (values.some((value) => value < low))
-    legend.push([swatch((each) => shape("rect", {...each, fill: LEVEL_COLOURS[0]})), `${tickText(Number(low.toPrecision(2)))} and below`]);
+    legend.push([swatch((each) => shape("rect", {...each, fill: LEVEL_COLOURS[0]})), `${colours[0].text} and below`]);
   picture.append(...colourBar(`${place.id}-scale`, {...frame, y: 0.9 * unit, height: 0.8 * unit}, low, high, ticks, title, unit));
   return legend;
 }

@@ -16,7 +16,7 @@ const state = {
   quantity: "friction",
   pointed: null, // (dimension, load) indices of the cell under the pointer
 };
-const numbers = {offsets: facts.tables, floats: null, small: null};
+const numbers = {offsets: facts.tables, formats: facts.formats, floats: null, small: null};
 let mapped = null;
 const RULE_COLOURS = {all: "var(--all)", opposing: "var(--opposing)"};
 
@@ -178,11 +178,9 @@ function judgement(points, d, l) {
   const assessment = (elements, saysSlopes = false, answer = null) => ({elements, saysSlopes, answer,
     more: answer ? [element("p", {class: "sentence"}, answer.sentence), ...(saysSlopes ? [element("p", {class: "hint"}, answer.slopes)] : [])] : []});
   if (!isMeasured) {
-    const at = place();
     const index = ((d * amplitudeCount + state.amplitude) * facts.ways.length + state.way) * loads.length + l;
-    const {verdict, caveats} = facts.judgements[atNearest(numbers.floats, numbers.offsets.judgement + index * at.size, at)];
-    const number = (of) => of && between(numbers.floats, numbers.offsets[`number_${of.table}`] + index * at.size, at);
-    return assessment(verdictElements(verdict, caveats.map((caveat) => ({...caveat, text: filled(caveat.text, caveat.number, number(caveat.number))}))));
+    const {verdict, caveats} = judgementAt(numbers, facts.judgements, index, place());
+    return assessment(verdictElements(verdict, caveats));
   }
   const isWhole = facts.ways[state.way].isWhole;
   const isHere = ({at}) => isSame(at.load, loads[l]) && (at.cut_off === undefined || isSame(at.cut_off, cells.values[d]));
@@ -210,8 +208,6 @@ function verdictElements(verdict, caveats) {
     ...(rest.length ? [element("details", {}, element("summary", {}, `${rest.length} more`), ...list(rest))] : []))];
 }
 
-const VALIDITY_DIGITS = 2; // significant digits of indicators of validity, as in the table of `stiction at --verbose`
-
 function figuresOf(at, d, l) {
   const list = element("dl", {});
   const row = (words, value, text, isBeyond = false) => list.append(element("dt", {}, words),
@@ -233,10 +229,11 @@ function figuresOf(at, d, l) {
     const of = quantityAt(quantity, d, l);
     row(words, of.value, `${quoted(of)}\u00a0${unit}`);
   }
-  facts.validity.forEach(({words, limit, factor, unit}, i) => {
-    const value = between(numbers.floats, numbers.offsets[`validity_${i}`] + at.index * here.size, here);
-    if (Number.isFinite(value)) row(words, value, `${inSignificant(factor * value, VALIDITY_DIGITS)}${unit}`, value > limit);
-  });
+  for (const {name, words} of facts.validity) {
+    const number = numberAt(numbers, `validity_${name}`, at.index, here);
+    const isBeyond = Boolean(atNearest(numbers.small, numbers.offsets[`beyond_${name}`] + at.index * here.size, here));
+    if (Number.isFinite(number.value)) row(words, number.value, printed(number), isBeyond);
+  }
   return list;
 }
 
@@ -251,20 +248,22 @@ function mapAt() {
     friction: (d, l) => frictionAt(rule, d, l, at),
     width: (d, l) => {
       const point = frictionAt(rule, d, l, at);
-      return {...point, value: (point.upper - point.lower) / (2 * Math.abs(point.value))};
+      return point.status === "ok" ? {...point, ...numberAt(numbers, "width", point.index, at)} : point;
     },
   }[state.quantity] ?? ((d, l) => quantityAt(state.quantity, d, l, at));
   const points = loads.map((_, l) => cells.values.map((__, d) => of(d, l)));
   const grid = (pick) => points.map((row) => row.map(pick));
   return {status: grid(({status}) => status), value: grid(({value}) => (Number.isFinite(value) ? value : null)),
-    trusted: grid(({status, trusted}) => (status === "ok" ? trusted : null))};
+    trusted: grid(({status, trusted}) => (status === "ok" ? trusted : null)), points};
 }
+
+const UNIT_COLOURS = [{value: 0.1, text: "0.1"}, {value: 1, text: "1"}]; // scale of a quantity without positive values
 
 function coloursOf() {
   const index = (state.amplitude * facts.rules.length + state.rule) * facts.ways.length + state.way;
-  const at = place();
-  const ends = ["low", "high"].map((end) => between(numbers.floats, numbers.offsets[`colours_${state.quantity}_${end}`] + index * at.size, at));
-  return ends.every((end) => end > 0) ? ends : [0.1, 1];
+  const ends = facts.maps.includes(state.quantity) ?
+    ["low", "high"].map((end) => numberAt(numbers, `colours_${state.quantity}_${end}`, index, place())) : [];
+  return ends.length && ends.every(({value}) => value > 0) ? ends.map((end) => ({...end, text: printed(end)})) : UNIT_COLOURS;
 }
 
 function showMap() {
@@ -499,8 +498,7 @@ function connectMap(fields) {
 /** Return the value and interval of a map cell, or the status of the cell if it has no value. */
 function textOfCell(d, l) {
   if (mapped.value[l][d] === null) return mapped.status[l][d];
-  if (state.quantity === "width") return `±${inDecimals(100 * mapped.value[l][d], 0)} %`;
-  return quoted(state.quantity === "friction" ? frictionAt(facts.rules[state.rule], d, l) : quantityAt(state.quantity, d, l));
+  return (state.quantity === "width" ? printed : quoted)(mapped.points[l][d]);
 }
 
 function connectCurve(id) {

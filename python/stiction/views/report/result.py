@@ -124,7 +124,7 @@ def _render_page(data: MeasuredReportData | GeneratedReportData, content: Report
     packed_arrays = pack_arrays(content.arrays)
     facts = common_facts(data) | content.facts
     facts |= {"quantities": [table.record() for table in content.quantities]}
-    facts |= {"tables": packed_arrays.offsets, "leading": STORED_FLOAT_BYTES}
+    facts |= {"tables": packed_arrays.offsets, "formats": packed_arrays.formats, "leading": STORED_FLOAT_BYTES}
     panels = {
         is_main: "".join(panel.markup() for panel in content.panels if panel.is_main == is_main)
         for is_main in (True, False)

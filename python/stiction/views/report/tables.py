@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction._estimate import MAX_FULL_PRECISION_END_RATIO, MAX_SIGNIFICANT_DIGITS, Estimate
+from stiction._number_format import MIN_ROUNDED_UP, NumberFormat
 
 # number of leading bytes of a double that are stored in a page; four bytes give a relative precision of 5e-7
 STORED_FLOAT_BYTES = 4
@@ -65,26 +66,53 @@ class EstimateArray:
         return columns | {"decimals": value_decimals, "upper_decimals": upper_decimals}
 
 
-ReportArray = NDArray[Any] | EstimateArray
-"""Array of a page: floating-point numbers, whole numbers from -128 to 127, or estimates."""
+@dataclass(frozen=True, eq=False)
+class NumberArray:
+    """Array of numbers without intervals. A page also stores the index of the format of each number.
+
+    `formats` are the formats by size, in descending order of `minimum`.
+    """
+
+    values: Floats
+    formats: Sequence[NumberFormat]
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Return the numbers and the indices of their formats, by name suffix."""
+        sizes = np.where(np.isnan(self.values) | (self.values == 0), 1.0, np.abs(self.values))
+        minima = MIN_ROUNDED_UP * np.array([item.minimum for item in reversed(self.formats)])
+        format_indices = len(minima) - np.searchsorted(minima, sizes, side="right")
+        return {"value": self.values, "format": format_indices.astype(np.int8)}
+
+    def format_records(self) -> list[dict[str, Any]]:
+        """Return the formats as records."""
+        return [{"factor": item.factor, "digits": item.digits, "text": item.text} for item in self.formats]
+
+
+ReportArray = NDArray[Any] | EstimateArray | NumberArray
+"""Array of a page: floating-point numbers, whole numbers from -128 to 127, estimates, or numbers with formats."""
 
 
 @dataclass(frozen=True)
 class PackedArrays:
     """Encoded arrays of a page.
 
-    `offsets` maps each column to the index of its first number in the decoded array of its type.
+    `offsets` maps each column to the index of its first number in the decoded array of its type. `formats` contains the
+    formats of each `NumberArray`.
     """
 
     offsets: dict[str, int]
+    formats: dict[str, list[dict[str, Any]]]
     texts: dict[str, str]
 
 
 def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
-    """Encode all arrays of a page. Estimates are split into columns, whose names start with the name of the array."""
+    """Encode all arrays of a page.
+
+    Estimates and numbers with formats are split into columns, whose names start with the name of the array.
+    """
     columns: dict[str, NDArray[Any]] = {}
     for name, array in arrays.items():
-        if isinstance(array, EstimateArray):
+        if isinstance(array, EstimateArray | NumberArray):
             columns |= {f"{name}_{ending}": column for ending, column in array.columns().items()}
         else:
             columns[name] = np.asarray(array)
@@ -99,7 +127,8 @@ def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
         "floats": encode_doubles(np.concatenate(floats), STORED_FLOAT_BYTES),
         "small": encode_small_integers(np.concatenate(small_integers)),
     }
-    return PackedArrays(offsets, texts)
+    formats = {name: array.format_records() for name, array in arrays.items() if isinstance(array, NumberArray)}
+    return PackedArrays(offsets, formats, texts)
 
 
 def count_estimate_decimals(
