@@ -47,11 +47,11 @@ function drawPending(isChosen) {
 // ---- Controls -------------------------------------------------------------------------------------------------------
 
 /** Connect a slider and a number field that set the same value, from 0 to the largest evaluated value. */
-function amount(id, {value, most, step, unit, changed}) {
+function amount(id, {value, most, mostText, step, unit, changed}) {
   const [slider, number] = [byId(id), byId(`${id}-number`)];
   Object.assign(slider, {min: 0, max: most, step});
   number.max = most;
-  byId(`${id}-wrong`).textContent = `Only numbers from 0 to ${tickText(Number(most.toPrecision(4)))}; the last valid number is kept.`;
+  byId(`${id}-wrong`).textContent = `Only numbers from 0 to ${mostText}; the last valid number is kept.`;
   const show = (text) => {
     slider.value = text;
     slider.setAttribute("aria-valuetext", `${text}${unit}`);

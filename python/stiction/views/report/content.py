@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from stiction._number_format import format_percent, format_with_unit
+from stiction._number_format import format_percent, format_significant, format_with_unit
 from stiction.mechanics import friction
-from stiction.studies.assessment import STATUS_EXPLANATIONS
+from stiction.studies.assessment import MAX_AFFECTED_FRACTION, STATUS_EXPLANATIONS
 from stiction.studies.intervals import CONFIDENCE_LEVEL
 from stiction.studies.nodes import NodeAxis
 from stiction.studies.report_data import GeneratedReportData, MeasuredReportData
@@ -71,6 +71,11 @@ NOT_INTERPOLATED_REASON = (
     "the coefficient or its interval changes too much between the values of μ0 and τ0 at which the library evaluated it"
 )
 
+BEYOND_MODEL_TEXT = (
+    f"beyond the model: over {format_percent(MAX_AFFECTED_FRACTION)} of the load beyond Hertz (overlap > radius / 10) "
+    "or on radii below the grid spacing"
+)
+
 
 def common_facts(data: MeasuredReportData | GeneratedReportData) -> dict[str, Any]:
     """Return the facts that the pages of generated and measured surfaces have in common."""
@@ -82,8 +87,7 @@ def common_facts(data: MeasuredReportData | GeneratedReportData) -> dict[str, An
         "why": {
             name: {"short": short_label, "why": _status_reason(name)} for name, short_label in STATUS_LABELS.items()
         },
-        "tau0Sane": 1000 * friction.MAX_SHEAR_STRENGTH_RATIO * modulus,
-        "saneText": format_with_unit(friction.MAX_SHEAR_STRENGTH_RATIO * modulus, "GPa"),
+        "strength": _strength_limit(modulus), "beyondModel": BEYOND_MODEL_TEXT,
         "rules": data.rules, "directions": data.directions,
         "error": None if values is None else values.interpolation_errors,
         "errorText": "" if values is None else _interpolation_error_text(*values.interpolation_errors),
@@ -92,6 +96,13 @@ def common_facts(data: MeasuredReportData | GeneratedReportData) -> dict[str, An
 
 def _status_reason(status: str) -> str:
     return NOT_INTERPOLATED_REASON if status == BETWEEN_NODES_STATUS else STATUS_EXPLANATIONS.get(status, ("",))[0]
+
+
+def _strength_limit(modulus: float) -> dict[str, Any]:
+    """Return the largest plausible tau0 (MPa), and a notice about larger values."""
+    ratio = friction.MAX_SHEAR_STRENGTH_RATIO
+    text = f"τ0 is above {format_percent(ratio)} of the effective modulus, {format_with_unit(ratio * modulus, 'GPa')}."
+    return {"limit": 1000 * ratio * modulus, "text": text}
 
 
 def _interpolation_error_text(value_error: float, end_error: float) -> str:
@@ -118,7 +129,8 @@ def _slider_settings(axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str,
         facts[name] = {
             "rising": (unit * axis.rising).tolist(),
             "bounds": (unit * np.array(axis.ranged_node_intervals)).reshape(-1, 2).tolist(),
-            "most": max_value, "step": 0.01 if name == "mu0" else float(f"{max_value / 200:.0e}"),
+            "most": max_value, "mostText": format_significant(max_value, 4),
+            "step": 0.01 if name == "mu0" else float(f"{max_value / 200:.0e}"),
             "start": float(f"{unit * float(initial_value):.12g}"),
         }  # fmt: skip
     return facts

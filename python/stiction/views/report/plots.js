@@ -412,7 +412,7 @@ function drawMap(place, {facts, map, loads, colours, ticks, picked, title}) {
       inside.append(shape("path", {d: lines, "stroke-width": width, style: `fill: none; stroke: ${colour}`}));
     legend.push([swatch(() => beyondModel(`${id}-legend`), (each) => shape("rect", {...each, fill: LEVEL_COLOURS[48]}),
       (each) => shape("rect", {...each, fill: `url(#${id}-legend)`})),
-      "beyond the model: over half of the load beyond Hertz (overlap > radius / 10) or on radii below the grid spacing"]);
+      facts.beyondModel]);
   }
   inside.append(...ringed((xs[picked[0]] + xs[picked[0] + 1]) / 2, (ys[picked[1]] + ys[picked[1] + 1]) / 2, 0.42 * unit));
   legend.push([swatch(() => shape("rect"), () => ringed(12, 8, 5)[1]), "picked point"]);

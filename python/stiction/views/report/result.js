@@ -329,7 +329,7 @@ function curveCaption(series, where, [low, high], of, id) {
   }
   else if (ok.length) words.push(`No interval: ${whyNoInterval()}.`);
   if (ok.some((point) => !point.trusted))
-    words.push("Dotted: over half of the load beyond Hertz, or on radii below the grid spacing.");
+    words.push(`Dotted: ${facts.beyondModel}.`);
   const counts = new Map();
   for (const point of points) if (point.status !== "ok") counts.set(point.status, (counts.get(point.status) ?? 0) + 1);
   for (const [status, count] of counts)
@@ -371,9 +371,8 @@ const mapRows = () => [["fractal dimension", "load (mN)", state.quantity, "statu
 let sliders = {}; // sliders for load and dimension
 
 function showStrengthNotice() {
-  const isStrong = state.tau0 > facts.tau0Sane;
-  byId("strong").hidden = !isStrong;
-  byId("strong").textContent = `τ0 is above a tenth of the effective modulus, ${facts.saneText}.`;
+  byId("strong").hidden = !(state.tau0 > facts.strength.limit);
+  byId("strong").textContent = facts.strength.text;
 }
 
 /** Pick a dimension and a load. Return a function that undoes this choice. */
@@ -410,7 +409,7 @@ function connect() {
     redraw(...FRICTION);
   };
   for (const [name, unit] of [["mu0", ""], ["tau0", " MPa"]])
-    amount(name, {value: state[name], ...(nodeAxes?.[name] ?? {most: 1, step: 1}), unit, changed: (value) => { state[name] = value; changed(); }});
+    amount(name, {value: state[name], ...(nodeAxes?.[name] ?? {most: 1, mostText: "1", step: 1}), unit, changed: (value) => { state[name] = value; changed(); }});
   showStrengthNotice();
   const set = (key) => (value) => {
     state[key] = value;
