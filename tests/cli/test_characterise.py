@@ -363,6 +363,37 @@ def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):
     assert json.loads(completed.stdout)["limit_um"] == comparison.limit
 
 
+def test_characterise_command_excludes_spikes_from_spectra_of_several_scans_and_names_their_scan(tmp_path):
+    surface = self_affine_surface(
+        2, hurst_exponent=0.8, rms=0.05, shape=(96, 96), spacing=0.02, shortest_wavelength=0.2
+    )
+    random = np.random.default_rng(1)
+    heights = [surface.heights + 1e-4 * random.normal(size=(96, 96)) for _ in range(2)]
+    spiky_heights = heights[1].copy()
+    spiky_heights.flat[[1000, 5000]] += 10 * heights[1].std()
+    for name, values in (("a.npy", heights[0]), ("b.npy", heights[1]), ("spiky.npy", spiky_heights)):
+        write_surface(Surface(values, spacing=0.02), tmp_path / name)
+
+    def read_record(*arguments):
+        return json.loads(check_stiction("characterise", "a.npy", *arguments, "--json", cwd=tmp_path).stdout)
+
+    clean, spiky = (read_record(name, "--together") for name in ("b.npy", "spiky.npy"))
+    np.testing.assert_allclose(spiky["spectrum"]["rms_gradient"], clean["spectrum"]["rms_gradient"], rtol=0.01)
+    assert [scan["shortest_um"] for scan in spiky["scans"]] == [scan["shortest_um"] for scan in clean["scans"]]
+    assert clean["caveats"] == []
+    (caveat,) = spiky["caveats"]
+    assert caveat["text"].startswith("spiky.npy: 2 points ")
+    assert read_record("spiky.npy", "--together", "--outliers", "mask")["caveats"] == []
+    clean, spiky = (read_record(name, "--repeated") for name in ("b.npy", "spiky.npy"))
+    assert spiky["noise_um"] == pytest.approx(clean["noise_um"], rel=0.01)
+    assert spiky["limit_um"] == clean["limit_um"]
+    assert clean["caveats"] == []
+    (caveat,) = spiky["caveats"]
+    assert caveat["text"].startswith("spiky.npy: 2 points ")
+    output = check_stiction("characterise", "a.npy", "spiky.npy", "--repeated", cwd=tmp_path).stdout
+    assert f"{caveat['text']}; {caveat['remedy']}" in " ".join(output.split())
+
+
 def test_dry_run_option_prints_the_layout_and_unit_and_point_count_of_each_file(scans_folder):
     completed = check_stiction(
         "characterise", "scan.csv", "heights.npy", "--unit", "um", "--spacing", "10 nm", "--dry-run", cwd=scans_folder

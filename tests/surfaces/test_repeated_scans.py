@@ -93,6 +93,48 @@ def test_comparison_of_repeated_scans_rejects_unrelated_scans():
             compare_repeated_scans(first_scan, second_scan)
 
 
+@pytest.mark.parametrize("dimensions", [1, 2])
+@pytest.mark.parametrize("has_half_point_shift", [True, False])
+def test_comparison_of_repeated_scans_excludes_outliers_from_noise_but_not_from_mean(dimensions, has_half_point_shift):
+    points, spacing, rms, rng = (2000 if dimensions == 1 else 120), 0.02, 1.5e-4, np.random.default_rng(3)
+    heights, body_class = fine_surface(dimensions, points, spacing), Profile if dimensions == 1 else Surface
+    starts = (0, 5 if has_half_point_shift else 4)
+    scans = [
+        heights[(slice(start, start + 2 * points, 2),) * dimensions] + rms * rng.normal(size=(points,) * dimensions)
+        for start in starts
+    ]
+    masks = [np.zeros(scan.shape, bool) for scan in scans]
+    for mask, percent in ((masks[0], 40), (masks[0], 60), (masks[1], 55)):
+        mask[(percent * points // 100,) * dimensions] = True
+    spiky_scans = [scan + 20 * scan.std() * mask for scan, mask in zip(scans, masks, strict=True)]
+    clean, spiky, unmasked = (
+        compare_repeated_scans(*(body_class(scan, spacing=spacing) for scan in each), outliers=outliers)
+        for each, outliers in ((scans, None), (spiky_scans, masks), (spiky_scans, None))
+    )
+    assert unmasked.noise_rms > 3 * clean.noise_rms
+    assert spiky.noise_rms == pytest.approx(clean.noise_rms, rel=NOISE_TOLERANCE)
+    assert spiky.limit == pytest.approx(clean.limit, rel=NOISE_TOLERANCE)
+    np.testing.assert_allclose(spiky.shift, clean.shift, atol=0.05 * spacing)
+    np.testing.assert_allclose(spiky.noise[:3], clean.noise[:3], rtol=NOISE_TOLERANCE)
+    assert np.ptp(spiky.scan.heights) > 8 * scans[0].std()
+    no_outliers = [np.zeros(scan.shape, bool) for scan in scans]
+    same = compare_repeated_scans(*(body_class(scan, spacing=spacing) for scan in scans), outliers=no_outliers)
+    np.testing.assert_array_equal(same.scan.heights, clean.scan.heights)
+    assert (same.shift, same.limit) == (clean.shift, clean.limit)
+
+
+def test_comparison_of_repeated_scans_rejects_invalid_outliers():
+    heights = self_affine(1, hurst_exponent=0.8, rms=0.1, points=200, spacing=0.1).heights
+    profiles = [Profile(heights, spacing=0.1), Profile(1.1 * heights[:190], spacing=0.1)]
+    masks = [np.zeros(200, bool), np.zeros(190, bool)]
+    for outliers in (masks[:1], masks[::-1], [masks[0], np.zeros(190)]):
+        with pytest.raises(ValueError, match="outliers must be two boolean arrays"):
+            compare_repeated_scans(*profiles, outliers=outliers)
+    flat_heights = np.where(np.arange(200) == 7, 1.0, 0.0)
+    with pytest.raises(ValueError, match="second must not be flat except for outliers"):
+        compare_repeated_scans(profiles[0], Profile(flat_heights, spacing=0.1), outliers=[masks[0], flat_heights > 0])
+
+
 def dilated_surface(body, radius):
     """Return the dilation of a surface by a ball, computed with SciPy."""
     spacings = np.atleast_1d(body.spacing)

@@ -206,19 +206,20 @@ def _print_joined_spectrum(
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.joined_spectrum import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
+    from stiction.views.characterisation import find_outlier_caveats
     from stiction.views.rows import record_json
     from stiction.views.scans import joined_spectrum_figure, joined_spectrum_record, joined_spectrum_text
     from stiction.views.style import save_figure
 
-    names = [file.name for file in files]
-    names = names if len(set(names)) == len(names) else list(map(str, files))
+    names = _name_scans(files)
     joined_scans = joined_spectrum(
-        [scan.body for scan in scans], tip_radii=[scan.tip_radius for scan in scans], names=names
+        [scan.body_without_outliers for scan in scans], tip_radii=[scan.tip_radius for scan in scans], names=names
     )
+    caveats = find_outlier_caveats(scans, names, consequence="excluded from the spectrum", option="--outliers mask")
     print_output(
-        record_json("characterise", [], kind="joined", **joined_spectrum_record(joined_scans))
+        record_json("characterise", [], kind="joined", **joined_spectrum_record(joined_scans, caveats))
         if as_json
-        else joined_spectrum_text(joined_scans)
+        else joined_spectrum_text(joined_scans, caveats)
     )
     for path in outputs:
         if path.suffix.lower() == ".csv":
@@ -228,6 +229,12 @@ def _print_joined_spectrum(
         choose_message_printer(as_json)(f"wrote {printable_path(path)}, {len(files)} scans")
 
 
+def _name_scans(files: list[Path]) -> list[str]:
+    """Return the names of files without directories, or with them if names are equal."""
+    names = [file.name for file in files]
+    return names if len(set(names)) == len(names) else list(map(str, files))
+
+
 def _print_scan_comparison(
     files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
 ) -> None:
@@ -235,16 +242,23 @@ def _print_scan_comparison(
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.repeated_scans import compare_repeated_scans
+    from stiction.views.characterisation import find_outlier_caveats
     from stiction.views.files import write_new_text_file
     from stiction.views.rows import record_json
     from stiction.views.scans import octave_noise_csv, repeated_scans_figure, repeated_scans_record, repeated_scans_text
     from stiction.views.style import save_figure
 
-    comparison = compare_repeated_scans(scans[0].body, scans[1].body)
+    comparison = compare_repeated_scans(
+        scans[0].body, scans[1].body, outliers=[scan.excluded_outliers for scan in scans]
+    )
+    caveats = find_outlier_caveats(
+        scans, _name_scans(files), consequence="excluded from the noise, but not from the mean scan",
+        option="--outliers mask --missing interpolate",
+    )  # fmt: skip
     print_output(
-        record_json("characterise", [], kind="repeated", **repeated_scans_record(comparison))
+        record_json("characterise", [], kind="repeated", **repeated_scans_record(comparison, caveats))
         if as_json
-        else repeated_scans_text(comparison)
+        else repeated_scans_text(comparison, caveats)
     )
     for path in outputs:
         if path.suffix.lower() == ".npy":

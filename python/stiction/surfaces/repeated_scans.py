@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiction._checks import Floats, make_read_only
 from stiction._drawing import draw_scan_comparison
 from stiction._repr import PlotReprMixin, axes_or_new_axes
 from stiction.surfaces.filters import gaussian_transmission
+from stiction.surfaces.missing_data import with_interpolated_points
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.scale import mean_square_height_spectrum, round_up_wavelength
@@ -85,13 +88,19 @@ class RepeatedScans(PlotReprMixin):
         return draw_scan_comparison(axes_or_new_axes(ax), self)
 
 
-def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) -> RepeatedScans:
+def compare_repeated_scans(
+    first: Profile | Surface, second: Profile | Surface, *, outliers: Sequence[NDArray[np.bool_]] | None = None
+) -> RepeatedScans:
     r"""Estimate the noise of an instrument from two scans of the same area.
 
     Parameters
     ----------
     first, second : Profile or Surface
         Two profiles or two surfaces with equal spacings that overlap by more than half, without missing points.
+    outliers : sequence of two ndarray of bool, optional
+        Masks of points of the first and of the second scan that are interpolated before the alignment and the estimate,
+        because single points look like white noise. The mean of both scans contains their measured heights. By default,
+        no points are interpolated.
 
     Returns
     -------
@@ -101,7 +110,8 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     Raises
     ------
     ValueError
-        If types or spacings differ, if points are missing, if the scans are identical, or if they show different areas.
+        If types or spacings differ, if points are missing, if the scans are identical, if they show different areas, if
+        they are flat except for outliers, or if a mask does not have the shape of its scan.
 
     See Also
     --------
@@ -124,20 +134,27 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     (0.3,)
     """
     _check_scans(first, second)
+    bodies_without_outliers = _interpolate_outliers(first, second, outliers)
     body_class: Any = type(first)
     if np.array_equal(first.heights, second.heights):
         raise ValueError(
             "first and second must be different scans, got identical heights, from which the noise cannot be estimated"
         )
     trend: Any = "line" if body_class is Profile else "plane"
-    first_heights, second_heights, shift_in_points = _align_scans(
-        levelled(first, trend).heights, levelled(second, trend).heights
-    )
+
+    def resample(bodies: Sequence[Any], shift: Floats) -> list[Floats]:
+        """Return the heights of both scans in their overlap, each after levelling."""
+        heights, other_heights = (levelled(body, trend).heights for body in bodies)
+        return [
+            levelled(body_class(values, spacing=first.spacing), trend).heights
+            for values in _resample_at_shift(heights, other_heights, shift)
+        ]
+
+    shift_in_points = _find_shift(*(levelled(body, trend).heights for body in bodies_without_outliers))
     spacing = np.atleast_1d(first.spacing)
-    shift = tuple(round(float(item), 12) for item in shift_in_points * spacing)
-    first_heights, second_heights = (
-        levelled(body_class(value, spacing=first.spacing), trend).heights for value in (first_heights, second_heights)
-    )
+    rounded_shift = np.round(shift_in_points) if _is_integer_shift(shift_in_points) else shift_in_points
+    shift = tuple(round(float(item), 12) for item in rounded_shift * spacing)
+    first_heights, second_heights = resample(bodies_without_outliers, shift_in_points)
     correlation = float(np.corrcoef(first_heights.ravel(), second_heights.ravel())[0, 1])
     if not correlation > MIN_CORRELATION:
         raise ValueError(
@@ -147,11 +164,19 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     history_entry = (
         f"mean of two scans of the same area, the second shifted by {', '.join(f'{item:.4g}' for item in shift)} µm"
     )
-    scan = body_class(
-        (first_heights + second_heights) / 2, spacing=first.spacing, history=(*first.history, history_entry)
-    )
-    scan = levelled(scan, trend)
-    q, mean_scan_spectrum = mean_square_height_spectrum(scan)
+
+    def average(heights: Sequence[Floats]) -> Profile | Surface:
+        """Return the levelled mean of both scans."""
+        mean_heights = (heights[0] + heights[1]) / 2
+        scan: Profile | Surface = body_class(
+            mean_heights, spacing=first.spacing, history=(*first.history, history_entry)
+        )
+        return levelled(scan, trend)
+
+    mean_without_outliers = average((first_heights, second_heights))
+    has_outliers = bodies_without_outliers != (first, second)
+    scan = average(resample((first, second), shift_in_points)) if has_outliers else mean_without_outliers
+    q, mean_scan_spectrum = mean_square_height_spectrum(mean_without_outliers)
     are_identical = np.array_equal(first_heights, second_heights)
     half_difference_spectrum = (
         np.zeros(q.size)
@@ -188,6 +213,26 @@ def _check_scans(first: Any, second: Any) -> None:
         )
 
 
+def _interpolate_outliers(
+    first: Profile | Surface, second: Profile | Surface, outliers: Sequence[NDArray[np.bool_]] | None
+) -> tuple[Profile | Surface, Profile | Surface]:
+    """Return both scans with interpolated outliers; without outliers, return the scans unchanged."""
+    if outliers is None:
+        return first, second
+    masks = [np.asarray(mask) for mask in outliers]
+    shapes = [first.heights.shape, second.heights.shape]
+    if [mask.shape for mask in masks] != shapes or any(mask.dtype != bool for mask in masks):
+        given = ", ".join(f"{mask.dtype} of shape {mask.shape}" for mask in masks) or "none"
+        raise ValueError(
+            f"outliers must be two boolean arrays with the shapes {shapes[0]} and {shapes[1]}, got {given}"
+        )
+    bodies = with_interpolated_points(first, masks[0]), with_interpolated_points(second, masks[1])
+    for name, body in zip(("first", "second"), bodies, strict=True):
+        if not np.ptp(body.heights) > MIN_HEIGHT_RANGE:
+            raise ValueError(f"{name} must not be flat except for outliers")
+    return bodies
+
+
 def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, shortest: float, longest: float) -> float:
     """Return the shortest cutoff (µm) at which noise is at most `MAX_NOISE_FRACTION` of the mean square slope."""
     if noise @ q**2 <= MAX_NOISE_FRACTION * (mean_scan_spectrum @ q**2):
@@ -200,8 +245,8 @@ def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, sho
     return math.nan
 
 
-def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the overlapping heights of both scans after alignment, and the shift of the second scan in points."""
+def _find_shift(a: Floats, b: Floats) -> Floats:
+    """Return the shift of the second scan in points."""
     from scipy.ndimage import gaussian_filter, map_coordinates, spline_filter
 
     shift, best_shift = _find_integer_shift(a, b), (math.inf, np.zeros(a.ndim))
@@ -232,13 +277,22 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
         )
         shift_variance *= float(np.sum(residual)) * max(1.0, _POINTS_PER_INDEPENDENT_VALUE * smoothing_width) ** a.ndim
         best_shift = min(best_shift, (shift_variance, shift), key=lambda smoothed_first: smoothed_first[0])
-    shift = best_shift[1]
+    return best_shift[1]
+
+
+def _is_integer_shift(shift: Floats) -> bool:
+    """Return whether a shift (points) is an integer along each axis, up to a tolerance."""
+    return bool(np.abs(shift - np.round(shift)).max() < _INTEGER_SHIFT_TOLERANCE)
+
+
+def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Floats]:
+    """Return the heights of both scans at the points of the first scan in their overlap."""
+    from scipy.ndimage import map_coordinates
+
     overlap, positions = _slice_overlap(a.shape, b.shape, shift)
-    rounded_shift = np.round(shift)
-    if np.abs(shift - rounded_shift).max() < _INTEGER_SHIFT_TOLERANCE:  # an integer shift needs no interpolation
-        shift, positions = rounded_shift, [np.round(axis_positions) for axis_positions in positions]
-        return a[overlap], b[np.ix_(*(axis_positions.astype(np.intp) for axis_positions in positions))], shift
-    return a[overlap], map_coordinates(b, np.meshgrid(*positions, indexing="ij"), order=5), shift
+    if _is_integer_shift(shift):  # an integer shift needs no interpolation
+        return a[overlap], b[np.ix_(*(np.round(axis_positions).astype(np.intp) for axis_positions in positions))]
+    return a[overlap], map_coordinates(b, np.meshgrid(*positions, indexing="ij"), order=5)
 
 
 def _slopes_along_axes(heights: Floats) -> list[Floats]:

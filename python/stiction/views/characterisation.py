@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.closed_forms import gentle_friction
@@ -43,7 +44,7 @@ from stiction.surfaces.spectrum import (
 )
 from stiction.surfaces.surface import Surface
 from stiction.views.layout import wrap_text
-from stiction.views.rows import json_entry, record_json
+from stiction.views.rows import caveat_record, json_entry, record_json
 from stiction.views.spreadsheet import frame_to_csv
 
 ASSUMED_MU0 = 0.4  # molecular friction coefficient mu0 that is assumed in the small-slope estimate
@@ -172,6 +173,12 @@ class Characterisation:
         """Body with interpolated outliers, from which the spectrum and all values of the spectrum are computed."""
         return self._defects.body_without_outliers
 
+    @property
+    def excluded_outliers(self) -> NDArray[np.bool_]:
+        """Mask of the outliers that are interpolated in `body_without_outliers`."""
+        outliers = self._defects.outliers
+        return outliers if self.body_without_outliers is not self.body else np.zeros_like(outliers)
+
     @cached_property
     def spectrum(self) -> PowerSpectrum | None:
         """Power spectrum of a profile, or None for a surface."""
@@ -271,10 +278,9 @@ class Characterisation:
         if self.body.missing is not None:
             rows.append(TableRow("", ("missing heights are interpolated along lines in the following values",)))
         count = int(self._defects.outliers.sum())
-        outliers_text = f"{count} points" if count > 1 else "1 point"
         text = (
-            f"{outliers_text} more than {MIN_OUTLIER_DEVIATIONS:g} robust standard deviations from the neighbours; "
-            f"excluded from the spectrum; --outliers mask removes {'them' if count > 1 else 'it'}"
+            f"{_describe_outliers(count)}; excluded from the spectrum; "
+            f"--outliers mask removes {'them' if count > 1 else 'it'}"
         )
         rows.append(TableRow("outliers", (text if count else "none",), (json_entry("outliers", count),)))
         rows += [*self._parameter_rows(), TableRow("friction by slope", (self._friction_text(),))]
@@ -560,6 +566,30 @@ class Characterisation:
         return [*rows, TableRow("", (lines_note,)), TableRow("", (spectrum_note,))]
 
 
+def find_outlier_caveats(
+    scans: Sequence[Characterisation], names: Sequence[str], *, consequence: str, option: str
+) -> list[Caveat]:
+    """Return a caveat for each scan whose spectrum excludes outliers.
+
+    `consequence` is a clause about the values without these outliers, and `option` removes them from the scan.
+    """
+    counts = [int(scan.excluded_outliers.sum()) for scan in scans]
+    return [
+        Caveat(
+            f"{name}: {_describe_outliers(count)}; {consequence}",
+            f"{option} removes {'them' if count > 1 else 'it'}",
+            "caution",
+        )
+        for name, count in zip(names, counts, strict=True)
+        if count
+    ]
+
+
+def _describe_outliers(count: int) -> str:
+    points_text = f"{count} points" if count > 1 else "1 point"
+    return f"{points_text} more than {MIN_OUTLIER_DEVIATIONS:g} robust standard deviations from the neighbours"
+
+
 def to_characterisation(body: Profile | Surface | Characterisation, **options: Any) -> Characterisation:
     """Return the characterisation of a body, or an existing `Characterisation` unchanged."""
     return body if isinstance(body, Characterisation) else Characterisation(body, **options)
@@ -710,7 +740,7 @@ def _file_record(file: str, result: Characterisation) -> dict[str, Any]:
         "file": file, "holds": "profile" if isinstance(body, Profile) else "surface",
         "points": list(np.shape(body.heights)), "spacing_um": np.atleast_1d(body.spacing).tolist(),
         "extent_um": np.atleast_1d(body.extent).tolist(), "history": list(body.history),
-        "caveats": [{"text": item.text, "remedy": item.remedy, "severity": item.severity} for item in result.caveats],
+        "caveats": list(map(caveat_record, result.caveats)),
     }  # fmt: skip
 
 

@@ -19,6 +19,7 @@ from stiction._core import __version__
 from stiction._number_format import format_time, to_json
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_title_and_factor, quantity_names_shown_in
+from stiction.studies.assessment import Caveat
 from stiction.studies.budget import AREA_NAMES
 from stiction.studies.point import CELL_DIMENSIONS, list_sliding_rules_reported_first
 from stiction.studies.summary import PointSummary, Summary
@@ -276,6 +277,11 @@ def record_json(command: str, values: list[dict[str, Any]], **fields: Any) -> st
     return to_json(record, ensure_ascii=False, indent=1)
 
 
+def caveat_record(caveat: Caveat) -> dict[str, str]:
+    """Return a caveat as JSON fields."""
+    return {"text": caveat.text, "remedy": caveat.remedy, "severity": caveat.severity}
+
+
 def json_entry(
     name: str, value: float, unit: str = "1", *, lower: float = math.nan, upper: float = math.nan,
     interval: str | None = None, coordinates: dict[str, Any] | None = None, status: str = STATUS_OK,
@@ -363,7 +369,5 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "finer_scans": None
         if point.bracket is None
         else {"from": point.bracket[0], "to": point.bracket[1], "rule": "all", "hardness": point.hardness},
-        "caveats": [
-            {"text": caveat.text, "remedy": caveat.remedy, "severity": caveat.severity} for caveat in point.caveats
-        ],
+        "caveats": list(map(caveat_record, point.caveats)),
     }

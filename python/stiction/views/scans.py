@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,10 +13,12 @@ from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
 from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
+from stiction.studies.assessment import Caveat
 from stiction.studies.input_caveats import MAX_SPECTRA_RATIO, have_different_spectra
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
 from stiction.views.layout import format_table, wrap_text
+from stiction.views.rows import caveat_record
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
@@ -43,8 +46,8 @@ MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name that a figu
 # ---- Joined spectrum -------------------------------------------------------------------------------------------------
 
 
-def joined_spectrum_text(joined: JoinedSpectrum) -> str:
-    """Format cumulative slopes and, for each scan, its contributed wavelengths and its deviation from the others."""
+def joined_spectrum_text(joined: JoinedSpectrum, caveats: Sequence[Caveat] = ()) -> str:
+    """Format cumulative slopes, caveats and, for each scan, its contributed wavelengths and its deviation."""
     rows = [["scan", "wavelengths used", "limited by", "compared with the others"]]
     for name, (shortest, longest), reason, power_ratio, expected_deviation in zip(
         joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
@@ -69,13 +72,16 @@ def joined_spectrum_text(joined: JoinedSpectrum) -> str:
             "The scans differ by more than a factor of two in power: a height calibration is wrong, or wavelengths are "
             "missing.\n"
         )
-    return (
-        "\n\n".join([format_table(rows), format_table(slope_table)]) + "\n" + (wrap_text(text) + "\n" if text else "")
-    )
+    notes = (wrap_text(text) + "\n" if text else "") + _caveat_lines(caveats)
+    return "\n\n".join([format_table(rows), format_table(slope_table)]) + "\n" + notes
 
 
-def joined_spectrum_record(joined: JoinedSpectrum) -> dict[str, Any]:
-    """Return the joined spectrum as JSON fields, with all lengths in µm."""
+def _caveat_lines(caveats: Sequence[Caveat]) -> str:
+    return "".join(f"{wrap_text(f'{caveat.text}; {caveat.remedy}')}\n" for caveat in caveats)
+
+
+def joined_spectrum_record(joined: JoinedSpectrum, caveats: Sequence[Caveat] = ()) -> dict[str, Any]:
+    """Return the joined spectrum and the caveats as JSON fields, with all lengths in µm."""
     roughness = joined.roughness()
     scans = [
         {
@@ -96,7 +102,8 @@ def joined_spectrum_record(joined: JoinedSpectrum) -> dict[str, Any]:
         "density_um4": joined.density,
         "waves": joined.count,
     }
-    return {"scans": scans, "spectrum": {name: [float(item) for item in values] for name, values in curve.items()}}
+    spectrum = {name: [float(item) for item in values] for name, values in curve.items()}
+    return {"scans": scans, "spectrum": spectrum, "caveats": list(map(caveat_record, caveats))}
 
 
 def joined_spectrum_figure(joined: JoinedSpectrum) -> Figure:
@@ -187,8 +194,8 @@ def _draw_pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 # ---- Repeated scans of one place -------------------------------------------------------------------------------------
 
 
-def repeated_scans_text(comparison: RepeatedScans) -> str:
-    """Format the noise of two scans in each octave, their shift, and the usable wavelengths of the mean scan."""
+def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = ()) -> str:
+    """Format the noise of two scans in each octave, their shift, usable wavelengths of the mean scan, and caveats."""
     rows = [["wavelengths", "in both", "noise of one scan", "noise fraction of the mean square"]]
     for wavelength, common_height, noise_height in np.transpose(
         [comparison.wavelength, comparison.common, comparison.noise]
@@ -210,7 +217,8 @@ def repeated_scans_text(comparison: RepeatedScans) -> str:
         f"The second scan starts at {shift_text} of the first scan. The correlation is {comparison.correlation:.4g}, "
         f"the noise of a single scan {format_with_unit(comparison.noise_rms, 'um')}."
     )
-    return f"{format_table(rows)}\n\n{wrap_text(text)}\n{wrap_text(usable_wavelength_text(comparison))}\n"
+    paragraphs = f"{wrap_text(text)}\n{wrap_text(usable_wavelength_text(comparison))}\n{_caveat_lines(caveats)}"
+    return f"{format_table(rows)}\n\n{paragraphs}"
 
 
 def usable_wavelength_text(comparison: RepeatedScans) -> str:
@@ -226,13 +234,14 @@ def usable_wavelength_text(comparison: RepeatedScans) -> str:
     )
 
 
-def repeated_scans_record(comparison: RepeatedScans) -> dict[str, Any]:
-    """Return the comparison of two scans as JSON fields; lengths are in µm."""
+def repeated_scans_record(comparison: RepeatedScans, caveats: Sequence[Caveat] = ()) -> dict[str, Any]:
+    """Return the comparison of two scans and the caveats as JSON fields; lengths are in µm."""
     octaves = {"wavelength_um": comparison.wavelength, "noise_um": comparison.noise, "common_um": comparison.common}
     return {
         "shift_um": list(comparison.shift), "correlation": comparison.correlation, "noise_um": comparison.noise_rms,
         "limit_um": None if math.isnan(comparison.limit) else comparison.limit,
         "octaves": {name: item.tolist() for name, item in octaves.items()},
+        "caveats": list(map(caveat_record, caveats)),
     }  # fmt: skip
 
 
