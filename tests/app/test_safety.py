@@ -345,8 +345,11 @@ def fake_pair_command(monkeypatch):
         run(Study.named("quick").with_changes(SMALL_ENSEMBLE), store=folder)
         for name in ("report.html", "result.csv"):
             (folder / name).write_text(f"{name} of {folder}")
-        on_record()
-        return json.dumps({"command": str(folder), "answers": answers})
+        record = json.dumps({"command": str(folder), "answers": answers})
+        on_record(record)
+        if "--fail" in arguments:
+            raise jobs.RejectedRequestError(f"{folder}/report.html: No space left on device")
+        return record
 
     monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
 
@@ -366,6 +369,19 @@ def test_pair_job_shows_the_files_of_its_command_and_discards_a_slow_preview(tmp
     assert texts["page.html"].startswith("report.html of results/")
     assert set(texts) == {"page.html", "result.csv", "result.json", "study.toml"}
     assert not any(str(tmp_path) in text for text in texts.values())
+
+
+def test_pair_job_that_fails_while_it_draws_shows_the_values_of_its_record(tmp_path, fake_pair_command):
+    async def check():
+        job = JobQueue(tmp_path).add("a pair", ["pair", "--fail"], preview=([], []))
+        await job.task
+        return job
+
+    job = asyncio.run(check())
+    assert (job.state, job.scope, job.files, job.page_data()["versions"]) == ("failed", "", None, 0)
+    assert job.record["headline"]
+    assert job.error.startswith("the report of this result could not be written: results/")
+    assert job.error.endswith("/report.html: No space left on device")
 
 
 def test_command_and_its_preview_share_the_memory_of_the_machine(tmp_path, monkeypatch):
@@ -390,7 +406,9 @@ def test_command_and_its_preview_share_the_memory_of_the_machine(tmp_path, monke
     assert sum(memory_fractions.values()) < 1
 
 
-def test_pair_job_that_is_stopped_while_its_files_are_copied_shows_one_result(tmp_path, monkeypatch, fake_pair_command):
+def test_pair_job_that_is_stopped_while_its_files_are_copied_shows_its_stored_result(
+    tmp_path, monkeypatch, fake_pair_command
+):
     copying, may_continue, open_stored_result = threading.Event(), threading.Event(), jobs.open_stored_result
 
     def open_after_signal(folder):
@@ -411,7 +429,7 @@ def test_pair_job_that_is_stopped_while_its_files_are_copied_shows_one_result(tm
 
     monkeypatch.setattr(jobs, "open_stored_result", open_after_signal)
     job = asyncio.run(check())
-    assert (job.state, job.record, job.finished, job.versions) == ("stopped", "finished part", 1, 1)
+    assert (job.state, job.record, job.finished, job.versions) == ("stopped", "finished part", 1, 2)
 
 
 def test_cancelled_task_ends_only_after_its_subprocess_has_ended(monkeypatch):

@@ -231,11 +231,11 @@ function render() {
   byId("share").hidden = !job.versions || isActive || isReading || Boolean(job.by);
   for (const link of byId("share").querySelectorAll("a")) link.href = withKey(`/jobs/${job.number}/${link.dataset.file}?save`);
   const page = withKey(`/jobs/${job.number}/page.html?${job.versions}`);
-  if (!job.versions || page === reportAddress) return;
   const frame = byId("page");
+  frame.hidden = !job.versions; // without files, there is no report for the displayed values
+  if (!job.versions || page === reportAddress) return;
   const hash = reportAddress && frame.contentWindow.location.hash;
   reportAddress = page;
-  frame.hidden = false;
   frame.contentWindow.location.replace(page + (hash || (job.command.startsWith("stiction run") ? `#d=${dimension()}` : "")));
 }
 

@@ -70,21 +70,22 @@ class Job:
     total: int = 0
     versions: int = 0
     files: Path | None = None  # directory that contains the files that the user can save
-    record: Any = None
+    record: Any = None  # values of the result that is shown
     error: str = ""
     is_ending: bool = False
     task: asyncio.Task[None] | None = None
 
     def page_data(self) -> dict[str, Any]:
         """Return a dict of the job data that the server sends to the page."""
-        field_names = ("number", "title", "state", "finished", "total", "versions")
+        field_names = ("number", "title", "state", "finished", "total")
         return {name: getattr(self, name) for name in field_names} | {
             "words": self.activity, "by": self.scope, "answer": self.record, "error": replace_option_names(self.error),
             "command": shlex.join(["stiction", *self.arguments]), "option": find_first_option_name(self.error),
+            "versions": self.versions if self.files else 0,
         }  # fmt: skip
 
-    def show(self, record: Any, files: Path, *, scope: str = "", counts: tuple[int, int] | None = None) -> None:
-        """Show the values of a result, and the files that the user can save.
+    def show(self, record: Any, files: Path | None, *, scope: str = "", counts: tuple[int, int] | None = None) -> None:
+        """Show the values of a result, and the files that the user can save, if they have been written.
 
         `scope` describes the members of an intermediate result. `counts` are the numbers of finished and of all
         members, unless they remain the same.
@@ -149,14 +150,17 @@ class JobQueue:
                     await self._read_result(job)
         except REPORTED_EXCEPTIONS as error:
             final_state = "failed"
-            job.error = hide_private_paths(str(error) or "not enough memory for this computation", self.root)
+            has_only_values = job.record is not None and job.files is None
+            job.error = "the report of this result could not be written: " * has_only_values + hide_private_paths(
+                str(error) or "not enough memory for this computation", self.root
+            )
         job.state, job.activity = final_state, ""
 
     async def _run_command(self, job: Job) -> None:
         if job.folder.is_relative_to(self.root):
             record = await self._compute_result(job)
             if job.arguments[0] == "pair":
-                await self._show_pair_result(job, record)
+                await self._show_pair_files(job, record)
                 return
         job.activity = "drawing"
         await self._read_result(job)
@@ -172,15 +176,17 @@ class JobQueue:
         if job.preview is not None and not job.folder.exists():
             reading_tasks.append(asyncio.create_task(self._show_preview(job)))
 
-        def show_drawing() -> None:
+        def show_values(record: str) -> None:
+            """Show the final values, so that they remain if the command fails while it draws."""
             monitor_task.cancel()
             job.activity = "drawing"
+            job.show(_read_reported_point(record), None)
 
         output_option = "--json" if job.arguments[0] == "pair" else "--part=1/1"
         arguments = ["stiction", *job.arguments, output_option, f"--output={job.folder}"]
         try:
             return await run_module(
-                arguments, grace_time=MAX_SHUTDOWN_TIME, memory=JOB_MEMORY_FRACTION, on_record=show_drawing
+                arguments, grace_time=MAX_SHUTDOWN_TIME, memory=JOB_MEMORY_FRACTION, on_record=show_values
             )
         finally:
             for task in reading_tasks:
@@ -197,17 +203,13 @@ class JobQueue:
         if job.activity == "computing a preview":
             job.activity = "computing"
 
-    async def _show_pair_result(self, job: Job, record: str) -> None:
-        """Copy the files that a finished `pair` command wrote, and show the values in its JSON record."""
-        values = json.loads(record)
-        if "answers" not in values:
-            raise RejectedRequestError(values["remark"])
+    async def _show_pair_files(self, job: Job, record: str) -> None:
+        """Copy the files that a finished `pair` command wrote, and show them with the values in its JSON record."""
         files = self._choose_folder()
         # A thread cannot be cancelled, so it does not change the job, which may be stopped in the meantime.
         stored_result = await asyncio.to_thread(self._copy_pair_files, job.folder, files, record)
-        reported_point = next(point for point in values["answers"] if point["headline"])
         counts = stored_result.num_finished, stored_result.study.ensemble.repetitions
-        job.show(replace_option_names_in_caveats(reported_point), files, counts=counts)
+        job.show(_read_reported_point(record), files, counts=counts)
 
     def _copy_pair_files(self, folder: Path, files: Path, record: str) -> StoredResult:
         """Copy the files of a pair and its JSON record to a new directory, and open the stored result."""
@@ -268,6 +270,14 @@ class JobQueue:
             return hide_private_paths(await run_module(arguments, memory=READER_MEMORY_FRACTION), self.root)
 
 
+def _read_reported_point(record: str) -> dict[str, Any]:
+    """Return the values of the reported point in the JSON record of a pair. A record without values has a remark."""
+    values = json.loads(record)
+    if "answers" not in values:
+        raise RejectedRequestError(values["remark"])
+    return replace_option_names_in_caveats(next(point for point in values["answers"] if point["headline"]))
+
+
 def memory_limit_command_prefix(memory: float) -> list[str]:
     """Return a command prefix that limits memory and kills the process if its parent dies; empty if not supported."""
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
@@ -281,11 +291,11 @@ def memory_limit_command_prefix(memory: float) -> list[str]:
 
 
 async def run_module(
-    arguments: list[str], *, memory: float, grace_time: float = 0.0, on_record: Callable[[], None] | None = None
+    arguments: list[str], *, memory: float, grace_time: float = 0.0, on_record: Callable[[str], None] | None = None
 ) -> str:
     """Run a module in a process that ends with the server, and return its output up to the end of a record.
 
-    Without `on_record`, the process is killed after the record. Otherwise, `on_record` is called after the record, and
+    Without `on_record`, the process is killed after the record. Otherwise, `on_record` is called with the record, and
     the process runs until it ends. The process may use a fraction `memory` of the machine's memory. After a
     cancellation it has `grace_time` seconds to write its results. Raises `RejectedRequestError` with the message of the
     process.
@@ -295,7 +305,7 @@ async def run_module(
         if has_record:
             if on_record is None:
                 return output
-            on_record()
+            on_record(output)
             await output_stream.read()
         if (status := await process.wait()) != 0:
             raise RejectedRequestError(_failure_message(status, (await error_task).decode(errors="replace")))
