@@ -384,6 +384,36 @@ def test_pair_job_that_fails_while_it_draws_shows_the_values_of_its_record(tmp_p
     assert job.error.endswith("/report.html: No space left on device")
 
 
+@pytest.mark.parametrize("failing_source", ["preview", "folder"])
+def test_unexpected_error_of_an_intermediate_result_is_logged_while_the_command_continues(
+    tmp_path, monkeypatch, caplog, failing_source
+):
+    """The preview or the monitor of the progress fails, before the command ends."""
+
+    async def run_module(arguments, on_record=None, **_):
+        if arguments[0] != "stiction":
+            return json.dumps({"answer": {}, "finished": 1, "total": 9} if failing_source == "folder" else {})
+        while not caplog.records:
+            await asyncio.sleep(0.01)
+        on_record('{"answers": [{"headline": true, "caveats": []}]}')
+        raise jobs.RejectedRequestError("the command ended")
+
+    def open_stored_result(folder):
+        raise AttributeError(f"no attribute of {folder.name}") if failing_source == "folder" else ValueError
+
+    async def check():
+        job = JobQueue(tmp_path).add("a pair", ["pair"], preview=([], []))
+        await asyncio.wait_for(job.task, 60)
+        return job
+
+    monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
+    monkeypatch.setattr(jobs, "open_stored_result", open_stored_result)
+    assert asyncio.run(check()).error.endswith("the command ended")
+    (record,) = caplog.records
+    assert record.levelname == "ERROR"
+    assert record.exc_info[0] is {"preview": KeyError, "folder": AttributeError}[failing_source]
+
+
 def test_command_and_its_preview_share_the_memory_of_the_machine(tmp_path, monkeypatch):
     memory_fractions = {}
 

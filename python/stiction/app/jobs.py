@@ -175,6 +175,8 @@ class JobQueue:
         reading_tasks = [monitor_task]
         if job.preview is not None and not job.folder.exists():
             reading_tasks.append(asyncio.create_task(self._show_preview(job)))
+        for task in reading_tasks:
+            task.add_done_callback(_print_unexpected_error)
 
         def show_values(record: str) -> None:
             """Show the final values, so that they remain if the command fails while it draws."""
@@ -268,6 +270,13 @@ class JobQueue:
         """Run a module that finishes quickly, and return its output. At most two such modules run at the same time."""
         async with self._reader_slots:
             return hide_private_paths(await run_module(arguments, memory=READER_MEMORY_FRACTION), self.root)
+
+
+def _print_unexpected_error(task: asyncio.Task[None]) -> None:
+    """Print the error of a task in the terminal of the server. The command of the job continues."""
+    if not task.cancelled() and (error := task.exception()) is not None:
+        context = {"message": "an intermediate result cannot be shown", "exception": error, "task": task}
+        task.get_loop().call_exception_handler(context)
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
