@@ -2,7 +2,7 @@
 
 import pytest
 from stiction import Study
-from stiction.studies.member_names import count_members_text, find_member_names, name_members
+from stiction.studies.member_names import count_members_text, find_member_names
 from support.synthetic_results import measured_study
 
 STUDIES_BY_PLURAL = {
@@ -18,7 +18,6 @@ def test_members_are_named_by_the_surfaces_of_the_study(plural):
     study = STUDIES_BY_PLURAL[plural]
     singular = find_member_names(study)[0]
     assert (count_members_text(study, 1), count_members_text(study, 2.0)) == (f"1 {singular}", f"2 {plural}")
-    assert name_members("use more members; remember", study) == f"use more {plural}; remember"
 
 
 def test_members_of_pressed_lines_are_positions():

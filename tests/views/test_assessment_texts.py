@@ -530,6 +530,44 @@ def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
     )
 
 
+@pytest.mark.parametrize(
+    ("study", "members"),
+    [
+        (measured_study(), "positions"),
+        (measured_study(press="surrogates"), "pairs of surrogates"),
+        (measured_study().with_changes({"surfaces.surrogates": 2}), "members"),
+    ],
+)
+def test_caveats_use_the_name_of_the_members_of_the_study(study, members):
+    expected_texts = {
+        ("half_width_ratio", np.nan): f"there is no interval; an interval requires at least 8 different {members}",
+        ("half_width_ratio", 0.55): f"the interval is wider than ±50 %; use more {members}",
+        ("contact_count", 0.6): f"all {members} together have fewer than 10 contacts, on average 0.6; use a higher "
+        f"load, larger surfaces or more {members}",
+        ("share_of_pull_off_bounds", 0.25): f"the pull-off force is a lower bound: 25 % of the {members} have only a "
+        "bound; call half_space to see the reason as a warning",
+        ("ok", 7): f"only 7 of 16 {members} have a coefficient; check the statuses, and try another load",
+        ("all_contacts", np.nan): f"there is no coefficient; check how many {members} have a value",
+    }  # fmt: skip
+    for (name, value), expected_text in expected_texts.items():
+        caveats = summarize_single_point(measured_result(**{name: value}), study).caveats
+        assert expected_text in [f"{caveat.text}; {caveat.remedy}" for caveat in caveats]
+
+
+def test_caveats_of_generated_surfaces_use_the_word_repetitions():
+    point = summarize(generated_result(contact_count=0.05), generated_study()).points[0]
+    assert "all repetitions together have fewer than 10 contacts" in caveat_texts(point)
+
+
+def test_few_contacts_of_a_gap_add_a_caveat_without_members():
+    study = measured_study().with_changes({"surfaces.gap": True})
+    point = summarize_single_point(measured_result(contact_count=4.0, members=1, ok=1), study)
+    (fault,) = point.faults
+    assert (fault.text, fault.remedy) == (
+        "fewer than 10 contacts in the gap: 4", "use larger surfaces or a higher load",
+    )  # fmt: skip
+
+
 def test_caveat_contains_the_checked_value_and_its_limit():
     (caveat,) = summarize_single_point(measured_result(share_at_edge=0.6), measured_study()).caveats
     assert (caveat.name, caveat.value, caveat.limit) == ("share_at_edge", pytest.approx(0.6), 0.5)

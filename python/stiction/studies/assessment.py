@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -20,7 +20,7 @@ from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_
 from stiction.studies.hardness import find_junction_growth, find_materials, find_uncertain_inputs
 from stiction.studies.input_uncertainty import UncertainInput
 from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH_COEFFICIENT, find_interface
-from stiction.studies.member_names import name_members
+from stiction.studies.member_names import count_members_text, find_member_names
 from stiction.studies.point import (
     SlidingRuleCoefficient,
     effective_modulus_at,
@@ -159,22 +159,10 @@ STATUS_EXPLANATIONS = {
         "check τ0, the hardness and α, or reduce the load",
     ),
     "no-contact": ("the bodies do not touch", "use a larger load or a larger approach"),
-    "": ("there is no coefficient", "check how many members have a value"),
 }
-"""Meaning and remedy of each status of a point; the last entry is for all other statuses."""
+"""Meaning and remedy of each status of a point that has no coefficient."""
 
 WIDE_INTERVAL_TEXT = f"the interval is wider than ±{100 * MAX_RELATIVE_HALF_WIDTH:.0f} %"
-
-VALUE_CHECKS = (
-    LimitCheck("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
-    LimitCheck(
-        "missing_interval",
-        MAX_AFFECTED_FRACTION,
-        "there is no interval",
-        "an interval requires at least 8 different members",
-    ),
-    LimitCheck("half_width", MAX_RELATIVE_HALF_WIDTH, WIDE_INTERVAL_TEXT, "use more members"),
-)
 
 SINGLE_POSITION_CHECK = LimitCheck(
     "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
@@ -212,7 +200,9 @@ _EDGE_CHECK = _build_fraction_check(
     "share_at_edge", "{} of the load is on contacts at the edge", "use larger maps or a smaller load"
 )
 LARGEST_CONTACT_LOAD_TEXT = "one contact carries {} of the load"
-MORE_CONTACTS_REMEDY = "use larger surfaces or a higher load"
+_MORE_CONTACTS_REMEDY = "use larger surfaces or a higher load"
+FEW_CONTACTS_CHECK_NAMES = ("contacts_missing", "share_on_separate")
+"""Names of the checks that fail if members have few contacts on average."""
 _FINER_SCAN_REMEDY = "scan more finely, or filter the scan"
 
 EQUALS_MU0_CHECK = LimitCheck(
@@ -220,28 +210,7 @@ EQUALS_MU0_CHECK = LimitCheck(
     "give --tau0, or determine both with stiction calibrate", "caution", "digit", "beyond_mu0",
 )  # fmt: skip
 
-CONTACT_COUNT_CHECKS = (
-    LimitCheck("contacts_missing_of_all", 0.0,
-          f"all members together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}}",
-          "use a higher load, larger surfaces or more members", about="contact_count"),
-    LimitCheck("contacts_missing", 0.0, "too few contacts, {} on average",
-          MORE_CONTACTS_REMEDY, about="contact_count"),
-    _build_fraction_check(
-        "share_on_separate", LARGEST_CONTACT_LOAD_TEXT, MORE_CONTACTS_REMEDY, "fault", MAX_LOAD_FRACTION_ON_CONTACT
-    ),
-    LimitCheck("contacts_wanting", 0.0, "few contacts, {} on average",
-          MORE_CONTACTS_REMEDY, "caution", about="contact_count"),
-    _build_fraction_check(
-        "share_on_largest", LARGEST_CONTACT_LOAD_TEXT, MORE_CONTACTS_REMEDY, "caution", CAUTION_LOAD_FRACTION_ON_CONTACT
-    ),
-)  # fmt: skip
-"""Checks for too few contacts; only the first check that fails is reported."""
-
-CONTACT_CHECKS: CheckGroups = (
-    [_build_fraction_check(
-        "share_of_pull_off_bounds", "the pull-off force is a lower bound: {} of the members have only a bound",
-        "call half_space to see the reason as a warning", "caution", 0.0,
-    )],
+_COMMON_CONTACT_CHECKS: CheckGroups = (
     [_EDGE_CHECK, _EDGE_CHECK._replace(limit=CAUTION_LOAD_FRACTION_AT_EDGE, severity="caution")],
     [
         LimitCheck("single_cells", MAX_AFFECTED_FRACTION, "contacts are single grid points", _FINER_SCAN_REMEDY),
@@ -262,52 +231,96 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 )  # fmt: skip
 
 
+def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
+    """Return checks of a coefficient and its interval; only the first check that fails is reported."""
+    if study.is_gap:
+        return (SINGLE_POSITION_CHECK,)
+    members = find_member_names(study)[1]
+    return (
+        LimitCheck("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
+        LimitCheck(
+            "missing_interval", MAX_AFFECTED_FRACTION, "there is no interval",
+            f"an interval requires at least 8 different {members}",
+        ),
+        LimitCheck("half_width", MAX_RELATIVE_HALF_WIDTH, WIDE_INTERVAL_TEXT, f"use more {members}"),
+    )  # fmt: skip
+
+
+def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
+    """Return checks for too few contacts; only the first check that fails is reported."""
+    members = find_member_names(study)[1]
+    total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}}"
+    total_remedy = f"use a higher load, larger surfaces or more {members}"
+    if study.is_gap:  # a gap has a single position
+        total_text, total_remedy = f"fewer than {MIN_TOTAL_CONTACTS} contacts in the gap: {{}}", _MORE_CONTACTS_REMEDY
+    return (
+        LimitCheck("contacts_missing_of_all", 0.0, total_text, total_remedy, about="contact_count"),
+        LimitCheck("contacts_missing", 0.0, "too few contacts, {} on average",
+              _MORE_CONTACTS_REMEDY, about="contact_count"),
+        _build_fraction_check(
+            "share_on_separate", LARGEST_CONTACT_LOAD_TEXT, _MORE_CONTACTS_REMEDY, "fault", MAX_LOAD_FRACTION_ON_CONTACT
+        ),
+        LimitCheck("contacts_wanting", 0.0, "few contacts, {} on average",
+              _MORE_CONTACTS_REMEDY, "caution", about="contact_count"),
+        _build_fraction_check(
+            "share_on_largest", LARGEST_CONTACT_LOAD_TEXT, _MORE_CONTACTS_REMEDY, "caution",
+            CAUTION_LOAD_FRACTION_ON_CONTACT,
+        ),
+    )  # fmt: skip
+
+
+def _build_contact_checks(study: Study) -> CheckGroups:
+    """Return checks of the contacts and of the pull-off force."""
+    text = "the pull-off force is a lower bound"
+    if not study.is_gap:  # a gap has a single position
+        text += f": {{}} of the {find_member_names(study)[1]} have only a bound"
+    remedy = "call half_space to see the reason as a warning"
+    pull_off_check = _build_fraction_check("share_of_pull_off_bounds", text, remedy, "caution", 0.0)
+    return ([pull_off_check], *_COMMON_CONTACT_CHECKS)
+
+
+def _build_status_caveat(status: str, study: Study) -> Caveat:
+    """Return the caveat of a point without a coefficient."""
+    other_explanation = "there is no coefficient", f"check how many {find_member_names(study)[1]} have a value"
+    return Caveat(*STATUS_EXPLANATIONS.get(status, other_explanation), "fault")
+
+
 def find_point_caveats(
     point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
 ) -> Iterator[Caveat]:
     """Yield the caveats about one point of a result. They depend on the numbers and the status of the point."""
-    for caveat in _find_point_caveats_about_members(point, study, value, status):
-        yield replace(caveat, text=name_members(caveat.text, study), remedy=name_members(caveat.remedy, study))
-
-
-def _find_point_caveats_about_members(
-    point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
-) -> Iterator[Caveat]:
-    """Yield the caveats of `find_point_caveats` with the general word "members"."""
+    contact_checks = _build_contact_checks(study)
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
         yield from _find_adhesion_caveats(point, study)
         yield from _find_grid_caveats(point, study)
-        yield from find_caveats_of_failed_checks(CONTACT_CHECKS, _compute_checked_numbers(point, study, value))
+        yield from find_caveats_of_failed_checks(contact_checks, _compute_checked_numbers(point, study, value))
         return
     if status != friction.STATUS_OK or math.isnan(value.value):
-        text, remedy = STATUS_EXPLANATIONS.get(status, STATUS_EXPLANATIONS[""])
-        yield Caveat(text, remedy, "fault")
+        yield _build_status_caveat(status, study)
         return
     num_members = mean_over_directions(point, "members")
     # smallest number of solved members in any sliding direction
     num_solved = float(point["ok"].min()) if "ok" in point else math.nan
     if num_solved < MAX_AFFECTED_FRACTION * num_members:
-        text = f"only {num_solved:.0f} of {num_members:.0f} members have a coefficient"
+        text = f"only {num_solved:.0f} of {count_members_text(study, num_members)} have a coefficient"
         yield Caveat(text, "check the statuses, and try another load", "fault")
     numbers = _compute_checked_numbers(point, study, value)
     pressure_checks = build_pressure_checks(study, effective_modulus_at(point, study))
     yield from find_caveats_of_failed_checks(
-        ([SINGLE_POSITION_CHECK] if study.is_gap else VALUE_CHECKS, [STEEP_SURFACE_CHECK], *pressure_checks), numbers
+        (_build_value_checks(study), [STEEP_SURFACE_CHECK], *pressure_checks), numbers
     )
     yield from _find_growth_and_mu0_caveats(point, study, value)
     yield from _find_adhesion_caveats(point, study)
     yield from _find_grid_caveats(point, study)
     yield from _find_area_caveats(point, study)
-    yield from find_caveats_of_failed_checks((CONTACT_COUNT_CHECKS, *CONTACT_CHECKS), numbers)
+    yield from find_caveats_of_failed_checks((_build_contact_count_checks(study), *contact_checks), numbers)
 
 
-def find_smallest_check_limit(name: str) -> float | None:
+def find_smallest_check_limit(name: str, study: Study) -> float | None:
     """Return the smallest limit that contact checks set for a number, or None if no check uses the number."""
-    return min(
-        (check.limit for group in (CONTACT_COUNT_CHECKS, *CONTACT_CHECKS) for check in group if check.name == name),
-        default=None,
-    )
+    check_groups = (_build_contact_count_checks(study), *_build_contact_checks(study))
+    return min((check.limit for group in check_groups for check in group if check.name == name), default=None)
 
 
 def find_caveats_of_failed_checks(checks: CheckGroups, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
@@ -356,7 +369,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: Sliding
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
     quantities = {
         check.name: mean_over_directions(point, check.name)
-        for group in ([STEEP_SURFACE_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS)
+        for group in ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
         for check in group
     }
     is_merged = _compute_area_fraction(point, study) > MIN_MERGED_AREA_FRACTION
@@ -428,10 +441,16 @@ def assess_ensemble_points(
     for name in np.unique(np.where(is_ok, friction.STATUS_OK, status)).tolist():
         mask = ~is_ok & (status == name)
         if mask.any():
-            reasons.append(Caveat(*STATUS_EXPLANATIONS.get(name, STATUS_EXPLANATIONS[""]), "fault"))
+            reasons.append(_build_status_caveat(name, study))
             reason_numbers.append(np.where(mask, len(reasons), 0))
-    pressure_checks = build_pressure_checks(study, float(study.contact.effective_modulus))
-    for group in (VALUE_CHECKS, *pressure_checks, [EQUALS_MU0_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS):
+    check_groups = (
+        _build_value_checks(study),
+        *build_pressure_checks(study, float(study.contact.effective_modulus)),
+        [EQUALS_MU0_CHECK],
+        _build_contact_count_checks(study),
+        *_build_contact_checks(study),
+    )
+    for group in check_groups:
         indices = np.zeros(status.shape, np.intp)
         for check in (check for check in group if check.name in numbers):
             mask = is_ok & (indices == 0) & (numbers[check.name] > check.limit)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -29,11 +28,3 @@ def find_member_names(study: Study) -> tuple[str, str]:
 def count_members_text(study: Study, count: float) -> str:
     """Return a number of members as text, as in "16 positions"."""
     return f"{count:.0f} {find_member_names(study)[count != 1]}"
-
-
-def name_members(text: str, study: Study) -> str:
-    """Replace the word "members" in a text with the name of the members of a study."""
-    return _MEMBERS_PATTERN.sub(find_member_names(study)[1], text)
-
-
-_MEMBERS_PATTERN = re.compile(r"\bmembers\b")

@@ -20,7 +20,7 @@ from stiction.mechanics.brackets import friction_range_for_finer_scans
 from stiction.studies.alternatives import ALTERNATIVE_CONDITIONS, AlternativeName
 from stiction.studies.assessment import (
     ASPERITY_CHECKS,
-    MORE_CONTACTS_REMEDY,
+    FEW_CONTACTS_CHECK_NAMES,
     Caveat,
     find_caveats_of_failed_checks,
     find_point_caveats,
@@ -577,9 +577,9 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
 def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
     """Return whether a caveat invalidates the bounds for finer scans.
 
-    Every caveat of severity "fault" does so, except the caveat about too few contacts.
+    Every caveat of severity "fault" does so, except those about few contacts per member.
     """
-    return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
+    return caveat.severity == "fault" and caveat.name not in FEW_CONTACTS_CHECK_NAMES
 
 
 def _find_bounds_for_finer_scans(

@@ -13,7 +13,7 @@ from stiction._number_format import NumberFormat, format_with_unit, list_number_
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.assessment import Caveat, LimitCheck
-from stiction.studies.member_names import REPETITION_NAMES, count_members_text, name_members
+from stiction.studies.member_names import REPETITION_NAMES, count_members_text
 from stiction.studies.report_data import GeneratedReportData
 from stiction.studies.study import Study
 from stiction.studies.values_at_nodes import GENERATED_STATUSES, GeneratedValuesAtNodes, get_validity_limit
@@ -88,7 +88,7 @@ def _node_facts(values: GeneratedValuesAtNodes, study: Study) -> dict[str, Any]:
         ],
         "validity": [_validity_record(name) for name in values.validity],
         "judgements": [
-            {"verdict": verdict, "caveats": [_caveat_or_check_record(reason, study) for reason in assessment]}
+            {"verdict": verdict, "caveats": [_caveat_or_check_record(reason) for reason in assessment]}
             for verdict, assessment in zip(values.verdicts, values.assessments, strict=True)
         ],
         "hasStiffness": "stiffness" in values.estimates,
@@ -188,11 +188,11 @@ def _choose_initial_cell_and_load(values: GeneratedValuesAtNodes, study: Study) 
 # ---- The assessment --------------------------------------------------------------------------------------------------
 
 
-def _caveat_or_check_record(reason: Caveat | LimitCheck, study: Study) -> dict[str, Any]:
+def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
     """Return a caveat or check as a record: text, remedy, severity, and the name of the number in the text."""
     return {
-        "text": name_members(reason.text, study), "remedy": name_members(reason.remedy, study),
-        "severity": reason.severity, "number": f"number_{reason.shown_name}" if _has_number(reason) else None,
+        "text": reason.text, "remedy": reason.remedy, "severity": reason.severity,
+        "number": f"number_{reason.shown_name}" if _has_number(reason) else None,
     }  # fmt: skip
 
 

@@ -187,7 +187,7 @@ def _list_quantity_tables(estimates_by_name: dict[str, Floats], study: Study) ->
         quantity = QUANTITIES[name]
         label = quantity_label(name, study)
         words = label[0].upper() + label[1:]
-        limit = find_smallest_check_limit(name)
+        limit = find_smallest_check_limit(name, study)
         tables.append(QuantityTable(name, words, quantity.table_unit, estimates, factors.get(name, 1), limit))
     return tables
 
