@@ -119,11 +119,17 @@ _Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and values of 
 
 def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, tests: bool) -> xarray.Dataset:
     """Add the variables of `add_uncertainty` without the results for alternative preparations of the scans."""
-    load_groups = _group_loads(at, result)
+    is_study_load = np.isin(at["load"].values, [float(load) for load in result.study.friction.load])
+    load_groups = _group_loads(is_study_load, result)
+    num_coefficients = at["friction_all_round"].size // at.sizes["statistic"]
+    is_budgeted = _find_budgeted_loads(is_study_load, num_coefficients)
     tables, coordinates = zip(
         *(
             _evaluate_uncertainty(
-                at if len(load_groups) == 1 else at.isel(load=indices), result, budget=budget, tests=tests
+                at if len(load_groups) == 1 else at.isel(load=indices),
+                result,
+                is_budgeted=is_budgeted[indices] if budget else None,
+                tests=tests,
             )
             for indices in load_groups
         ),
@@ -136,18 +142,12 @@ def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, te
     return at.assign(variables).assign_coords(coordinates[0])
 
 
-def _find_study_loads(at: xarray.Dataset, study: Study) -> NDArray[np.bool_]:
-    """Return a mask of the loads that are loads of the study."""
-    return np.isin(at["load"].values, [float(load) for load in study.friction.load])
-
-
-def _group_loads(at: xarray.Dataset, result: Result) -> list[NDArray[np.intp]]:
+def _group_loads(is_study_load: NDArray[np.bool_], result: Result) -> list[NDArray[np.intp]]:
     """Return groups of load indices. The loads of a group are evaluated together.
 
     The loads of the study form a separate group if other loads would change their intervals. All loads of a group share
     the hardness nodes, from which areas are interpolated.
     """
-    is_study_load = _find_study_loads(at, result.study)
     depends_on_other_loads = bool(result.study.contact.junction_growth) or has_areas_at_nodes(result)
     if is_study_load.all() or not is_study_load.any() or not depends_on_other_loads:
         return [np.arange(is_study_load.size)]
@@ -169,9 +169,12 @@ def _merge_load_groups(groups: Sequence[_Tables], load_indices: Sequence[NDArray
 
 
 def _evaluate_uncertainty(
-    at: xarray.Dataset, result: Result, *, budget: bool, tests: bool
+    at: xarray.Dataset, result: Result, *, is_budgeted: NDArray[np.bool_] | None, tests: bool
 ) -> tuple[_Tables, dict[str, Any]]:
-    """Evaluate the variables of `add_uncertainty` and their coordinates for loads that are evaluated together."""
+    """Evaluate the variables of `add_uncertainty` and their coordinates for loads that are evaluated together.
+
+    `is_budgeted` is a mask of the loads at which uncertainty budgets are computed, or None to omit the budgets.
+    """
     study = result.study
     inputs, strengths = find_uncertain_inputs(study), []
     if (study_interface := find_interface(study)) is not None:
@@ -212,7 +215,6 @@ def _evaluate_uncertainty(
         np.full((len(input_names), *shape), np.nan),
     )
     dwell_intervals, seizing_fractions = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
-    has_budget = _find_budgeted_loads(_find_study_loads(at, study), math.prod(shape))
     areas = build_area_interpolator(at, result)
     interval_variables = {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}
     values_by_name = _get_arrays_over_dims(
@@ -245,7 +247,9 @@ def _evaluate_uncertainty(
         for index, wait in enumerate(study.friction.wait):
             dwell_intervals[(*position, index)] = samples.friction_after_dwell(float(wait), pressures[samples.load])
         is_quoted = str(at["sliding"].values[indices["sliding"]]) == "all"
-        for index, name in enumerate(input_names if budget and is_quoted and has_budget[indices["load"]] else ()):
+        if not is_quoted or is_budgeted is None or not is_budgeted[indices["load"]]:
+            continue
+        for index, name in enumerate(input_names):
             if name in samples.names:
                 remaining_intervals[(index, *position)] = samples.value, *samples.interval({name: 0.5})
                 remaining_widths[(index, *position)] = samples.remaining_interval_width(name)
@@ -258,7 +262,7 @@ def _evaluate_uncertainty(
         "friction_known": (interval_dims, coefficient_intervals),
         "friction_next_test": (interval_dims, test_intervals),
     }
-    if budget:
+    if is_budgeted is not None:
         tables |= {
             "friction_if_known": (("input", *interval_dims), remaining_intervals),
             "width_if_known": (("input", *dims), remaining_widths),
@@ -269,7 +273,9 @@ def _evaluate_uncertainty(
         inputs[name].label if name in inputs else {INTERFACE_INPUT_NAME: "the interface"}.get(name, name)
         for name in input_names
     ]
-    coordinates = {"input": ("input", input_names), "input_words": ("input", labels)} if budget else {}
+    coordinates = {}
+    if is_budgeted is not None:
+        coordinates = {"input": ("input", input_names), "input_words": ("input", labels)}
     if study.friction.wait:
         tables["friction_waited"] = (*dims, "wait", "statistic"), dwell_intervals
         coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]
