@@ -3,8 +3,9 @@
 import math
 from dataclasses import FrozenInstanceError
 
+import numpy as np
 import pytest
-from stiction._estimate import Estimate, Interval
+from stiction._estimate import Estimate, Interval, extend_intervals
 
 
 @pytest.mark.parametrize(
@@ -72,7 +73,18 @@ def test_extended_interval_includes_both_intervals_and_ignores_missing_limits():
     estimate = Estimate(0.2, 0.1, 0.3)
     assert estimate.extended_to(Estimate(0.25, 0.15, 0.4)) == Estimate(0.2, 0.1, 0.4)
     assert estimate.extended_to(Estimate(0.25)) == estimate
-    assert Estimate(0.2).extended_to(estimate) == estimate
+
+
+def test_extended_estimate_without_interval_has_no_interval():
+    # The interval of another estimate does not describe the uncertainty of this value, and may not contain the value.
+    assert not Estimate(0.2).extended_to(Estimate(0.3, 0.25, 0.4)).has_interval
+
+
+def test_intervals_are_extended_to_the_lowest_and_highest_limits_of_several_intervals():
+    own = [[1.0, 2.0], [np.nan, np.nan], [1.0, np.inf]]
+    extended = extend_intervals(own, [[0.5, 1.5]] * 3, [[np.nan, 3.0], [1.0, 2.0], [2.0, 4.0]])
+    np.testing.assert_array_equal(extended, [[0.5, 3.0], [np.nan, np.nan], [0.5, np.inf]])
+    assert Interval(1.0, 2.0).extended_to((1.5, 3.0), (1.2, 1.2)) == Interval(1.0, 3.0)
 
 
 def test_estimate_is_immutable():

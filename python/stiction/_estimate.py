@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from stiction._checks import Floats
 from stiction._number_format import choose_prefixed_unit, format_significant
 
 MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is very narrow
@@ -26,9 +28,9 @@ class Interval(NamedTuple):
     lower: float
     upper: float
 
-    def extended_to(self, other: Interval) -> Interval:
-        """Return the smallest interval that includes this interval and another interval. NaN limits are ignored."""
-        return Interval(float(np.fmin(self.lower, other.lower)), float(np.fmax(self.upper, other.upper)))
+    def extended_to(self, *others: tuple[float, float]) -> Interval:
+        """Return the smallest interval that includes this interval and other intervals, as for `extend_intervals`."""
+        return Interval(*extend_intervals(self, *others).tolist()) if others else self
 
     def __str__(self) -> str:
         if math.isinf(self.upper):
@@ -110,7 +112,10 @@ class Estimate:
         return self / factor, name
 
     def extended_to(self, other: Estimate) -> Self:
-        """Return a copy whose interval is extended to include the interval of another estimate."""
+        """Return a copy whose interval is extended to include the interval of another estimate.
+
+        A missing interval stays missing, because the uncertainty of the value is then unknown.
+        """
         lower, upper = self.interval.extended_to(other.interval)
         return replace(self, lower=lower, upper=upper)
 
@@ -127,6 +132,27 @@ class Estimate:
         if upper > MAX_FULL_PRECISION_END_RATIO * abs(value) > 0:
             end_texts[1] = format_significant(upper, 1)
         return f"{_format_decimals(value, decimals)} [{end_texts[0]}, {end_texts[1]}]"
+
+
+def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
+    """Extend intervals to include other intervals.
+
+    Parameters
+    ----------
+    own : (..., 2) array_like of float
+        Lower and upper limits. An interval with a NaN limit is unknown and stays unchanged.
+    *others : (..., 2) array_like of float
+        Limits of the intervals to include; NaN limits are ignored.
+
+    Returns
+    -------
+    intervals : (..., 2) ndarray of float
+        Limits of the extended intervals.
+    """
+    limits = np.array([own, *others], float)
+    extended = limits[0].copy()
+    extended[..., 0], extended[..., 1] = np.fmin.reduce(limits[..., 0]), np.fmax.reduce(limits[..., 1])
+    return np.asarray(np.where(np.isnan(limits[0]).any(axis=-1, keepdims=True), limits[0], extended))
 
 
 def _first_decimal(value: float) -> int:

@@ -8,13 +8,14 @@ similarity, the solution at (F, E*, H) equals the solution at (cF, cE*, cH).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction._estimate import Interval, extend_intervals
 from stiction.mechanics.brackets import friction_range_for_finer_scans, max_friction_for_finer_scans
 from stiction.mechanics.closed_forms import hardness_under_shear, solve_yield_condition
 from stiction.mechanics.friction import LOAD_SUM_NAMES
@@ -304,7 +305,7 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
     for name in (each for each in (*COVERED_NAMES, *AREA_NAMES) if each in own):
         dims = own[name].dims
         others = [other[name].transpose(*dims).values for other in alternatives.values()]
-        variables[name] = (dims, _cover_intervals(own[name].values, others), own[name].attrs)
+        variables[name] = (dims, _extend_estimates(own[name].values, others), own[name].attrs)
     covered = own.assign(variables).assign_attrs(alternatives=list(alternatives))
     if "friction_if_known" not in own:
         return covered
@@ -316,7 +317,7 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
         [
             np.where(
                 is_budgeted[..., np.newaxis],
-                _cover_intervals(own_intervals, [each for other, each in intervals.items() if other != name]),
+                _extend_estimates(own_intervals, [each for other, each in intervals.items() if other != name]),
                 np.nan,
             )
             for name in alternatives
@@ -334,18 +335,13 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
     )
 
 
-def _cover_intervals(own: Floats, others: Sequence[Floats]) -> Floats:
-    """Extend intervals, given as value, lower and upper limit along the last axis, to cover other intervals.
+def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:
+    """Extend the intervals of estimates to include the intervals of other estimates.
 
-    Values are unchanged, and unknown intervals stay unknown.
+    The last axis of each array contains value, lower limit and upper limit.
     """
-    covering = own.copy()
-    is_known = ~np.isnan(own[..., 1:]).any(axis=-1)
-    for index, reduce in ((1, np.fmin.reduce), (2, np.fmax.reduce)):
-        covering[..., index] = np.where(
-            is_known, reduce([each[..., index] for each in (own, *others)]), own[..., index]
-        )
-    return covering
+    limits = extend_intervals(own[..., 1:], *(each[..., 1:] for each in others))
+    return np.concatenate([own[..., :1], limits], axis=-1)
 
 
 def _compute_pressure_and_growth_under_shear(
@@ -399,12 +395,9 @@ def _compute_interval_of_zero_coefficient(samples: _CoefficientSamples, point: F
         samples.inputs[name].quantile(unit_points[:, column]) if name in samples.inputs else value
         for column, (name, value) in enumerate((("mu0", samples.mu0), ("tau0", samples.tau0)))
     )
-    low, high = extend_interval(
-        _compute_equal_tailed_interval(
-            np.broadcast_to(samples.friction.compute_coefficient(mu0, tau0), (NUM_INPUT_SAMPLES,))
-        ),
-        *point.tolist(),
-    )
+    coefficients = np.broadcast_to(samples.friction.compute_coefficient(mu0, tau0), (NUM_INPUT_SAMPLES,))
+    value, lower, upper = point.tolist()
+    low, high = _compute_equal_tailed_interval(coefficients).extended_to((value, value), (lower, upper))
     return max(low, 0.0), high
 
 
@@ -421,10 +414,7 @@ def _get_combined_coefficients(
     # the interval of the first cutoff covers the intervals of all cutoffs
     if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(combined, dims.index("cut_off"), 0)
-        by_cutoff[0, ..., 1], by_cutoff[0, ..., 2] = (
-            np.fmin.reduce(by_cutoff[..., 1]),
-            np.fmax.reduce(by_cutoff[..., 2]),
-        )
+        by_cutoff[0] = _extend_estimates(by_cutoff[0], by_cutoff[1:])
     return combined
 
 
@@ -502,19 +492,19 @@ class _CoefficientSamples:
             *unresolved_inputs,
         )
 
-    def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
+    def interval(self, fixed: Mapping[str, float] | None = None) -> Interval:
         """Return the 95 % interval of the coefficient with some inputs fixed at the given quantiles.
 
         The interval contains the value. It also contains the sampling interval and the range of coefficients for finer
         scans, unless these sources are fixed.
         """
         fixed = fixed or {}
-        values = [self.value]
+        included_intervals = [(self.value, self.value)]
         if not set(fixed) & set(SAMPLING_INPUT_NAMES):
-            values += self.sampling
+            included_intervals.append(self.sampling)
         if UNRESOLVED_ROUGHNESS_INPUT_NAME not in fixed and self.finest is not None and self.bracket is not None:
-            values += self.finest if set(fixed) & set(SAMPLING_INPUT_NAMES) else self.bracket
-        return extend_interval(self._compute_sampled_interval(fixed), *values)
+            included_intervals.append(self.finest if set(fixed) & set(SAMPLING_INPUT_NAMES) else self.bracket)
+        return self._compute_sampled_interval(fixed).extended_to(*included_intervals)
 
     def remaining_interval_width(self, name: str) -> float:
         """Return the mean width of the interval that would remain if the named input were known exactly.
@@ -535,24 +525,24 @@ class _CoefficientSamples:
             else high - low
         )
 
-    def _compute_sampled_interval(self, fixed: Mapping[str, float]) -> tuple[float, float]:
+    def _compute_sampled_interval(self, fixed: Mapping[str, float]) -> Interval:
         if self.names == tuple(self.standard_errors) and not fixed:
-            return max(self.sampling[0], 0.0), self.sampling[1]
+            return Interval(max(self.sampling[0], 0.0), self.sampling[1])
         return self._compute_scaled_interval(fixed)
 
     def _compute_scaled_interval(
         self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0
-    ) -> tuple[float, float]:
+    ) -> Interval:
         """Multiply the coefficient samples by a factor, and return the limits of their 95 % interval.
 
         The interval is extended to include the samples with mu0 or tau0 at its bound.
         """
         strengths = self.strengths[:1] if INTERFACE_INPUT_NAME in fixed else self.strengths
-        intervals = [
+        first, *others = (
             _compute_equal_tailed_interval(self._compute_friction_samples(fixed, wait, strength) * factor)
             for strength in strengths or (None,)
-        ]
-        return min(low for low, _ in intervals), max(high for _, high in intervals)
+        )
+        return first.extended_to(*others)
 
     @property
     def seizing_fraction(self) -> float:
@@ -582,7 +572,7 @@ class _CoefficientSamples:
             return 1.0
         return self.areas.growth_ratio(self.load, self.rule, hardness, pressure, modulus)
 
-    def predict_next_test(self) -> tuple[float, float]:
+    def predict_next_test(self) -> Interval:
         """Return the 95 % prediction interval for a test of one new member in one direction of motion.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the interval is above 0.
@@ -596,9 +586,8 @@ class _CoefficientSamples:
         )
         scatter = math.sqrt(math.log1p(self.scatter**2))
         factor = np.exp(np.minimum(scores * scatter, MAX_LOG_COEFFICIENT_RATIO))
-        return extend_interval(
-            self._compute_scaled_interval(dict.fromkeys(self.standard_errors, 0.5), factor=factor), self.value
-        )
+        interval = self._compute_scaled_interval(dict.fromkeys(self.standard_errors, 0.5), factor=factor)
+        return interval.extended_to((self.value, self.value))
 
     def friction_after_dwell(self, wait: float, pressure: float) -> tuple[float, float, float]:
         """Return the friction coefficient after a dwell time (s), together with the limits of its 95 % interval.
@@ -622,8 +611,9 @@ class _CoefficientSamples:
             return math.nan, math.nan, math.nan
         area = self.areas.area_ratio(self.load, final_and_initial_hardness[0], 1.0) * area
         initial_coefficient = self.friction.compute_coefficient(self.mu0, self.tau0, initial_growth)
-        value = self.value * self.friction.compute_coefficient(self.mu0, self.tau0, area) / initial_coefficient
-        return float(value[0]), *extend_interval(self._compute_scaled_interval({}, wait), float(value[0]))
+        coefficient = self.friction.compute_coefficient(self.mu0, self.tau0, area)
+        value = float((self.value * coefficient / initial_coefficient)[0])
+        return value, *self._compute_scaled_interval({}, wait).extended_to((value, value))
 
     def _compute_friction_samples(
         self, fixed: Mapping[str, float], wait: float = 1.0, strength: StrengthArrays | None = None
@@ -738,17 +728,12 @@ class _CoefficientSamples:
         )
 
 
-def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, float]:
-    """Extend an interval so that it contains the given values."""
-    return min(ends[0], *values), max(ends[1], *values)
-
-
 def _compute_friction_angle_difference(ends: tuple[float, float]) -> float:
     """Return the difference (rad) between the friction angles that correspond to the limits of an interval."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 
-def _compute_equal_tailed_interval(values: NDArray[Any]) -> tuple[float, float]:
+def _compute_equal_tailed_interval(values: NDArray[Any]) -> Interval:
     """Return the limits of the equal-tailed interval that contains 95 % of the samples.
 
     The upper limit is infinite if more than 2.5 % of the samples are infinite.
@@ -767,15 +752,16 @@ def _compute_equal_tailed_interval(values: NDArray[Any]) -> tuple[float, float]:
     probabilities = np.array([0.025, 0.975])
     if np.isinf(values).any():  # quantiles are not interpolated if samples are infinite
         low_rank, high_rank = np.maximum(np.ceil(probabilities * values.size).astype(int) - 1, 0).tolist()
-        return float(_select_smallest_values(values, low_rank + 1)[-1]), float(
-            -_select_smallest_values(-values, values.size - high_rank)[-1]
+        return Interval(
+            float(_select_smallest_values(values, low_rank + 1)[-1]),
+            float(-_select_smallest_values(-values, values.size - high_rank)[-1]),
         )
     positions = probabilities * (values.size - 1)
     low_rank, high_rank = np.minimum(positions.astype(int), values.size - 2).tolist()
     low, above_low = _select_smallest_values(values, low_rank + 2)[-2:]
     above_high, high = -_select_smallest_values(-values, values.size - high_rank)[-2:]
     low_fraction, high_fraction = positions - [low_rank, high_rank]
-    return float(low + low_fraction * (above_low - low)), float(high + high_fraction * (above_high - high))
+    return Interval(float(low + low_fraction * (above_low - low)), float(high + high_fraction * (above_high - high)))
 
 
 def _select_smallest_values(values: Floats, count: int) -> Floats:
