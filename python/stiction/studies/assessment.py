@@ -310,7 +310,8 @@ def find_point_caveats(
     yield from find_caveats_of_failed_checks(
         (_build_value_checks(study), [STEEP_SURFACE_CHECK], *pressure_checks), numbers
     )
-    yield from _find_growth_and_mu0_caveats(point, study, value)
+    yield from _find_growth_caveats(point, study)
+    yield from find_caveats_of_failed_checks(([EQUALS_MU0_CHECK],), numbers)
     yield from _find_adhesion_caveats(point, study)
     yield from _find_grid_caveats(point, study)
     yield from _find_area_caveats(point, study)
@@ -476,10 +477,8 @@ def verdict_from_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
     return VERDICTS_BY_SEVERITY["fault" if "fault" in severities else "caution" if severities else ""]
 
 
-def _find_growth_and_mu0_caveats(
-    point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient
-) -> Iterator[Caveat]:
-    """Yield caveats about junction growth, about seizure, and about a friction coefficient that equals mu0."""
+def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
+    """Yield caveats about junction growth and about seizure."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
         growth = find_junction_growth(study)
@@ -520,7 +519,6 @@ def _find_growth_and_mu0_caveats(
             if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
                 remedy = "compare with the pair without --adhesion, whose contacts grow"
             yield Caveat(text, remedy, "caution")
-    yield from find_caveats_of_failed_checks(([EQUALS_MU0_CHECK],), _compute_checked_numbers(point, study, value))
 
 
 def _find_seizure_caveats(

@@ -528,7 +528,19 @@ class _CoefficientSamples:
     def _compute_sampled_interval(self, fixed: Mapping[str, float]) -> Interval:
         if self.names == tuple(self.standard_errors) and not fixed:
             return Interval(max(self.sampling[0], 0.0), self.sampling[1])
-        return self._compute_scaled_interval(fixed)
+        from scipy.special import ndtri
+
+        # A fixed source of sampling uncertainty multiplies all samples by the same factor, which is 1 at its median.
+        fixed_at_medians = {name: 0.5 if name in self.standard_errors else fixed[name] for name in fixed}
+        factor = math.exp(
+            sum(self.standard_errors[name] * ndtri(fixed[name]) for name in fixed if name in self.standard_errors)
+        )
+        low, high = self.areas.get_or_compute(
+            ("interval", tuple(fixed_at_medians.items())),
+            (self,),
+            lambda: self._compute_scaled_interval(fixed_at_medians),
+        )
+        return Interval(low * factor, high * factor)
 
     def _compute_scaled_interval(
         self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0
@@ -537,10 +549,10 @@ class _CoefficientSamples:
 
         The interval is extended to include the samples with mu0 or tau0 at its bound.
         """
-        strengths = self.strengths[:1] if INTERFACE_INPUT_NAME in fixed else self.strengths
+        num_strengths = 1 if INTERFACE_INPUT_NAME in fixed else max(len(self.strengths), 1)
         first, *others = (
-            _compute_equal_tailed_interval(self._compute_friction_samples(fixed, wait, strength) * factor)
-            for strength in strengths or (None,)
+            _compute_equal_tailed_interval(self._compute_friction_samples(fixed, wait, index) * factor)
+            for index in range(num_strengths)
         )
         return first.extended_to(*others)
 
@@ -549,8 +561,7 @@ class _CoefficientSamples:
         """Fraction of input samples for which the contacts seize."""
         if self.growth is None:
             return 0.0
-        samples = self._compute_friction_samples({}, strength=self.strengths[0] if self.strengths else None)
-        return float(np.isinf(samples).mean())
+        return float(np.isinf(self._compute_friction_samples({})).mean())
 
     def _compute_pressure_under_shear(self, hardness: Any, mu0: Any, tau0: Any, alpha: Any = None) -> Any:
         """Return the contact pressure H' (GPa) under shear, or NaN at seizure.
@@ -616,9 +627,43 @@ class _CoefficientSamples:
         return value, *self._compute_scaled_interval({}, wait).extended_to((value, value))
 
     def _compute_friction_samples(
-        self, fixed: Mapping[str, float], wait: float = 1.0, strength: StrengthArrays | None = None
+        self, fixed: Mapping[str, float], wait: float = 1.0, strength_index: int = 0
     ) -> Floats:
-        probabilities, scores, samples, hardness, modulus = self._draw_input_samples(fixed, wait)
+        """Return samples of the coefficient. Sources of sampling uncertainty can be fixed only at their medians.
+
+        `strength_index` selects an entry of `strengths`, if there are any.
+        """
+        other_names = {*self.standard_errors, UNRESOLVED_ROUGHNESS_INPUT_NAME}
+        fixed_inputs = {name: quantile for name, quantile in fixed.items() if name not in other_names}
+        coefficients, range_widths, seizing_mask = self.areas.get_or_compute(
+            ("coefficients", tuple(fixed_inputs.items()), wait, strength_index),
+            (self,),
+            lambda: self._compute_coefficients_of_inputs(fixed_inputs, wait, strength_index),
+        )
+        probabilities, scores, *_ = self._draw_input_samples({}, wait)
+        if range_widths is not None:
+            fractions = fixed.get(UNRESOLVED_ROUGHNESS_INPUT_NAME, probabilities[UNRESOLVED_ROUGHNESS_INPUT_NAME])
+            coefficients = coefficients + fractions * range_widths
+        if unfixed_errors := {name: error for name, error in self.standard_errors.items() if name not in fixed}:
+            coefficients = coefficients * self.areas.get_or_compute(
+                ("sampling factors", tuple(unfixed_errors), wait),
+                (self,),
+                lambda: np.exp(sum(error * scores[name] for name, error in unfixed_errors.items())),
+            )
+        coefficients = np.maximum(coefficients, 0.0)
+        coefficients = np.where(seizing_mask, np.inf, coefficients) if seizing_mask is not None else coefficients
+        return np.broadcast_to(coefficients, (NUM_INPUT_SAMPLES,))
+
+    def _compute_coefficients_of_inputs(
+        self, fixed: Mapping[str, float], wait: float, strength_index: int
+    ) -> tuple[Floats, Floats | None, NDArray[np.bool_] | None]:
+        """Return samples of the coefficient without sampling uncertainty, and a mask of the samples that seize.
+
+        If shorter wavelengths may change the coefficient, the first array contains the lowest coefficients for finer
+        scans, and the second array the widths of their ranges. The mask is None if no sample seizes.
+        """
+        probabilities, _, samples, hardness, modulus = self._draw_input_samples(fixed, wait)
+        strength = self.strengths[strength_index] if self.strengths else None
         area = self._compute_area_ratio_samples(fixed, wait)
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth_samples = None
@@ -660,21 +705,14 @@ class _CoefficientSamples:
         seizing_mask = np.isinf(area)
         if is_seizing := bool(seizing_mask.any()):
             coefficients, hardness = np.where(seizing_mask, 1.0, coefficients), np.where(seizing_mask, np.inf, hardness)
+        range_widths = None
         if UNRESOLVED_ROUGHNESS_INPUT_NAME in probabilities and self.finest is not None:
             lowest_coefficients = np.minimum(mu0 + tau0 / hardness, coefficients)
             highest_coefficients = np.maximum(
                 max_friction_for_finer_scans(coefficients, mu0, tau0 / hardness, self.contacts), lowest_coefficients
             )
-            coefficients = lowest_coefficients + probabilities[UNRESOLVED_ROUGHNESS_INPUT_NAME] * (
-                highest_coefficients - lowest_coefficients
-            )
-        if self.standard_errors:
-            coefficients = coefficients * np.exp(
-                sum(error * scores[name] for name, error in self.standard_errors.items())
-            )
-        coefficients = np.maximum(coefficients, 0.0)
-        coefficients = np.where(seizing_mask, np.inf, coefficients) if is_seizing else coefficients
-        return np.broadcast_to(coefficients, (NUM_INPUT_SAMPLES,))
+            coefficients, range_widths = lowest_coefficients, highest_coefficients - lowest_coefficients
+        return coefficients, range_widths, seizing_mask if is_seizing else None
 
     def _draw_input_samples(
         self, fixed: Mapping[str, float], wait: float

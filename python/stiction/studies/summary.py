@@ -33,6 +33,7 @@ from stiction.studies.point import (
     compute_plastic_adhesive_friction,
     effective_modulus_at,
     find_contact_status,
+    find_statistic_indices,
     get_adhesion_ranges,
     get_roughness_exponent,
     is_unloaded,
@@ -519,11 +520,15 @@ def _list_budget_entries(
     """Return the intervals that would remain if one input at a time were exact, sorted by increasing width."""
     if "friction_if_known" not in point:
         return ()
-    budget, entries = select_sliding_rule(point, coefficient.rule), []
-    for index, label in enumerate(budget["input_words"].values.tolist()):
-        if (interval := _get_interval(budget.isel(input=index), "friction_if_known")) is not None:
-            width = float(budget["width_if_known"][index])
-            entries.append(UncertaintyBudgetEntry(coefficient.value, *interval, words=label, width=width))
+    budget = select_sliding_rule(point[["friction_if_known", "width_if_known"]], coefficient.rule)
+    limits = budget["friction_if_known"].transpose("input", "statistic").values[:, find_statistic_indices(budget)]
+    intervals = (Interval(*each) for each in limits[:, 1:].tolist())
+    labels_and_widths = (budget[name].values.tolist() for name in ("input_words", "width_if_known"))
+    entries = [
+        UncertaintyBudgetEntry(coefficient.value, *interval, words=label, width=width)
+        for interval, label, width in zip(intervals, *labels_and_widths, strict=True)
+        if math.isfinite(interval.lower) and not math.isnan(interval.upper)
+    ]
     return tuple(sorted(entries, key=lambda entry: entry.width))
 
 
