@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction.studies.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat
 from stiction.studies.point import iterate_points
-from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, summarize, summarize_point
+from stiction.studies.summary import POSSIBLE_NOISE_INPUT_NAME, summarize, summarize_point
 from stiction.studies.values import quantity
 from stiction.views.latex import latex_table
 from stiction.views.layout import format_paragraph
@@ -368,10 +368,10 @@ def test_interval_contains_filtered_and_unfiltered_results(is_floor):
         word = "with" if is_floor else "without"
         assert point.caveats[0].text.startswith(f"{caveat.text}; {word} them μ_s is 0.210 [0.206, 0.214]")
         assert [(remaining.words, remaining.lower) for remaining in point.budget] == [
-            (UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, pytest.approx(0.245)),
+            (POSSIBLE_NOISE_INPUT_NAME, pytest.approx(0.245)),
             ("the hardness", pytest.approx(0.2058)),
         ]
-        assert point.dominant_input.words == UNATTRIBUTED_WAVELENGTHS_INPUT_NAME
+        assert point.dominant_input.words == POSSIBLE_NOISE_INPUT_NAME
         assert (point.bracket is None) == (not is_floor)
     summary_of_all = summarize(dataset, measured_study(hardness=2.0))
     assert summary_of_all.headlines == list(summary_of_all.points)

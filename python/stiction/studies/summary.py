@@ -57,8 +57,8 @@ if TYPE_CHECKING:
     from stiction.studies.resolution import ResolutionEffect
     from stiction.studies.study import Study
 
-# name of the budget entry for wavelengths not attributed to the surface
-UNATTRIBUTED_WAVELENGTHS_INPUT_NAME = "wavelengths of unknown origin"
+# name of the budget entry for short wavelengths that the automatic cutoff removes, because they may be noise
+POSSIBLE_NOISE_INPUT_NAME = "possible instrument noise"
 # An input counts as dominant only if making it exact would narrow the interval by more than this fraction.
 MIN_DOMINANT_INPUT_FRACTION = 0.1
 
@@ -393,7 +393,7 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     other_budget = {entry.words: entry for entry in other_point.budget}
     # With one or two positions, the width of the interval is infinite or NaN.
     has_interval = math.isfinite(point.upper - point.lower)
-    budget = [_build_entry_of_unattributed_wavelengths(point)] if has_interval else []
+    budget = [_build_entry_of_possible_noise(point)] if has_interval else []
     for entry in point.budget:
         extended_entry = entry.extended_to(other_budget.get(entry.words, entry))
         budget.append(replace(extended_entry, width=extended_entry.upper - extended_entry.lower))
@@ -414,12 +414,10 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     return replace(point, rules=rules, budget=sorted_budget, caveats=tuple(caveats), bracket=bracket)
 
 
-def _build_entry_of_unattributed_wavelengths(point: PointSummary) -> UncertaintyBudgetEntry:
+def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntry:
     """Return the budget entry with the interval at the first cutoff alone."""
     width = point.upper - point.lower
-    return UncertaintyBudgetEntry(
-        point.value, point.lower, point.upper, words=UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, width=width
-    )
+    return UncertaintyBudgetEntry(point.value, point.lower, point.upper, words=POSSIBLE_NOISE_INPUT_NAME, width=width)
 
 
 def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient) -> SlidingRuleCoefficient:

@@ -96,8 +96,8 @@ class JoinedSpectrum(TextReprMixin):
             f"{name} ({shortest:.4g} to {longest:.4g} µm)"
             for name, (shortest, longest) in zip(self.names, self.bands, strict=True)
         )
-        names_text = f", of {', '.join(scans)}" if self.names else ""
-        return (f"spectrum of waves from {self.shortest:.4g} to {self.longest:.4g} µm{names_text}",)
+        names_text = f", from {', '.join(scans)}" if self.names else ""
+        return (f"power spectrum at wavelengths of {self.shortest:.4g} to {self.longest:.4g} µm{names_text}",)
 
     @property
     def disagreement(self) -> Floats:

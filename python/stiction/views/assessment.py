@@ -14,7 +14,7 @@ from stiction.studies.budget import (
     UNRESOLVED_ROUGHNESS_INPUT_NAME,
     UPPER_SCANS_INPUT_NAME,
 )
-from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, PointSummary
+from stiction.studies.summary import POSSIBLE_NOISE_INPUT_NAME, PointSummary
 from stiction.views.layout import Paragraph, ShortenedList, WrappedText
 
 COMPLETE_OUTPUT_METHOD = "summary()"  # method of a result that prints all points and caveats
@@ -115,7 +115,7 @@ def most_useful_measurement_text(point: PointSummary) -> str:
 
 
 _REMEDY_TEXTS = {
-    UNATTRIBUTED_WAVELENGTHS_INPUT_NAME: "Scanning one place twice",
+    POSSIBLE_NOISE_INPUT_NAME: "Scanning one place twice",
     POSITIONS_INPUT_NAME: "Using more positions",
     UNRESOLVED_ROUGHNESS_INPUT_NAME: "A finer scan",
     ALTERNATIVE_LABELS[SPIKES_ALTERNATIVE]: "A scan without spikes",
