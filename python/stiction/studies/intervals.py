@@ -20,7 +20,7 @@ CONFIDENCE_LEVEL = 0.95
 NUM_SLOPE_FIT_STEPS = 4  # a slope is fitted to this number of steps on each side of a crossing
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
-NUM_BATCH_VALUES = 2**15  # number of values in a batch that fits into the processor cache
+NUM_BATCH_VALUES = 2**17  # maximum number of values in a batch; larger batches are no faster
 MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is computed
 MIN_NEIGHBOURING_VALUES = 8  # minimum number of values at neighbouring positions for which an interval is computed
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
@@ -270,8 +270,10 @@ class PowerSums:
         """Add jackknife values to the running sums."""
         self._count += values.shape[-1]
         square = values * values
-        for index, power in enumerate((values, square, square * values, square * square)):
-            self._sums[index] += power.sum(axis=-1)
+        self._sums[0] += values.sum(axis=-1)
+        # np.einsum adds products without storing them.
+        for index, factors in enumerate(((values, values), (square, values), (square, square)), start=1):
+            self._sums[index] += np.einsum("...r,...r", *factors)
 
     def is_finite(self) -> NDArray[np.bool_]:
         """Return whether all added values were finite."""

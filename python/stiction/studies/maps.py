@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
 # maximum number of curve values of one map cell in memory at the same time
-MAX_VALUES_IN_MEMORY = 2**17
+MAX_VALUES_IN_MEMORY = 2**18
 # dimensions that a result may have besides members and steps
 MAP_CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
 MOTION_DIMENSIONS = ("sliding", "direction")  # dimensions of results with several sliding rules or directions
