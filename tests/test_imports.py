@@ -61,8 +61,9 @@ def test_layers_import_only_from_lower_layers(layer):
 
 
 MODULES_RESTRICTED_FOR_VIEWS = {
-    "budget", "contact_forces", "contact_picture", "evaluation", "height_scale", "intervals", "maps", "member_solution",
-    "members", "nodes", "onset", "pipeline", "runner", "store",
+    "at_load", "budget", "contact_forces", "contact_picture", "ensemble_means", "height_scale", "intervals",
+    "junction_growth", "maps", "member_means", "member_solution", "member_values", "members", "nodes", "onset",
+    "pipeline", "runner", "store",
 }  # fmt: skip
 """Modules of studies that read stored results and files, evaluate results, compute statistics or solve contacts.
 

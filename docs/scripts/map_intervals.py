@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 from stiction import Result, run, self_affine_surface
-from stiction.studies.evaluation import at_load, member_values
+from stiction.studies.at_load import at_load
+from stiction.studies.member_values import member_values
 from stiction.studies.pair import build_study_from_options
 from stiction.studies.pair_options import validate_option_values
 

@@ -7,7 +7,7 @@ import shutil
 import pytest
 import xarray
 from stiction import open_result, run, self_affine, self_affine_surface, write_profile, write_surface
-from stiction.studies.evaluation import at_load
+from stiction.studies.at_load import at_load
 from stiction.studies.store import open_stored_result
 from stiction.studies.summary import summarize
 from stiction.views.rows import SCHEMA_VERSION

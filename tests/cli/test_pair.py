@@ -17,7 +17,7 @@ from stiction.cli.application import app, print_output
 from stiction.cli.options import show_reader_import_status
 from stiction.cli.pair_options import read_given_options
 from stiction.studies import store
-from stiction.studies.evaluation import at_load
+from stiction.studies.at_load import at_load
 from stiction.studies.input_caveats import find_input_caveats
 from stiction.studies.member_solution import solve_at_loads
 from stiction.studies.members import load_bodies

@@ -19,8 +19,8 @@ from stiction.mechanics.quantities import (
     ZERO_LOAD_SUM_QUANTITIES,
     quantity_names_shown_in,
 )
+from stiction.studies.at_load import at_load
 from stiction.studies.contact_statistics import LOAD_FRACTION_FORMULAS
-from stiction.studies.evaluation import at_load
 from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.summary import summarize
 from stiction.views.rows import summary_table

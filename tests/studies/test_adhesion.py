@@ -13,13 +13,13 @@ from stiction.studies.assessment import (
     TYPICAL_WORK_OF_ADHESION,
     estimate_adhesion_load_ratio,
 )
+from stiction.studies.at_load import at_load
 from stiction.studies.computed_loads import (
     find_computed_load_range,
     find_loads_outside_range,
     find_loads_without_values,
 )
 from stiction.studies.contact_picture import compute_loading_cycle
-from stiction.studies.evaluation import at_load
 from stiction.studies.members import load_bodies
 from stiction.studies.point import is_unloaded, iterate_points
 from stiction.studies.pull_off import PullOffValues

@@ -18,8 +18,8 @@ from stiction.studies.alternatives import (
     TIP_CORRECTION,
     build_alternative_study,
 )
+from stiction.studies.at_load import at_load
 from stiction.studies.budget import add_uncertainty
-from stiction.studies.evaluation import at_load
 from stiction.studies.result import Result
 from stiction.studies.values_at_nodes import evaluate_measured_nodes
 from stiction.surfaces.preparation import levelled

@@ -9,8 +9,9 @@ import pytest
 import xarray
 from scipy.stats import halfnorm
 from stiction import Study, Surface, cut_off, pair, self_affine_surface
-from stiction.mechanics.friction import STATUS_OK
+from stiction.mechanics.friction import STATUS_OK, ForcesPerLoad
 from stiction.studies import budget, hardness
+from stiction.studies.at_load import at_load
 from stiction.studies.budget import (
     _CoefficientSamples,
     _compute_equal_tailed_interval,
@@ -18,10 +19,11 @@ from stiction.studies.budget import (
     _get_arrays_over_dims,
     add_uncertainty,
 )
-from stiction.studies.evaluation import ForcesPerLoad, at_load, build_area_interpolator, interpolate_member_sums
 from stiction.studies.executors import thread_pool_executor
 from stiction.studies.hardness import choose_hardness_and_modulus_nodes, compute_areas_at_nodes, find_uncertain_inputs
 from stiction.studies.input_uncertainty import Z_95, parse_uncertain_input
+from stiction.studies.junction_growth import build_area_interpolator
+from stiction.studies.member_values import interpolate_member_sums
 from stiction.studies.summary import summarize
 from stiction.studies.values import StudyError
 from support.rough_surfaces import rough_maps
@@ -396,7 +398,7 @@ def test_combined_interval_contains_the_true_friction_for_random_inputs(num_trut
 
 def simulate_friction_test(truth, rng) -> float:
     """Return the coefficient of a random member of the result in a random direction."""
-    from stiction.studies.evaluation import member_values
+    from stiction.studies.member_values import member_values
 
     members = member_values(truth.source, truth.at_study_loads["load"].values).sel(sliding="all").squeeze()
     assert (members["status"] == STATUS_OK).all()

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from stiction import joined_spectrum, open_result, pair, self_affine, write_surface
 from stiction.studies import height_scale
+from stiction.studies.at_load import at_load
 from stiction.studies.budget import add_uncertainty
-from stiction.studies.evaluation import at_load
 from stiction.studies.height_scale import (
     MAX_FACTOR,
     MIN_FACTOR,

@@ -18,8 +18,9 @@ from stiction import (
     surrogate,
 )
 from stiction.mechanics.patches import grid_slopes
+from stiction.studies.at_load import at_load
 from stiction.studies.contact_statistics import QUANTILE_PROBABILITIES
-from stiction.studies.evaluation import at_load, member_values
+from stiction.studies.member_values import member_values
 from stiction.surfaces.pairing import MIN_PIECE_SIDE_POINTS, MapPairs
 from support.rough_surfaces import rough_maps
 from support.studies_of_files import pair_study

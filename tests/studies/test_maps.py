@@ -3,7 +3,7 @@ import pytest
 import xarray
 from stiction import Study, friction_map, run, stiffness_map
 from stiction.mechanics.load_curve import LoadCurve
-from stiction.studies.evaluation import at_load
+from stiction.studies.at_load import at_load
 from stiction.studies.maps import area_map
 from stiction.studies.result import Result
 from support.generated_studies import empty_dataset

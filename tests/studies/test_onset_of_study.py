@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction import Study, contacts, open_result, pair_of, press, run
 from stiction.mechanics.quantities import ONSET_QUANTITIES
-from stiction.studies.evaluation import at_load
+from stiction.studies.at_load import at_load
 from stiction.studies.study import StudyError
 from stiction.views.layout import format_paragraph
 from stiction.views.quantities import quantities_paragraph

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from stiction import Study, run, self_affine_surface
-from stiction.studies.evaluation import at_load
+from stiction.studies.at_load import at_load
 from stiction.studies.members import load_bodies
 from stiction.studies.resolution import (
     CUTOFF_STUDY_FOLDER,

@@ -11,14 +11,15 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from stiction import Profile, Result
 from stiction.studies import figure_values
+from stiction.studies.at_load import at_load
 from stiction.studies.contact_forces import build_contact_forces
 from stiction.studies.contact_picture import contact_picture
-from stiction.studies.evaluation import at_load, choose_loads_in_range
 from stiction.studies.figure_values import (
     evaluate_area_over_load,
     evaluate_friction_over_dimension,
     find_opposing_contacts,
 )
+from stiction.studies.load_range import choose_loads_in_range
 from stiction.studies.maps import friction_map
 from stiction.studies.members import load_bodies
 from stiction.studies.report_data import collect_report_data

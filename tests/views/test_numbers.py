@@ -11,8 +11,8 @@ from stiction import Study, friction_map, run
 from stiction._estimate import Estimate
 from stiction._number_format import format_significant, list_number_formats
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION, LimitCheck
+from stiction.studies.at_load import at_load
 from stiction.studies.budget import add_uncertainty
-from stiction.studies.evaluation import at_load
 from stiction.studies.nodes import NodeAxis, compute_error_to_tolerance_ratio, interpolate_table
 from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.summary import summarize

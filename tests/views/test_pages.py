@@ -7,8 +7,8 @@ import xml.etree.ElementTree
 import numpy as np
 import pytest
 from stiction import friction_map, levelled, self_affine, self_affine_surface
+from stiction.studies.at_load import at_load
 from stiction.studies.contact_picture import contact_picture
-from stiction.studies.evaluation import at_load
 from stiction.studies.input_caveats import find_input_caveats
 from stiction.studies.nodes import compute_error_to_tolerance_ratio
 from stiction.studies.study import parse_study_of_dataset

@@ -174,6 +174,32 @@ def compute_loads(sums: Any, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]
     return compute_load("normal", columns, mu0, tau0), compute_load("tangential", columns, mu0, tau0)
 
 
+@dataclass(frozen=True, kw_only=True)
+class ForcesPerLoad:
+    """Normal and tangential forces per unit elastic load, expressed as linear functions of mu0 and tau0."""
+
+    elastic: float = 0.0
+    rub: float = 1.0
+    stick: float
+    rub_normal: float = 0.0
+    stick_normal: float = 0.0
+
+    @classmethod
+    def from_contact_sums(cls, contact_sums: Mapping[str, Any], **more: Any) -> Self:
+        """Create the linear functions from the six mean contact sums, which are divided by the elastic load."""
+        sums_per_load = {name: float(contact_sums[name] / contact_sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
+        return cls(
+            elastic=sums_per_load["tangential_elastic"], rub=sums_per_load["tangential_frictional"],
+            stick=sums_per_load["tangential_adhesive"], rub_normal=sums_per_load["normal_frictional"],
+            stick_normal=sums_per_load["normal_adhesive"], **more,
+        )  # fmt: skip
+
+    def compute_coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
+        """Compute the friction coefficient for a true area that is `area` times the computed true area."""
+        tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
+        return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
+
+
 class FrictionCurve(PlotReprMixin):
     """Loads and friction of a pair at each step (approach or load), computed from stored contact sums."""
 

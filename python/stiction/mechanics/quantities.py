@@ -7,7 +7,7 @@ the table.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -480,6 +480,11 @@ def select_quantity_names(condition: Callable[[ResultQuantity], Any]) -> tuple[s
 def quantity_names_shown_in(view: OutputView) -> tuple[str, ...]:
     """Return the names of the quantities that a view, such as "csv" or "report", shows."""
     return select_quantity_names(lambda each: view in each.shown)
+
+
+def is_requested(name: str, names: Collection[str] | None) -> bool:
+    """Return whether a quantity is among the requested names. None stands for all quantities."""
+    return names is None or name in names
 
 
 # ---- Selections of quantities ----------------------------------------------------------------------------------------

@@ -16,10 +16,10 @@ from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.mechanics.materials import softest_material
-from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
 from stiction.studies.hardness import find_junction_growth, find_materials, find_uncertain_inputs
 from stiction.studies.input_uncertainty import UncertainInput
 from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH_COEFFICIENT, find_interface
+from stiction.studies.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
 from stiction.studies.member_names import count_members_text, find_member_names
 from stiction.studies.point import (
     SlidingRuleCoefficient,

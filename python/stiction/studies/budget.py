@@ -18,18 +18,10 @@ from stiction._checks import Floats
 from stiction._estimate import Interval, extend_intervals
 from stiction.mechanics.brackets import friction_range_for_finer_scans, max_friction_for_finer_scans
 from stiction.mechanics.closed_forms import hardness_under_shear, solve_yield_condition
-from stiction.mechanics.friction import LOAD_SUM_NAMES
+from stiction.mechanics.friction import LOAD_SUM_NAMES, ForcesPerLoad
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.alternatives import ALTERNATIVE_LABELS, AlternativeName
-from stiction.studies.evaluation import (
-    NEGLIGIBLE_COEFFICIENT,
-    ForcesPerLoad,
-    at_load,
-    build_area_interpolator,
-    compute_area_growth_ratio,
-    interpolate_member_sums,
-    member_values,
-)
+from stiction.studies.at_load import at_load
 from stiction.studies.hardness import (
     AreaInterpolator,
     compute_relative_modulus,
@@ -41,6 +33,9 @@ from stiction.studies.hardness import (
 from stiction.studies.input_uncertainty import NUM_INPUT_SAMPLES, Z_95, UncertainInput, generate_stratified_points
 from stiction.studies.interfaces import HARDNESS_HEADER_ENTRY, find_interface
 from stiction.studies.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean, average_scan_pairs
+from stiction.studies.junction_growth import build_area_interpolator, compute_area_growth_ratio
+from stiction.studies.member_means import NEGLIGIBLE_COEFFICIENT
+from stiction.studies.member_values import interpolate_member_sums, member_values
 from stiction.studies.result import Result
 
 if TYPE_CHECKING:

@@ -20,10 +20,10 @@ from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.contact_statistics import ContactList
 from stiction.studies.contact_tables import HalfSpaceSettings
-from stiction.studies.evaluation import member_values
 from stiction.studies.maps import find_cell_dimensions
 from stiction.studies.measured_surfaces import MeasuredSurfaceSettings
 from stiction.studies.member_solution import PressedPair
+from stiction.studies.member_values import member_values
 from stiction.studies.members import load_bodies, pair_of
 from stiction.studies.result import Result
 from stiction.studies.store import StoredResult, read_companion_file

@@ -13,7 +13,7 @@ from stiction._units import exact_quantity, short_repr
 from stiction.mechanics.friction import validate_friction_parameter
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies import intervals
-from stiction.studies.evaluation import compute_ensemble_friction
+from stiction.studies.ensemble_means import compute_ensemble_friction
 from stiction.studies.maps import choose_mu0_and_tau0
 from stiction.studies.result import Result
 from stiction.studies.study import Study

@@ -21,11 +21,12 @@ from stiction._text import format_duration
 from stiction._units import short_repr
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import quantity_attributes
+from stiction.studies.at_load import at_load
 from stiction.studies.budget import add_uncertainty
-from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, at_load
 from stiction.studies.executors import executor_or_thread_pool
 from stiction.studies.measured_surfaces import MAX_HEIGHT_FACTOR as MAX_FACTOR
 from stiction.studies.measured_surfaces import MIN_HEIGHT_FACTOR as MIN_FACTOR
+from stiction.studies.member_means import AREA_ABOVE_NOMINAL_STATUS
 from stiction.studies.member_solution import estimate_member_time
 from stiction.studies.members import get_first_pair
 from stiction.studies.result import Result

@@ -26,10 +26,9 @@ from stiction._files import UnreadableFileError, describe_os_error, read_file_by
 from stiction._text import printable_path
 from stiction._units import is_pressure, loads_to_core_units, to_core_units
 from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
-from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionCurve
+from stiction.mechanics.friction import LOAD_SUM_NAMES, ForcesPerLoad, FrictionCurve
 from stiction.mechanics.model import SlidingRule
 from stiction.studies.elasticity import PairElasticity
-from stiction.studies.evaluation import ForcesPerLoad, build_area_interpolator, interpolate_member_sums, member_values
 from stiction.studies.hardness import (
     AreaInterpolator,
     compute_relative_modulus,
@@ -43,6 +42,8 @@ from stiction.studies.input_uncertainty import (
     parse_study_input,
     parse_uncertain_input,
 )
+from stiction.studies.junction_growth import build_area_interpolator
+from stiction.studies.member_values import interpolate_member_sums, member_values
 from stiction.studies.moduli import UncertainModulus, parse_elasticity
 from stiction.studies.study import Study, parse_study_of_dataset
 

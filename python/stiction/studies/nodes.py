@@ -17,14 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction.studies.at_load import at_load
 from stiction.studies.budget import SAME_INPUT_TOLERANCE, add_uncertainty
-from stiction.studies.evaluation import at_load, choose_loads_in_range
 from stiction.studies.hardness import find_uncertain_inputs
+from stiction.studies.load_range import choose_loads_in_range
 
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.evaluation import MemberKind
+    from stiction.studies.member_values import MemberKind
     from stiction.studies.result import Result
     from stiction.studies.study import Study
 

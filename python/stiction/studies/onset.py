@@ -18,8 +18,8 @@ from stiction.mechanics.half_space import HalfSpaceCurve
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, quantity_attributes
 from stiction.studies.contact_picture import MAX_PICTURE_SIDE_POINTS
-from stiction.studies.evaluation import MemberDependence
 from stiction.studies.executors import wrap_to_use_idle_threads
+from stiction.studies.member_means import MemberDependence
 from stiction.studies.member_solution import PressedPair
 from stiction.studies.members import count_grid_points, load_bodies
 from stiction.studies.point import read_estimate

@@ -18,9 +18,9 @@ from stiction._files import check_replaceable, replace_file_atomically
 from stiction._text import format_duration
 from stiction.studies.alternatives import ALTERNATIVE_LABELS, build_alternative_study, get_alternative_folder
 from stiction.studies.contact_picture import CONTACT_PICTURE_FILE, contact_picture
-from stiction.studies.evaluation import has_only_negligible_loads
 from stiction.studies.hardness import AREAS_BY_HARDNESS_FILE
 from stiction.studies.input_caveats import find_alternatives
+from stiction.studies.load_range import has_only_negligible_loads
 from stiction.studies.member_names import count_members_text
 from stiction.studies.member_solution import estimate_member_time
 from stiction.studies.onset import (

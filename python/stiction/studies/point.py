@@ -13,7 +13,8 @@ from stiction._estimate import Estimate, Interval
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
-from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS, NEGLIGIBLE_LOAD_RATIO
+from stiction.studies.load_range import NEGLIGIBLE_LOAD_RATIO
+from stiction.studies.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
 
 if TYPE_CHECKING:
     import xarray

@@ -14,7 +14,7 @@ from stiction._checks import Floats
 from stiction._units import exact_quantity_text
 from stiction.mechanics import brackets
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
-from stiction.studies.evaluation import at_load
+from stiction.studies.at_load import at_load
 from stiction.studies.members import find_body_attributes, load_bodies
 from stiction.studies.point import (
     compute_plastic_adhesive_friction,

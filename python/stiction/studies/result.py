@@ -271,7 +271,7 @@ class Result:
 
         Raises a `ValueError` if there is no contact.
         """
-        from stiction.studies.evaluation import choose_loads_in_range
+        from stiction.studies.load_range import choose_loads_in_range
 
         return choose_loads_in_range(self, steps)
 
@@ -281,14 +281,14 @@ class Result:
 
         Raises a `ValueError` if there is no contact.
         """
-        from stiction.studies.evaluation import choose_default_loads
+        from stiction.studies.load_range import choose_default_loads
 
         return choose_default_loads(self)
 
     @cached_property
     def mean_areas(self) -> NDArray[np.float64]:
         """True area (µm²) at each computed load, averaged over the members."""
-        from stiction.studies.evaluation import compute_mean_areas
+        from stiction.studies.member_values import compute_mean_areas
 
         return compute_mean_areas(self)
 
@@ -373,8 +373,9 @@ class Result:
         >>> (gradient / gradient[1]).round(6).tolist()
         [0.5, 1.0, 2.0]
         """
+        from stiction.studies.at_load import at_load
         from stiction.studies.budget import add_uncertainty
-        from stiction.studies.evaluation import at_load, member_values
+        from stiction.studies.member_values import member_values
 
         for name, value in (("per_member", per_member), ("budget", budget)):
             check_bool(name, value)

@@ -10,7 +10,6 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
-from stiction.studies.evaluation import has_only_negligible_loads
 from stiction.studies.hardness import (
     AREAS_BY_HARDNESS_FILE,
     choose_hardness_and_modulus_nodes,
@@ -18,6 +17,7 @@ from stiction.studies.hardness import (
     count_contact_solutions_at_nodes,
     has_areas_at_nodes,
 )
+from stiction.studies.load_range import has_only_negligible_loads
 from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
 from stiction.studies.onset import ONSET_FILE, ONSET_TABLE_FILE
 from stiction.studies.result import Result

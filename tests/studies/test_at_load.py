@@ -5,8 +5,11 @@ import pytest
 from stiction import Study, approach_at_load, area_map, friction_map, press, run, stiffness_map
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import intervals
+from stiction.studies.at_load import at_load
 from stiction.studies.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
-from stiction.studies.evaluation import at_load, choose_loads_in_range, find_axes_with_both_directions, member_values
+from stiction.studies.load_range import choose_loads_in_range
+from stiction.studies.member_means import find_axes_with_both_directions
+from stiction.studies.member_values import member_values
 from stiction.studies.members import load_bodies
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 

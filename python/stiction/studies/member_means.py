@@ -1,0 +1,221 @@
+"""Means over members, with their intervals, and the statuses of these means."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction.mechanics import friction
+from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
+from stiction.mechanics.quantities import QUANTITIES, is_requested, quantity_attributes
+from stiction.studies import intervals
+from stiction.studies.study import Study
+
+if TYPE_CHECKING:
+    import xarray
+
+SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of the values of single members, stored as `spread_low` and `spread_high`
+NEGLIGIBLE_COEFFICIENT = 1e-9
+"""Largest coefficient that is attributed to round-off, for an interface without strength."""
+
+FULL_CONTACT_STATUS, AREA_ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
+"""Statuses of contacts with a true area equal to the nominal area (first) or above it (second).
+
+The sum of areas exceeds the nominal area if asperities overlap.
+"""
+
+
+def average_members(study: Study, members: xarray.Dataset, names: Collection[str] | None) -> xarray.Dataset:
+    """Average the values of `evaluate_members_before_growth` over the members, and compute the 95 % intervals.
+
+    `names` lists quantities to evaluate besides friction; None stands for all.
+    """
+    import xarray
+
+    dependence = MemberDependence.from_coordinates(study, members)
+    coordinates: dict[str, Any] = {
+        str(name): each for name, each in members.coords.items() if "repetition" not in each.dims
+    }
+    variables = _average_quantities(members, dependence, names)
+    if "contact_area_fraction" in variables:
+        fraction_dims, fraction, attributes = variables["contact_area_fraction"]
+        area_status, fraction = _classify_area_fractions(fraction, uses_half_space=study.uses_half_space)
+        variables["contact_area_fraction"] = fraction_dims, fraction, attributes
+        variables["contact_status"] = fraction_dims[:-1], area_status, quantity_attributes("contact_status")
+    dims = [str(dim) for dim in members.variables["friction_coefficient"].dims if dim != "repetition"]
+    dims_of_mean = [dim for dim in dims if dim != "direction"]
+    direction_axis = dims.index("direction") + 1
+    coefficient, status = (
+        members.variables[name].transpose("repetition", *dims).values for name in ("friction_coefficient", "status")
+    )
+
+    def average_coefficients(coefficients: Floats, dims: list[str], name: str) -> tuple[Any, ...]:
+        means = _remove_round_off(dependence.mean_with_interval(coefficients), dims, members)
+        return (*dims, "statistic"), means, quantity_attributes(name)
+
+    variables["friction_all_round"] = average_coefficients(
+        coefficient.mean(axis=direction_axis), dims_of_mean, "friction_all_round"
+    )
+    axes, direction_pairs = find_axes_with_both_directions(members["direction"].values)
+    if members.sizes["direction"] > 1 and axes.size and is_requested("friction_by_axis", names):
+        coefficient_by_axis = np.stack(
+            [np.take(coefficient, pair, axis=direction_axis).mean(axis=direction_axis) for pair in direction_pairs],
+            axis=direction_axis,
+        )
+        variables["friction_by_axis"] = average_coefficients(
+            coefficient_by_axis, ["axis" if dim == "direction" else dim for dim in dims], "friction_by_axis"
+        )
+        coordinates["axis"] = ("axis", axes, quantity_attributes("axis"))
+    single_coefficients = np.moveaxis(coefficient, direction_axis, 1)
+    low, high = intervals.compute_sample_quantiles(
+        single_coefficients.reshape(-1, *single_coefficients.shape[2:]), SPREAD_QUANTILES
+    )  # NaN if no member has a coefficient
+    variables |= {
+        "spread_low": (dims_of_mean, low, quantity_attributes("spread_low")),
+        "spread_high": (dims_of_mean, high, quantity_attributes("spread_high")),
+        "status": (dims, _find_common_statuses(status), quantity_attributes("status")),
+        "ok": (dims, (status == friction.STATUS_OK).sum(axis=0), quantity_attributes("ok")),
+        "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
+    }
+    return xarray.Dataset(variables, coordinates | {"statistic": intervals.INTERVAL_STATISTICS}, members.attrs)
+
+
+def _average_quantities(
+    members: xarray.Dataset, dependence: MemberDependence, names: Collection[str] | None
+) -> dict[str, Any]:
+    """Average the quantities over the members. Normal and tangential loads are averaged only on request."""
+    variables: dict[str, Any] = {}
+    for name in map(str, members.data_vars):
+        values = members.variables[name]
+        is_load = name in ("normal_load", "tangential_load")
+        if (is_load and not is_requested(name, names)) or values.dtype.kind != "f" or "repetition" not in values.dims:
+            continue
+        dims = [dim for dim in values.dims if dim != "repetition"]
+        means = dependence.mean_with_interval(values.transpose("repetition", *dims).values)
+        limit = QUANTITIES[name].bounds[1]
+        means = np.where(means > limit, np.maximum(limit, means[..., :1]), means)
+        variables[name] = (*dims, "statistic"), means, values.attrs
+    return variables
+
+
+def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
+    """Return "ok" where a member (first axis) has a coefficient, and elsewhere the most frequent status."""
+    counts = np.stack([(statuses == each).sum(axis=0) for each in STATUSES])
+    most_frequent_statuses = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
+    has_coefficient = (statuses == friction.STATUS_OK).any(axis=0)
+    return np.where(has_coefficient, np.array(friction.STATUS_OK, STATUS_DTYPE), most_frequent_statuses)
+
+
+def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
+    """Return the contact status for each true area fraction, and the area fractions limited to 1.
+
+    The fractions have the shape (..., 3). In the asperity model, fractions above 1 become NaN instead.
+    """
+    is_above_nominal = fraction[..., 0] > 1
+    status = np.where(
+        is_above_nominal, FULL_CONTACT_STATUS if uses_half_space else AREA_ABOVE_NOMINAL_STATUS, friction.STATUS_OK
+    )
+    limited_fraction = (
+        np.minimum(fraction, 1.0) if uses_half_space else np.where(is_above_nominal[..., np.newaxis], np.nan, fraction)
+    )
+    return status, limited_fraction
+
+
+def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
+    """If mu0 and tau0 are 0, replace round-off errors in means over opposite directions by 0.
+
+    The means have the dimensions (*dims, statistic). Without strength, the contributions of opposite directions cancel
+    except for round-off, which would have a random sign.
+    """
+    mu0, tau0 = (members[name].values.reshape([-1 if dim == name else 1 for dim in dims]) for name in ("mu0", "tau0"))
+    # The limits of the interval are NaN if there are few members.
+    exceeds_round_off = (np.abs(means) >= NEGLIGIBLE_COEFFICIENT).any(axis=-1)
+    is_zero = ~exceeds_round_off & (mu0 == 0) & (tau0 == 0)
+    return np.where(is_zero[..., np.newaxis] & ~np.isnan(means), 0.0, means)
+
+
+def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the axes of motion (0 to 180 degrees) for which both opposite directions are given, and their indices.
+
+    The indices have the shape (axes, 2).
+    """
+    angles = np.mod(directions, 360.0)
+    axes, direction_pairs = [], []
+    for index, angle in enumerate(angles):
+        opposite = np.flatnonzero(np.abs(np.mod(angles - angle - 180.0 + 1e-6, 360.0)) < 2e-6)
+        if angle < 180.0 and opposite.size:
+            axes.append(float(angle))
+            direction_pairs.append((index, int(opposite[0])))
+    order = np.argsort(axes)
+    return np.array(axes)[order], np.array(direction_pairs, np.intp).reshape(-1, 2)[order]
+
+
+@dataclass(frozen=True, eq=False)
+class MemberDependence:
+    """Statistical dependence between members: none, between neighbours on a line, or through shared scans."""
+
+    order: NDArray[np.intp] | None = None
+    lines: NDArray[np.intp] | None = None
+    scans: tuple[Any, Any] | None = None
+
+    @classmethod
+    def from_coordinates(cls, study: Study, coordinates: Mapping[Any, Any]) -> MemberDependence:
+        """Determine the dependence between members from their positions.
+
+        Members on adjacent lines, or at adjacent positions of a line, are neighbours.
+        """
+        surfaces: Any = study.surfaces
+        if math.prod(surfaces.scan_counts) > 1:
+            return cls(scans=surfaces.scan_indices_of_members(np.asarray(coordinates["repetition"])))
+        if not study.is_measured or study.is_areal:
+            return cls()
+        lines, x, y = (np.asarray(coordinates[name]) for name in ("line", "x", "y"))
+        order = np.lexsort((x, lines, y))
+        return cls(order, lines[order])
+
+    def mean_with_interval(self, values: Floats) -> Floats:
+        """Average values over the members, ignoring NaN. Return the mean and the limits of its 95 % interval.
+
+        The values have the shape (members, ...), and the result has the shape (..., 3).
+        """
+        if self.scans is not None:
+            columns = values.reshape(values.shape[0], -1).T
+            rows = [
+                _compute_mean_and_interval(column, intervals.average_scan_pairs(column, *self.scans))
+                for column in columns
+            ]
+            return np.array(rows).reshape(*values.shape[1:], 3)
+        if self.order is None or self.lines is None:
+            return np.stack(intervals.average_independent_values(values), axis=-1)
+        flat_values = values[self.order].reshape(values.shape[0], -1)
+        # To save time, columns with the same missing members are evaluated together.
+        # In most columns, no member is missing.
+        is_finite = np.isfinite(flat_values)
+        is_incomplete = ~is_finite.all(axis=0)
+        masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)
+        if is_incomplete.any():
+            other_masks, other_group = np.unique(is_finite[:, is_incomplete].T, axis=0, return_inverse=True)
+            masks += list(other_masks)
+            mask_indices[is_incomplete] = 1 + other_group.ravel()
+        means_and_limits = np.empty((flat_values.shape[1], 3))
+        for mask_index in np.unique(mask_indices):
+            is_in_group, mask = mask_indices == mask_index, masks[mask_index]
+            means_and_limits[is_in_group] = np.stack(
+                intervals.average_line_means(flat_values[mask][:, is_in_group], self.lines[mask]), axis=-1
+            )
+        return means_and_limits.reshape(*values.shape[1:], 3)
+
+
+def _compute_mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
+    """Return the mean of the values and its interval limits. The limits are above 0 if no value is negative."""
+    if scan_mean is None:
+        finite_values = values[np.isfinite(values)]
+        return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan
+    limits = intervals.interval_around_mean(scan_mean.mean, scan_mean.half_width, np.nanmin(values) < 0)
+    return scan_mean.mean, float(limits[0]), float(limits[1])
