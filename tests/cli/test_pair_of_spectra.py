@@ -20,7 +20,7 @@ from stiction import (
     write_surface,
 )
 from stiction.studies.measured_surfaces import MeasuredBodySettings
-from stiction.studies.resolution import build_resolution_limits, evaluate_at_cutoffs
+from stiction.studies.resolution import evaluate_at_cutoffs, find_resolution_limits
 from stiction.studies.store import open_stored_result
 from stiction.surfaces.pairing import SpectralSurfacePairs
 from support.command import assert_rejected, call_stiction, check_stiction
@@ -148,9 +148,8 @@ def test_commands_at_and_report_accept_the_result_of_a_pair_of_spectra(spectra_f
     check_stiction("at", "pair", "--load", "30 MPa", cwd=spectra_folder)
     check_stiction("report", "pair", cwd=spectra_folder, without_figures=True)
     dataset = evaluate_at_cutoffs(open_stored_result(spectra_folder / "pair")).isel(load=0, mu0=0, tau0=0)
-    spectral_estimate = build_resolution_limits(dataset, study)[
-        "spectral"
-    ]  # The figure of results against the cutoff shows this estimate.
+    # The figure of results against the cutoff shows this estimate.
+    spectral_estimate = find_resolution_limits(dataset, study).spectral
     assert float(spectral_estimate.mean_pressure.max()) == pytest.approx(4.0)
     assert float(spectral_estimate.wavelength.max()) > 1.0
     cutoffs = [entry["cut_off"] for entry in record["resolution"]["cut_offs"]]

@@ -8,11 +8,11 @@ from stiction.studies.members import load_bodies
 from stiction.studies.resolution import (
     CUTOFF_STUDY_FOLDER,
     build_cutoff_study,
-    build_resolution_limits,
     estimate_yield_wavelengths,
     evaluate_at_cutoffs,
     find_plastic_limit,
     find_resolution_effect,
+    find_resolution_limits,
     find_resolved_roughness,
 )
 from stiction.studies.runner import compute_missing_blocks
@@ -79,8 +79,8 @@ def test_resolution_result_stored_for_another_hardness_is_ignored(study, tmp_pat
     min_friction, min_area_fraction = find_plastic_limit(point, small_study)
     assert min_friction == pytest.approx(0.3 + 0.05 / 4)
     assert min_area_fraction == pytest.approx(2.0 / 4 / float(result["nominal_area"]))
-    limits = build_resolution_limits(point, small_study)
-    assert (limits["friction"], limits["area_fraction"]) == (min_friction, min_area_fraction)
+    limits = find_resolution_limits(point, small_study)
+    assert limits.plastic_limit == (min_friction, min_area_fraction)
     area = result["contact_area_fraction"].sel(statistic="mean").values
     assert (area > min_area_fraction).all()
     # A resolution study that is stored with the result of another hardness is ignored.
@@ -133,8 +133,8 @@ def test_longest_yielding_wavelength_is_listed_for_each_hardness(tmp_path):
             assert estimate.wavelength > 0.2  # This wavelength is above the shortest wavelength of the scan.
         elif estimate.hardness > 1.1 * pressure:
             assert not estimate.wavelength > 0.5
-    limits = build_resolution_limits(point.expand_dims("cut_off"), elastic_study)
-    assert np.all(np.diff(limits["finer_area_fraction"][:, 0]) < 0)
+    limits = find_resolution_limits(point.expand_dims("cut_off"), elastic_study)
+    assert np.all(np.diff(limits.area_fractions[:, 0]) < 0)
 
 
 def test_resolved_wavelengths_are_none_if_a_scan_file_is_missing(tmp_path):

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from stiction import Profile, Result
-from stiction.studies import figure_values
+from stiction.studies import resolution
 from stiction.studies.at_load import at_load
 from stiction.studies.contact_forces import build_contact_forces
 from stiction.studies.contact_picture import contact_picture
@@ -23,7 +23,7 @@ from stiction.studies.load_range import choose_loads_in_range
 from stiction.studies.maps import friction_map
 from stiction.studies.members import load_bodies
 from stiction.studies.report_data import collect_report_data
-from stiction.studies.resolution import build_resolution_limits
+from stiction.studies.resolution import find_resolution_limits
 from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.summary import UncertaintyBudgetEntry, summarize
 from stiction.views import style
@@ -386,11 +386,11 @@ def test_unfiltered_scans_are_drawn_to_the_left_of_the_first_cutoff(maps_at_two_
     points = result.at().isel(load=0, mu0=0, tau0=0)
     assert points["cut_off"].values[0] == 0
     first_cutoff = float(points["cut_off"].values[1])
-    limits = build_resolution_limits(points, result.study)
-    assert limits["shortest"] == pytest.approx(2 * max(load_bodies(result.study).member(0, 0.0).pair[0].spacings))
+    limits = find_resolution_limits(points, result.study)
+    assert limits.shortest == pytest.approx(2 * max(load_bodies(result.study).member(0, 0.0).pair[0].spacings))
     for ratio in (0.7, 1 - 1e-12, 1.0, 2.0):
         shortest_wavelength = ratio * first_cutoff
-        (axes, _) = cut_off_figure(points, limits=limits | {"shortest": shortest_wavelength}).axes
+        (axes, _) = cut_off_figure(replace(limits, shortest=shortest_wavelength)).axes
         position, *_ = axes.lines[0].get_xdata()
         assert position < first_cutoff / 1.01
         # the grey area of wavelengths that are not resolved contains no point
@@ -403,7 +403,7 @@ def test_filtered_result_that_is_quoted_does_not_change_the_resolved_wavelengths
     points = Result.of(maps_at_two_cutoffs).at().isel(load=0, mu0=0, tau0=0)
     filtered_first = study.with_changes({"surfaces.cut_off": [each.text for each in study.surfaces.cut_off[::-1]]})
     shortest_wavelengths = [
-        build_resolution_limits(dataset, each)["shortest"]
+        find_resolution_limits(dataset, each).shortest
         for dataset, each in ((points, study), (points.isel(cut_off=[1, 0]), filtered_first))
     ]
     assert shortest_wavelengths[0] == shortest_wavelengths[1] < float(points["cut_off"].max())
@@ -413,7 +413,7 @@ def test_list_of_figures_computes_no_resolution_limits(maps_at_two_cutoffs, monk
     def fail(*_):
         pytest.fail("the limits are computed although the figure is not drawn")
 
-    monkeypatch.setattr(figure_values, "build_resolution_limits", fail)
+    monkeypatch.setattr(resolution, "find_resolution_limits", fail)
     assert "cut_off" in Result.of(maps_at_two_cutoffs).figures()
 
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from stiction._units import exact_quantity
 from stiction.studies.members import generate_phases, generate_unscaled_profile, pair_of
-from stiction.studies.resolution import build_resolution_limits
 from stiction.studies.result import Result
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
@@ -51,28 +50,6 @@ def evaluate_positions_at_first_load(result: Result) -> xarray.Dataset:
     first_load = float(result.study.friction.load[0])
     points = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0)
     return evaluate_positions(result, points.sel(load=first_load, method="nearest"))
-
-
-@dataclass(frozen=True, eq=False)
-class CutoffValues:
-    """Values at several cutoffs and one load, mu0 and tau0, with the limits of `build_resolution_limits`."""
-
-    points: xarray.Dataset
-    limits: dict[str, Any]
-
-
-def evaluate_cutoffs(result: Result, mu0_index: int = 0, tau0_index: int = 0) -> CutoffValues | None:
-    """Evaluate a measured pair at several cutoffs, for the first load and one pair of mu0 and tau0 in the study.
-
-    The cutoffs are those of the result or of its stored cutoff study. Returns None if the result has one cutoff and no
-    cutoff study.
-    """
-    points = result.at_study_loads if result.head.sizes.get("cut_off", 1) > 1 else result.values_at_cutoffs
-    if points is None:
-        return None
-    first_load = float(result.study.friction.load[0])
-    points = points.isel(mu0=mu0_index, tau0=tau0_index).sel(load=first_load, method="nearest")
-    return CutoffValues(points, build_resolution_limits(points, result.study))
 
 
 def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from stiction._checks import Floats
 from stiction.studies.figure_values import (
-    CutoffValues,
-    evaluate_cutoffs,
     evaluate_height_factors,
     evaluate_onset_over_dimension,
     evaluate_positions_at_first_load,
@@ -79,8 +77,6 @@ class MeasuredReportData(ReportData):
     values : MeasuredValuesAtNodes
     positions : xarray.Dataset or None
         Result of `evaluate_positions_at_first_load`, or None if there is only one member.
-    cutoff_values : CutoffValues or None
-        Result of `evaluate_cutoffs`.
     height_factors : dict
         Results of `evaluate_height_factors`.
     """
@@ -94,7 +90,6 @@ class MeasuredReportData(ReportData):
     summary: Summary
     values: MeasuredValuesAtNodes
     positions: xarray.Dataset | None
-    cutoff_values: CutoffValues | None
     height_factors: dict[ScaledBodies, xarray.Dataset]
 
 
@@ -184,7 +179,6 @@ def _collect_measured_data(result: Result, picture: xarray.Dataset | None) -> Me
         summary=result.summary(),
         values=evaluate_measured_nodes(result.nodes),
         positions=evaluate_positions_at_first_load(result) if result.members.size > 1 else None,
-        cutoff_values=evaluate_cutoffs(result),
         height_factors={scaled: evaluate_height_factors(result, scaled) for scaled in result.height_factors},
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -322,43 +322,58 @@ def estimate_yield_wavelengths(
     )
 
 
-def build_resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return the elastic and plastic limits that are drawn in the figure of the cutoff study.
+@dataclass(frozen=True, eq=False)
+class ResolutionLimits:
+    """Values at several cutoffs and one load, mu0 and tau0, with their limits for finer scans.
 
-    `dataset` is a result of `evaluate_at_cutoffs` at one load, mu0 and tau0. Keys: ``friction`` and ``area_fraction``,
-    the plastic limit (None without a hardness); ``shortest``, the shortest wavelength in µm that the scans resolve at
-    any of the cutoffs (None if the files are missing); ``wavelength`` (µm), ``finer_area_fraction`` and
-    ``finer_friction`` (rule "all"), arrays (n, 3) of value, lower and upper end of the elastic result, extrapolated
-    with the Hurst exponent (empty with a hardness); ``spectral``, the result of `spectral_resolution` for joined
-    spectra of several scans (None for single scans).
+    Attributes
+    ----------
+    points : xarray.Dataset
+        Values at the cutoffs.
+    plastic_limit : (float, float) or None
+        Result of `find_plastic_limit`.
+    shortest : float or None, µm
+        Shortest wavelength that the scans resolve at any of the cutoffs, or None if the files are missing.
+    wavelengths : (n,) ndarray of float, µm
+        Shortest wavelengths of finer scans; empty with a hardness.
+    friction, area_fractions : (n, 3) ndarray of float
+        Elastic results of finer scans, extrapolated with the Hurst exponent: value, lower and upper limit. The
+        coefficients are those with friction at all contacts.
+    spectral : xarray.Dataset or None
+        Result of `spectral_resolution` for joined spectra of several scans.
     """
-    plastic_bounds, resolved_roughness = find_plastic_limit(dataset, study), find_resolved_roughness(study)
-    shortest_cutoff = float(np.min(dataset["cut_off"].values)) if "cut_off" in dataset.coords else 0.0
-    table: dict[str, Any] = {
-        "friction": None,
-        "area_fraction": None,
-        "shortest": None if resolved_roughness is None else max(resolved_roughness.two_points, shortest_cutoff),
-        "wavelength": np.empty(0),
-        "finer_area_fraction": np.empty((0, 3)),
-        "finer_friction": np.empty((0, 3)),
-        "spectral": _estimate_friction_from_spectra(dataset, study),
-    }
-    if plastic_bounds is not None:
-        return table | dict(zip(("friction", "area_fraction"), plastic_bounds, strict=True))
-    area, load = float(dataset["nominal_area"]), float(dataset["load"])
-    fraction = mean_over_directions(dataset.isel(cut_off=0), "contact_area_fraction")
-    if resolved_roughness is None or not fraction > 0 or not study.uses_half_space:
-        return table
-    wavelengths, gradients, fractions = resolved_roughness.extrapolate_to_finer_scans(
-        fraction, mean_over_directions(dataset.isel(cut_off=0), "contact_count")
+
+    points: xarray.Dataset
+    plastic_limit: tuple[float, float] | None
+    shortest: float | None
+    spectral: xarray.Dataset | None
+    wavelengths: Floats = field(default_factory=lambda: np.empty(0))
+    friction: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    area_fractions: Floats = field(default_factory=lambda: np.empty((0, 3)))
+
+
+def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLimits:
+    """Return the limits for finer scans of values at several cutoffs and one load, mu0 and tau0."""
+    roughness = find_resolved_roughness(study)
+    shortest_cutoff = float(np.min(points["cut_off"].values)) if "cut_off" in points.coords else 0.0
+    limits = ResolutionLimits(
+        points,
+        plastic_limit=find_plastic_limit(points, study),
+        shortest=None if roughness is None else max(roughness.two_points, shortest_cutoff),
+        spectral=_estimate_friction_from_spectra(points, study),
     )
-    relative_gradients = gradients[:, :1]
-    coefficients = (
-        float(dataset["mu0"])
-        + float(dataset["tau0"]) * fractions / brackets.interface_area_ratio(relative_gradients) * area / load
+    first = points.isel(cut_off=0)
+    area_fraction = mean_over_directions(first, "contact_area_fraction")
+    if limits.plastic_limit is not None or roughness is None or not area_fraction > 0 or not study.uses_half_space:
+        return limits
+    wavelengths, gradients, area_fractions = roughness.extrapolate_to_finer_scans(
+        area_fraction, mean_over_directions(first, "contact_count")
     )
-    coefficients *= brackets.transverse_slope_factor(relative_gradients, resolved_roughness.roughness.dimensions)
-    return table | {"wavelength": wavelengths, "finer_area_fraction": fractions, "finer_friction": coefficients}
+    nominal_pressure = float(points["load"]) / float(points["nominal_area"])
+    flat_area_fractions = area_fractions / brackets.interface_area_ratio(gradients[:, :1])
+    coefficients = float(points["mu0"]) + float(points["tau0"]) * flat_area_fractions / nominal_pressure
+    coefficients *= brackets.transverse_slope_factor(gradients[:, :1], roughness.roughness.dimensions)
+    return replace(limits, wavelengths=wavelengths, friction=coefficients, area_fractions=area_fractions)
 
 
 def _estimate_friction_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.measured_surfaces import ScanCutoffs
     from stiction.studies.onset import OnsetValues
-    from stiction.studies.resolution import ResolutionEffect
+    from stiction.studies.resolution import ResolutionEffect, ResolutionLimits
     from stiction.studies.study import Study
 
 # name of the budget entry for short wavelengths that the automatic cutoff removes, because they may be noise
@@ -299,8 +299,26 @@ class Summary:
         """Effect of the scan resolution, or None if the surfaces are generated or if files are missing."""
         from stiction.studies.resolution import find_resolution_effect
 
+        return find_resolution_effect(self.at, self.study, self._points_at_cutoffs)
+
+    def find_resolution_limits(self, mu0_index: int = 0, tau0_index: int = 0) -> ResolutionLimits | None:
+        """Return values at several cutoffs with resolution limits, for the first load and one pair of mu0 and tau0.
+
+        None if there is only one cutoff.
+        """
+        from stiction.studies.resolution import find_resolution_limits
+
+        if (points := self._points_at_cutoffs) is None:
+            return None
+        first_load = float(self.study.friction.load[0])
+        points = points.isel(mu0=mu0_index, tau0=tau0_index).sel(load=first_load, method="nearest")
+        return find_resolution_limits(points, self.study)
+
+    @property
+    def _points_at_cutoffs(self) -> xarray.Dataset | None:
+        """Values at several cutoffs: those of the result itself or, if it has one cutoff, of its cutoff study."""
         has_cutoffs = self.values_at_cutoffs is None and self.at.sizes.get("cut_off", 0) > 1
-        return find_resolution_effect(self.at, self.study, self.at if has_cutoffs else self.values_at_cutoffs)
+        return self.at if has_cutoffs else self.values_at_cutoffs
 
     @cached_property
     def onset_values(self) -> OnsetValues | None:

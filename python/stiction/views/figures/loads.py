@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from stiction._drawing import set_log_tick_labels
 from stiction._number_format import choose_prefixed_unit
 from stiction.studies.contact_picture import LOADS_RELATIVE_TO_PULL_OFF
 from stiction.studies.point import MEAN_AND_LIMITS, select_sliding_rule
+from stiction.studies.resolution import ResolutionLimits
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
     AREA_COLOUR,
@@ -131,22 +132,20 @@ def _pad_range(values: Floats) -> tuple[float, float]:
     return lowest - margin, highest + margin
 
 
-def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[str, Any] | None = None) -> Figure:
+def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
     """Draw a figure, 80 mm wide, of friction coefficient and true area at one load against the cutoff wavelength.
 
-    `points` is a result of `evaluate_at_cutoffs` at one load, mu0 and tau0. Unfiltered surfaces (cutoff 0) are drawn at
-    their shortest resolved wavelength or, if this is unknown or not clearly below the first cutoff, to the left of the
-    first cutoff. `limits` adds a line at the plastic limit, dashed extrapolated values, and grey unresolved
-    wavelengths.
+    Unfiltered surfaces (cutoff 0) are drawn at their shortest resolved wavelength or, if this is unknown or not clearly
+    below the first cutoff, to the left of the first cutoff. The figure also has a line at the plastic limit, dashed
+    extrapolated values, and grey unresolved wavelengths.
     """
-    limits = limits or {}
-    cut_off = np.asarray(points["cut_off"].values, dtype=np.float64)
+    cut_off = np.asarray(limits.points["cut_off"].values, dtype=np.float64)
     shortest_cutoff = cut_off[cut_off > 0].min(initial=2.0)
-    unfiltered_position = limits.get("shortest") or shortest_cutoff
+    unfiltered_position = limits.shortest or shortest_cutoff
     if not unfiltered_position < shortest_cutoff / MIN_POSITION_RATIO:
         unfiltered_position = shortest_cutoff / UNFILTERED_POSITION_RATIO
     positions = np.where(cut_off > 0, cut_off, unfiltered_position)
-    figure = _friction_and_area_figure(points, "cut_off", positions, title, limits)
+    figure = _friction_and_area_figure(limits.points, "cut_off", positions, title, limits)
     figure.axes[1].set_xlabel(axis_label("cut_off") + ("; first point: none" if (cut_off == 0).any() else ""))
     return figure
 
@@ -159,29 +158,29 @@ MAX_ESTIMATE_WAVELENGTH_RATIO = 8.0  # longest wavelength of the closed-form est
 MIN_EXTRAPOLATED_WAVELENGTH_RATIO = 1 / 16  # shortest wavelength of extrapolated values, relative to the first cutoff
 
 
-def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any], x: Floats) -> None:
+def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: ResolutionLimits, x: Floats) -> None:
     """Draw the plastic limit and the extrapolated values behind the computed curves."""
-    if limits.get("friction") is not None:
+    if limits.plastic_limit is not None:
+        friction, area_fraction = limits.plastic_limit
         friction_axes.axhline(
-            limits["friction"], color=SLIDING_RULE_COLOURS["all"], linewidth=0.8, linestyle=":", label="plastic limit"
+            friction, color=SLIDING_RULE_COLOURS["all"], linewidth=0.8, linestyle=":", label="plastic limit"
         )
-        area_axes.axhline(100 * limits["area_fraction"], color=AREA_COLOUR, linewidth=0.8, linestyle=":")
-    wavelengths = np.asarray(limits.get("wavelength", ()))
+        area_axes.axhline(100 * area_fraction, color=AREA_COLOUR, linewidth=0.8, linestyle=":")
+    wavelengths = limits.wavelengths
     is_shown = wavelengths >= MIN_EXTRAPOLATED_WAVELENGTH_RATIO * x[x > 0].min()
-    for axes, name, factor, colour in (
-        (friction_axes, "finer_friction", 1.0, SLIDING_RULE_COLOURS["all"]),
-        (area_axes, "finer_area_fraction", 100.0, AREA_COLOUR),
+    for axes, values, colour in (
+        (friction_axes, limits.friction, SLIDING_RULE_COLOURS["all"]),
+        (area_axes, 100 * limits.area_fractions, AREA_COLOUR),
     ):
-        if not is_shown.any() or not np.isfinite(limits[name][is_shown, 0]).any():
+        if not np.isfinite(values[is_shown, 0]).any():
             continue
-        mean, low, high = factor * limits[name][is_shown].T
+        mean, low, high = values[is_shown].T
         curve_label = "extrapolated with H" if axes is friction_axes else None
         axes.fill_between(wavelengths[is_shown], low, high, color=colour, alpha=0.1, linewidth=0)
         axes.plot(wavelengths[is_shown], mean, "--", color=colour, linewidth=0.8, label=curve_label)
         if axes is friction_axes:
             axes.set_ylim(0, max(axes.get_ylim()[1], 1.05 * float(np.nanmax(mean))))
-    spectral_estimate = limits.get("spectral")
-    if spectral_estimate is not None:
+    if (spectral_estimate := limits.spectral) is not None:
         spectral_estimate = spectral_estimate.isel(
             wavelength=spectral_estimate.wavelength <= MAX_ESTIMATE_WAVELENGTH_RATIO * x.max()
         )
@@ -203,15 +202,15 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Mappin
             color=AREA_COLOUR,
             linewidth=0.8,
         )
-    if limits.get("shortest"):
+    if limits.shortest:
         # Unfiltered scans are drawn left of the first cutoff, even if it is the shortest wavelength that they resolve.
-        longest_unresolved = 0.97 * min(limits["shortest"], x.min())
+        longest_unresolved = 0.97 * min(limits.shortest, x.min())
         for axes in (friction_axes, area_axes):
             axes.axvspan(1e-9, longest_unresolved, color="0.9", linewidth=0, zorder=-2, label="not resolved")
 
 
 def _friction_and_area_figure(
-    points: xarray.Dataset, dimension: str, x: Floats, title: str, limits: Mapping[str, Any] | None = None
+    points: xarray.Dataset, dimension: str, x: Floats, title: str, limits: ResolutionLimits | None = None
 ) -> Figure:
     figure = new_figure(114)
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
@@ -241,13 +240,12 @@ def _friction_and_area_figure(
     friction_axes.set_ylim(
         0, min(friction_axes.get_ylim()[1], MAX_FRICTION_AXIS_RATIO * highest) if highest > 0 else None
     )
-    if limits:
-        left_limit = min(
-            [*x, *(value for value in limits["wavelength"] if value >= MIN_EXTRAPOLATED_WAVELENGTH_RATIO * x.min())]
-        )
+    if limits is not None:
+        is_shown = limits.wavelengths >= MIN_EXTRAPOLATED_WAVELENGTH_RATIO * x.min()
+        left_limit = min([*x, *limits.wavelengths[is_shown]])
         _draw_resolution_limits(friction_axes, area_axes, limits, x)
         area_axes.set_xlim(
-            left_limit / 1.2, (1.2 if limits.get("spectral") is None else MAX_ESTIMATE_WAVELENGTH_RATIO) * x.max()
+            left_limit / 1.2, (1.2 if limits.spectral is None else MAX_ESTIMATE_WAVELENGTH_RATIO) * x.max()
         )
     friction_axes.set_ylabel(axis_label("friction_coefficient"))
     area_axes.set_ylabel(axis_label("contact_area_fraction" if has_fraction else "contact_area"))

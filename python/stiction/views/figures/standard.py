@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 from stiction.studies.figure_values import (
     FrictionOverDimension,
     evaluate_area_over_load,
-    evaluate_cutoffs,
     evaluate_friction_over_dimension,
     evaluate_height_factors,
     evaluate_onset_over_dimension,
@@ -200,9 +199,9 @@ def _measured_surface_figures(
 
 
 def _cut_off_figure(result: Result, mu0_index: int, tau0_index: int, *, title: str) -> Figure:
-    cutoffs = evaluate_cutoffs(result, mu0_index, tau0_index)
-    assert cutoffs is not None, "the figure is drawn only if there are several cutoffs"
-    return cut_off_figure(cutoffs.points, limits=cutoffs.limits, title=title)
+    limits = result.summary().find_resolution_limits(mu0_index, tau0_index)
+    assert limits is not None, "the figure is drawn only if there are several cutoffs"
+    return cut_off_figure(limits, title=title)
 
 
 def _positions_figure(result: Result, point: xarray.Dataset, *, title: str) -> Figure:

@@ -15,9 +15,10 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction._number_format import format_percent, format_with_unit
-from stiction.studies.figure_values import CutoffValues, find_opposing_contacts
+from stiction.studies.figure_values import find_opposing_contacts
 from stiction.studies.member_names import find_member_names
 from stiction.studies.report_data import GeneratedReportData, MeasuredReportData
+from stiction.studies.resolution import ResolutionLimits
 from stiction.studies.study import Study
 from stiction.views.figures.contact import contact_forces_figure, contact_map_figure
 from stiction.views.figures.distributions import positions_figure
@@ -109,8 +110,8 @@ def list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
         panels.append(_contact_panel(data.contact_picture, data.directions[0]))
     if data.positions is not None:
         panels.append(_members_panel(data.positions, data.study, title))
-    if data.cutoff_values is not None:
-        panels.append(_cutoff_panel(data.cutoff_values, title))
+    if (limits := data.summary.find_resolution_limits()) is not None:
+        panels.append(_cutoff_panel(limits, title))
     if data.summary.onset is not None:
         panels += _onset_panels(data.summary.onset, data.study, title)
     panels += [_height_factors_panel(points, scaled, title) for scaled, points in data.height_factors.items()]
@@ -150,13 +151,13 @@ def _members_panel(point: xarray.Dataset, study: Study, title: str) -> FigurePan
     )
 
 
-def _cutoff_panel(values: CutoffValues, title: str) -> FigurePanel:
+def _cutoff_panel(limits: ResolutionLimits, title: str) -> FigurePanel:
     """Return the panel that shows friction and true area over the cutoff wavelength."""
     return FigurePanel(
         "Cutoff wavelength",
         "Friction coefficient and true contact area over the cutoff wavelength of the low-pass filter.",
         "At the first load, μ0 and τ0 of the study; the sliders do not change this figure.",
-        partial(cut_off_figure, values.points, limits=values.limits, title=title),
+        partial(cut_off_figure, limits, title=title),
     )
 
 
