@@ -58,8 +58,8 @@ area_factor, stiffness_factor, stiffness_exponent = (
 )
 print(f"A/A0 = {float(area_factor):.3g} p within {100 * float(mean_table['area_deviation']):.0f} %", end="; ")
 print(
-    f"k/A0 = {float(stiffness_factor):.3g} p^{float(stiffness_exponent):.3g} "
-    f"within {100 * float(mean_table['stiffness_deviation']):.0f} %, p in GPa"
+    f"k/A0 = {1e-6 * float(stiffness_factor):.3g} p^{float(stiffness_exponent):.3g} "
+    f"within {100 * float(mean_table['stiffness_deviation']):.0f} %, p in GPa and k/A0 in GPa/µm"
 )
 
 figure, (law_axes, force_axes) = plt.subplots(1, 2, figsize=(5.4, 2.2), layout="constrained")

@@ -17,7 +17,6 @@ _PREFIXED_UNITS = {
     "um^2": ((1e5, 1e6, "mm²"), (0.0, 1.0, "µm²")),
     "mN/um": ((1e4, 1e3, "N/µm"), (0.0, 1.0, "mN/µm")),
     "MPa/mm": ((1e7, 1e6, "TPa/mm"), (1e4, 1e3, "GPa/mm"), (0.0, 1.0, "MPa/mm")),
-    "GPa/mm": ((1e4, 1e3, "TPa/mm"), (0.0, 1.0, "GPa/mm")),
     "%": ((0.0, 0.01, "%"),),
 }
 """Prefixed units of each core unit: smallest value to be printed in the unit, factor to the core unit, and name."""

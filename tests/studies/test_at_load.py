@@ -98,6 +98,15 @@ def test_selected_quantities_at_a_load_equal_those_of_a_complete_evaluation(area
         assert selected_table[name].equals(complete_table[name]), name
 
 
+def test_stiffnesses_per_area_have_one_unit(areal_study_and_dataset):
+    _, dataset = areal_study_and_dataset
+    values = at_load(dataset, dataset["load"].values[:2]).squeeze()
+    stiffness_per_area = values["normal_stiffness"] / values["nominal_area"] * 1e6  # GPa/µm to MPa/mm
+    np.testing.assert_allclose(values["stiffness_per_area"], stiffness_per_area, rtol=1e-12)
+    names = ("stiffness_per_area", "unloading_stiffness_per_area", "closure_stiffness")
+    assert {values[name].attrs["units"] for name in names if name in values} == {"MPa/mm"}
+
+
 def test_intervals_of_generated_results_are_computed_after_averaging_directions():
     study = Study().with_changes({
         "ensemble.repetitions": 6, "surfaces.kind": "surface", "surfaces.shape": [24, 24], "contact.direction": [0, 90],

@@ -1,12 +1,14 @@
 """Test friction tables: values against direct solutions, monotonic quantities, fitted laws and the command."""
 
 import csv
+import re
 
 import numpy as np
 import pytest
 import xarray
 from stiction import half_space, pair_of, run
 from stiction.studies.friction_table import friction_table, table_study
+from stiction.views.friction_table import friction_table_csv, friction_table_text
 from support.command import assert_rejected, call_stiction, check_stiction
 
 TABLE_OPTIONS = {
@@ -49,7 +51,7 @@ def test_friction_table_equals_direct_computation(dataset, table):
         mean = cell["friction_coefficient"].sel(sliding=rule, mu0=0.3, tau0=0.05, statistic="mean")
         np.testing.assert_allclose(mean, tangential / normal, rtol=SOLUTION_TOLERANCE)
     # The stiffness of fixed contact patches differs from dF/dδ, because contact patches also appear and merge.
-    stiffness_of_fixed_patches = np.mean([curve.stiffness for curve in curves["all"]], axis=0) / 100
+    stiffness_of_fixed_patches = 1e6 * np.mean([curve.stiffness for curve in curves["all"]], axis=0) / 100  # MPa/mm
     ratio = cell["normal_stiffness"].sel(statistic="mean").values[1:-1] / stiffness_of_fixed_patches[1:-1]
     assert ((ratio > 0.8) & (ratio < 1.3)).all()
 
@@ -100,7 +102,10 @@ def test_fit_of_laws_recovers_exact_power_laws(dataset):
     result = friction_table(exact_dataset)
     assert result["area_factor"].values == pytest.approx(1.5)
     assert result["area_deviation"].values == pytest.approx(0, abs=1e-12)
-    assert result["stiffness_factor"].values == pytest.approx(50)
+    assert result["stiffness_factor"].values == pytest.approx(50e6)  # 50 GPa/µm at 1 GPa
+    assert result["normal_stiffness"].attrs["units"] == "MPa/mm"
+    assert "stiffness over area (MPa/mm)" in friction_table_csv(result)
+    assert re.search(r"\b50\b", friction_table_text(result))  # b (GPa/µm)
     assert result["stiffness_exponent"].values == pytest.approx(1)
 
 

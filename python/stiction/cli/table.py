@@ -23,7 +23,7 @@ from stiction.studies.store import CHECKSUM_PREFIX
 NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME = "table.nc", "table.csv", "laws.csv"
 TABLE_FILE_SIGNATURES = {
     NETCDF_FILE_NAME: CHECKSUM_PREFIX,
-    CSV_FILE_NAME: b"stiffness over area (GPa/um)",
+    CSV_FILE_NAME: b"stiffness over area (",
     LAWS_FILE_NAME: b"b of k/A0 = b p^c",
 }
 """Bytes that identify the files of an earlier table. Only such files may be overwritten."""

@@ -28,6 +28,11 @@ These are studies of asperities, of asperities of surfaces, of the half-space, o
 with an onset of sliding, and of measured bodies.
 """
 
+STIFFNESS_PER_AREA_UNIT = "MPa/mm"
+"""Unit of all stiffnesses per area in datasets and files, which is usual for joints of rock and of machines."""
+
+STIFFNESS_PER_AREA_FACTOR = 1e6  # conversion factor from GPa/µm to `STIFFNESS_PER_AREA_UNIT`
+
 MAX_STORED_VALUE = 1e100
 """Largest magnitude of a finite stored value. Sums of products of two stored values do not overflow."""
 
@@ -251,8 +256,8 @@ QUANTITIES: dict[str, ResultQuantity] = {
         shown=_DEFAULT_VIEWS,
     ),
     "closure_stiffness": _statistic_quantity(
-        "MPa/mm", "derivative of the nominal pressure with respect to the closure", "stiffness of closure",
-        stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS, shown=_DEFAULT_VIEWS,
+        STIFFNESS_PER_AREA_UNIT, "derivative of the nominal pressure with respect to the closure",
+        "stiffness of closure", stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS, shown=_DEFAULT_VIEWS,
     ),
     "contact_load": ResultQuantity(
         unit="mN", words="load on the contacts: normal load plus attraction", brief="contact load",
@@ -290,12 +295,12 @@ QUANTITIES: dict[str, ResultQuantity] = {
         "um", "approach since first contact", along=_STEP_AXIS, stored=frozenset({"half-space"}), shown=_VERBOSE_VIEWS,
     ),
     "stiffness_per_area": ResultQuantity(
-        unit="GPa/mm", words="normal stiffness per area while loading", kind="ratio", along=_STEP_AXIS,
+        unit=STIFFNESS_PER_AREA_UNIT, words="normal stiffness per area while loading", kind="ratio", along=_STEP_AXIS,
         numerator="normal_stiffness", denominator=("nominal_area",), shown=_VERBOSE_VIEWS,
     ),
     "unloading_stiffness_per_area": ResultQuantity(
-        unit="GPa/mm", words="normal stiffness per area while unloading (ultrasonic)", kind="ratio", along=_STEP_AXIS,
-        numerator="unloading_stiffness", denominator=("nominal_area",), shown=_VERBOSE_VIEWS,
+        unit=STIFFNESS_PER_AREA_UNIT, words="normal stiffness per area while unloading (ultrasonic)", kind="ratio",
+        along=_STEP_AXIS, numerator="unloading_stiffness", denominator=("nominal_area",), shown=_VERBOSE_VIEWS,
     ),
     "share_opposing": ResultQuantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on contacts that oppose the motion",
@@ -431,7 +436,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     # ---- Laws fitted to friction tables ----------------------------------------------------------------------------
     "area_factor": _statistic_quantity("1/GPa", "a of A/A0 = a p", along=()),
-    "stiffness_factor": _statistic_quantity("GPa/um/GPa^c", "b of k/A0 = b p^c", along=()),
+    "stiffness_factor": _statistic_quantity(f"{STIFFNESS_PER_AREA_UNIT}/GPa^c", "b of k/A0 = b p^c", along=()),
     "stiffness_exponent": _statistic_quantity("1", "c of k/A0 = b p^c", along=()),
     "area_deviation": _statistic_quantity(
         "1", "largest relative difference from A/A0 = a p", "largest deviation of A/A0", along=(),
@@ -547,7 +552,9 @@ AREAL_VALIDITY_QUANTITIES = select_quantity_names(
 QUANTITIES_AT_HARDNESS = select_quantity_names(lambda each: "half-space" in each.stored and each.kind == "statistic")
 """Fractions of the load and of the area that belong to points at which the pressure equals the hardness."""
 
-STIFFNESS_PER_AREA_QUANTITIES = select_quantity_names(lambda each: each.kind == "ratio" and each.unit == "GPa/mm")
+STIFFNESS_PER_AREA_QUANTITIES = select_quantity_names(
+    lambda each: each.kind == "ratio" and each.unit == STIFFNESS_PER_AREA_UNIT
+)
 """Stiffnesses divided by the nominal area."""
 
 UNCERTAINTY_QUANTITIES = select_quantity_names(lambda each: each.kind == "uncertainty" and each.is_directed)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array, validate_number
 from stiction._units import exact_quantity, short_repr
 from stiction.mechanics.friction import validate_friction_parameter
-from stiction.mechanics.quantities import quantity_attributes
+from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT, quantity_attributes
 from stiction.studies import intervals
 from stiction.studies.ensemble_means import compute_ensemble_friction
 from stiction.studies.maps import choose_mu0_and_tau0
@@ -161,7 +161,7 @@ def friction_table(
     -------
     xarray.Dataset
         friction_coefficient has the dimensions sliding, hurst_exponent, rms (µm), pressure (GPa), mu0 and tau0 (GPa).
-        contact_area_fraction, normal_stiffness (GPa/µm, per nominal area) and approach (µm) have the dimensions
+        contact_area_fraction, normal_stiffness (MPa/mm, per nominal area) and approach (µm) have the dimensions
         hurst_exponent, rms and pressure. The parameters of the laws have the dimensions hurst_exponent and rms:
         area_factor a (1/GPa), stiffness_factor b, stiffness_exponent c, and the largest relative differences of means
         from the laws, area_deviation and stiffness_deviation. All have the dimension statistic ("mean", "lower",
@@ -176,7 +176,7 @@ def friction_table(
     -----
     .. math:: A/A_0 = a\,p, \qquad k/A_0 = b\,p^c
 
-    with p in GPa and k/A0 in GPa/µm. The laws are fitted to logarithms at pressures with A/A0 of at most 0.1, or at all
+    with p in GPa and k/A0 in MPa/mm. The laws are fitted to logarithms at pressures with A/A0 of at most 0.1, or at all
     pressures if there are fewer than two of these. The stiffness of a pair is p divided by the derivative of its
     approach with respect to ln p, from parabolas through neighbouring pressures; it is NaN for fewer than three
     pressures. The load is the elastic load before sliding, so that area and stiffness do not depend on mu0 and tau0.
@@ -205,7 +205,8 @@ def friction_table(
     stiffness = np.full(approach.shape, np.nan)
     if pressure_steps.size >= MIN_NUM_PRESSURES_FOR_STIFFNESS:
         # The approach is nearly linear in ln(load), so the derivative with respect to ln(load) is accurate.
-        stiffness = pressure_steps / np.gradient(approach, np.log(pressure_steps), axis=-1, edge_order=2)
+        approach_derivative = np.gradient(approach, np.log(pressure_steps), axis=-1, edge_order=2)
+        stiffness = STIFFNESS_PER_AREA_FACTOR * pressure_steps / approach_derivative
     # Only results at the requested loads are reported.
     requested_loads = [float(load) for load in study.friction.load] or dataset["load"].values
     indices = np.flatnonzero(np.isin(dataset["load"].values, requested_loads))
@@ -259,7 +260,9 @@ def friction_table(
     }
     table = xarray.Dataset(variables, coordinates | {"statistic": ["mean", "lower", "upper"]}, attributes)
     table["pressure"].attrs["long_name"] = "normal load over nominal area"
-    table["normal_stiffness"].attrs = {"units": "GPa/um", "long_name": "normal stiffness of each nominal area"}
+    table["normal_stiffness"].attrs = {
+        "units": STIFFNESS_PER_AREA_UNIT, "long_name": "normal stiffness per nominal area",
+    }  # fmt: skip
     return table.sortby("hurst_exponent")
 
 

@@ -30,6 +30,7 @@ from stiction.mechanics.quantities import (
     HALF_SPACE_SUM_QUANTITIES,
     ONSET_QUANTITIES,
     QUANTITIES,
+    STIFFNESS_PER_AREA_FACTOR,
     SUM_QUANTITIES,
     ZERO_LOAD_SUM_QUANTITIES,
 )
@@ -61,8 +62,6 @@ from stiction.surfaces.surface import Surface
 
 STIFFNESS_DIFFERENCE_STEP = 0.02
 """Half width of the finite difference that gives the stiffness of asperities, relative to the approach."""
-
-STIFFNESS_UNIT_FACTOR = 1e6  # conversion factor from GPa/µm to MPa/mm
 
 LOAD_JUMP_DISTANCE = 1e-11
 """Relative distance from a jump of the load to an approach just before the jump.
@@ -184,7 +183,7 @@ def _solve_half_space(
         values["status"][load_indices] = STATUSES.index("ok")
         values["normal_stiffness"][load_indices] = curve.stiffness
         values["closure"][load_indices] = curve.closure
-        values["closure_stiffness"][load_indices] = curve.closure_stiffness * STIFFNESS_UNIT_FACTOR
+        values["closure_stiffness"][load_indices] = curve.closure_stiffness * STIFFNESS_PER_AREA_FACTOR
         if computes_unloading or curve.hardness is None:
             values["unloading_stiffness"][load_indices] = curve.unloading_stiffness
         values["error"][load_indices] = curve.error
@@ -271,7 +270,7 @@ def _solve_asperities(
     stiffness = (normal[upper_index] - normal[lower_index]) / (approaches[upper_index] - approaches[lower_index])
     values["approach"][solved_loads] = values["closure"][solved_loads] = approach[solved_loads]
     values["normal_stiffness"][solved_loads] = stiffness
-    values["closure_stiffness"][solved_loads] = stiffness / np.prod(upper.extent) * STIFFNESS_UNIT_FACTOR
+    values["closure_stiffness"][solved_loads] = stiffness / np.prod(upper.extent) * STIFFNESS_PER_AREA_FACTOR
     for load in solved_loads:
         table = tabulate_asperity_contacts(list_contacts(float(approach[load]), model=first_model), upper)
         for name, value in (table.compute_statistics() | compute_steep_contact_load_fraction(table, slopes)).items():

@@ -25,6 +25,7 @@ from stiction.mechanics.quantities import (
     GAP_QUANTITIES,
     INTERPOLATED_QUANTITIES,
     QUANTITIES,
+    STIFFNESS_PER_AREA_FACTOR,
     STIFFNESS_PER_AREA_QUANTITIES,
     VALIDITY_RATIO_OPERANDS,
     ZERO_LOAD_SUM_QUANTITIES,
@@ -389,7 +390,7 @@ def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dic
         ratios["nominal_pressure"] = np.broadcast_to(elastic, elastic.shape) / area
         for name in STIFFNESS_PER_AREA_QUANTITIES:
             if (stiffness := QUANTITIES[name].numerator) in variables:
-                ratios[name] = 1e3 * variables[stiffness][1] / area  # converts mN/µm³ to GPa/mm
+                ratios[name] = STIFFNESS_PER_AREA_FACTOR * variables[stiffness][1] / area
     with np.errstate(divide="ignore", invalid="ignore"):
         carried_load = variables["contact_load"][1] if "contact_load" in variables else elastic
         ratios["mean_pressure"] = carried_load / variables["contact_area"][1]

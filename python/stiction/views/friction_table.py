@@ -9,15 +9,15 @@ import xarray
 
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
-from stiction.mechanics.quantities import column_title_and_factor
+from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT, column_title_and_factor
 from stiction.studies.friction_table import MAX_LAW_DEVIATION
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
 
 _COLUMN_TITLES = {
     "friction_coefficient": ("mu_s", 1.0), "contact_area_fraction": ("A/A0 (%)", 100.0),
-    "normal_stiffness": ("stiffness over area (GPa/um)", 1.0), "approach": ("approach (um)", 1.0),
-    "stiffness_factor": ("b of k/A0 = b p^c (GPa/um at 1 GPa)", 1.0),
+    "normal_stiffness": (f"stiffness over area ({STIFFNESS_PER_AREA_UNIT})", 1.0), "approach": ("approach (um)", 1.0),
+    "stiffness_factor": (f"b of k/A0 = b p^c ({STIFFNESS_PER_AREA_UNIT} at 1 GPa)", 1.0),
 }  # fmt: skip
 """Titles that replace those of `column_title_and_factor`, each with the factor that converts values to its unit."""
 
@@ -68,7 +68,10 @@ def friction_table_text(table: xarray.Dataset) -> str:
             [
                 f"{float(roughness_table['hurst_exponent']):.3g}, "
                 f"{format_with_unit(float(roughness_table['rms']), 'um')}",
-                *(f"{Estimate(*roughness_table[name].values.tolist()):.2u}" for name in _LAW_PARAMETERS),
+                *(
+                    f"{Estimate(*roughness_table[name].values.tolist()) / factor:.2u}"
+                    for name, factor in zip(_LAW_PARAMETERS, (1.0, STIFFNESS_PER_AREA_FACTOR, 1.0), strict=True)
+                ),
                 *(_coefficient_range_text(coefficients.sel(sliding=rule)) for rule in ("all", "opposing")),
                 ", ".join("none" if np.isnan(deviation) else f"{100 * deviation:.0f} %" for deviation in deviations),
             ]

@@ -105,8 +105,8 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
 
 _CURVE_PANELS: dict[str, dict[str, Any]] = {
     "area": {"of": "contact_area_fraction", "title": "true contact area _A_/_A_~0~ (%)", "factor": 100},
-    "stiffness": {"of": "stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
-    "unloading": {"of": "unloading_stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
+    "stiffness": {"of": "stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1e-3},
+    "unloading": {"of": "unloading_stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1e-3},
 }
 """Quantity, axis title and unit conversion factor for each additional plot against load."""
 
