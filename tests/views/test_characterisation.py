@@ -175,6 +175,12 @@ class TestCharacterisationFigure:
             2 * np.pi / np.array([estimate.longest_wavelength, estimate.shortest_wavelength])
         )
 
+    def test_range_of_heights_determines_their_unit(self, profile):
+        for factor, unit in ((0.01, "nm"), (100.0, "µm")):
+            scaled_profile = Profile(factor * profile.heights, spacing=factor * profile.spacing)
+            labels = [ax.get_ylabel() for ax in characterisation_figure(scaled_profile).axes]
+            assert {f"height ({unit})", f"density (1/{unit})"} <= set(labels)
+
     def test_figure_without_a_fitted_band_has_a_note(self):
         legend_texts = [
             text.get_text()

@@ -37,7 +37,7 @@ from stiction.views.figures.ensemble import (
     area_figure,
     friction_figure,
 )
-from stiction.views.figures.loads import cut_off_figure
+from stiction.views.figures.loads import cut_off_figure, format_log_axis
 from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
 from stiction.views.report.pictures import inline_svg, list_measured_panels
@@ -237,6 +237,22 @@ def test_reached_loads_lie_within_the_range_of_mean_loads_of_the_dataset(generat
 
 def draw_figure(dataset, wanted_name, picture=None):
     return next(draw for name, draw in select_figures(dataset, picture) if name == wanted_name)()
+
+
+@pytest.mark.parametrize(("ratio", "expected_labels"), [(100, {"1", "2", "5", "10"}), (1e5, {"10", "100"})])
+def test_log_axis_over_many_decades_has_powers_of_ten(ratio, expected_labels):
+    axes = Figure().subplots()
+    axes.set(xscale="log", xlim=(1.0, ratio))
+    secondary_axis = axes.secondary_xaxis("top", functions=(lambda x: 1000 * x, lambda x: x / 1000))
+    format_log_axis(axes.xaxis)
+    format_log_axis(secondary_axis.xaxis, axes.get_xlim())
+    axes.get_figure().draw_without_rendering()
+    for axis, factor in ((axes.xaxis, 1), (secondary_axis.xaxis, 1000)):
+        ticks = axis.get_majorticklocs() / factor
+        ticks = ticks[(ticks > 0.9) & (ticks < 1.1 * ratio)]
+        assert expected_labels <= {f"{tick:g}" for tick in ticks}
+        assert ticks.size <= 8
+        assert ("$" in axis.get_major_formatter()(axis.get_majorticklocs()[2])) == (ratio > 1000)
 
 
 def test_load_figure_shows_the_mean_values_of_the_result(maps_at_two_cutoffs):

@@ -75,7 +75,7 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
             "top", functions=(lambda x: x / measured_gradient, lambda x: x * measured_gradient)
         )
         factor_axis.set_xlabel(axis_label("height_scale"))
-        format_log_axis(factor_axis.xaxis)
+        format_log_axis(factor_axis.xaxis, friction_axes.get_xlim())
     parameters = friction_parameters_text(
         float(points["mu0"]), float(points["tau0"]), float(points["effective_modulus"])
     )

@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, LogFormatterMathtext, LogLocator, MaxNLocator, NullLocator
 
 from stiction._checks import Floats
 from stiction._drawing import set_log_tick_labels
@@ -36,6 +36,8 @@ MAX_FRICTION_AXIS_RATIO = 4.0
 # up to this number of directions, each direction is drawn in addition to the mean over all directions
 MAX_DRAWN_DIRECTIONS = 2
 
+MAX_PLAIN_LABEL_RATIO = 2e3
+"""Maximum ratio of the limits of a logarithmic axis that is labelled with plain numbers."""
 
 INTERVAL_BAND_LEGENDS = {
     True: "light bands: 95 %, combined intervals\ndark bands and area: 95 %, sampling intervals",
@@ -68,7 +70,7 @@ def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float]
         pressure_conversions: Any = (lambda load: 1000 * load / area, lambda pressure: pressure * area / 1000)
         pressure_axis = friction_axes.secondary_xaxis("top", functions=pressure_conversions)
         pressure_axis.set_xlabel(axis_label("nominal_pressure"))
-        format_log_axis(pressure_axis.xaxis)
+        format_log_axis(pressure_axis.xaxis, friction_axes.get_xlim())
     return figure
 
 
@@ -294,12 +296,20 @@ def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, 
     axes.plot(x[is_incomplete], mean[is_incomplete], "x", color="0.3", markersize=4, label="some results are missing")
 
 
-def format_log_axis(axis: Any) -> None:
-    """Label an axis with plain numbers instead of powers of ten, with several labels per decade."""
-    low, high = axis.get_view_interval()
-    spans_decade = high >= 10 * low
-    axis.set_major_locator(
-        LogLocator(subs=(1.0, 2.0, 5.0), numticks=8) if spans_decade else MaxNLocator(4, steps=[1, 2, 5, 10])
-    )
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+def format_log_axis(axis: Any, limits: tuple[float, float] | None = None) -> None:
+    """Label an axis with plain numbers, with several labels per decade.
+
+    Axes that span more than `MAX_PLAIN_LABEL_RATIO` are labelled with powers of ten. `limits` are the limits of the
+    main axis of a secondary axis, which has no limits before it is drawn.
+    """
+    low, high = limits or axis.get_view_interval()
+    if high > MAX_PLAIN_LABEL_RATIO * low:
+        axis.set_major_locator(LogLocator(numticks=8))
+        axis.set_major_formatter(LogFormatterMathtext())
+    else:
+        spans_decade = high >= 10 * low
+        axis.set_major_locator(
+            LogLocator(subs=(1.0, 2.0, 5.0), numticks=8) if spans_decade else MaxNLocator(4, steps=[1, 2, 5, 10])
+        )
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_locator(NullLocator())

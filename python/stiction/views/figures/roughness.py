@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_COLOUR_MAP, wave_number_to_wavelength
+from stiction._number_format import choose_prefixed_unit
 from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -57,26 +58,30 @@ def _draw_profile_heights(axes: Axes, profile: Profile) -> None:
     """Draw heights along a profile. Long profiles are drawn as means and ranges of neighbouring points."""
     group_size = -(-len(profile) // MAX_DRAWN_PROFILE_POINTS)
     heights = profile.heights - profile.heights.min()
-    height_groups = np.pad(1000 * heights, (0, -len(profile) % group_size), mode="edge").reshape(-1, group_size)
+    height_factor, height_unit = choose_prefixed_unit(float(np.ptp(heights)), "um")
+    height_groups = np.pad(heights / height_factor, (0, -len(profile) % group_size), mode="edge").reshape(
+        -1, group_size
+    )
     x = profile.spacing * (group_size * np.arange(len(height_groups)) + (group_size - 1) / 2)
     unit, unit_length = ("mm", 1000) if x[-1] >= MIN_MILLIMETRE_LENGTH else ("µm", 1)
     axes.plot(x / unit_length, height_groups.mean(axis=1), color=MEASURED_COLOUR, linewidth=0.7)
     if group_size > 1:
         height_ranges = height_groups.min(axis=1), height_groups.max(axis=1)
         axes.fill_between(x / unit_length, *height_ranges, color=MEASURED_COLOUR, alpha=0.4, linewidth=0)
-    axes.set(xlabel=f"position $x$ ({unit})", ylabel="height (nm)")
+    axes.set(xlabel=f"position $x$ ({unit})", ylabel=f"height ({height_unit})")
     axes.locator_params(nbins=4, steps=TICK_STEPS)
 
 
 def _draw_height_distribution(axes: Axes, heights: Floats) -> None:
-    deviations = 1000 * (heights - heights.mean()).ravel()
+    height_factor, height_unit = choose_prefixed_unit(float(np.ptp(heights)), "um")
+    deviations = (heights - heights.mean()).ravel() / height_factor
     rms_height = float(deviations.std())
     density, bin_edges = np.histogram(deviations, NUM_HEIGHT_BINS, density=True)
     x = (bin_edges[1:] + bin_edges[:-1]) / 2
     axes.plot(x, density, color=MEASURED_COLOUR, linewidth=0.7)
     normal_density = np.exp(-((x / rms_height) ** 2) / 2) / (rms_height * math.sqrt(2 * math.pi))
     axes.plot(x, normal_density, "--", color=FITTED_COLOUR, linewidth=1.2)
-    axes.set(xlabel="height (nm)", ylabel="density (1/nm)")
+    axes.set(xlabel=f"height ({height_unit})", ylabel=f"density (1/{height_unit})")
     axes.set_title("dashed: Gaussian", fontsize=6, pad=2)
     axes.locator_params(nbins=4, steps=TICK_STEPS)
 
@@ -144,7 +149,8 @@ def _format_spectrum_axes(axes: Axes, unit: str, density: Floats | None = None) 
 
 def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
     unit, unit_length = ("mm", 1e3) if max(surface.extent) >= MIN_MILLIMETRE_LENGTH else ("µm", 1.0)
-    heights = 1000 * (surface.heights - surface.heights.mean())
+    height_factor, height_unit = choose_prefixed_unit(float(np.ptp(surface.heights)), "um")
+    heights = (surface.heights - surface.heights.mean()) / height_factor
     length_y, length_x = (length / unit_length for length in surface.extent)
     lowest, highest = np.quantile(
         heights, [0.001, 0.999]
@@ -155,5 +161,5 @@ def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
     )  # fmt: skip
     colour_bar = figure.colorbar(image, ax=axes, location="top", extend="both", aspect=30, pad=0.02)
     colour_bar.locator = MaxNLocator(5)
-    colour_bar.set_label(f"height (nm), $Sq$ = {length_text(float(surface.heights.std()))}")
+    colour_bar.set_label(f"height ({height_unit}), $Sq$ = {length_text(float(surface.heights.std()))}")
     axes.set(xlabel=f"$x$ ({unit})", ylabel=f"$y$ ({unit})")
