@@ -5,11 +5,8 @@ UPPER and LOWER are instrument files. Without them, the script creates synthetic
 
 import sys
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
 from stiction import Surface, pair, read_surface, self_affine
-from stiction.views.style import COLUMN_WIDTH, MATPLOTLIB_STYLE
 
 
 def create_synthetic_map(side):
@@ -25,11 +22,11 @@ def create_synthetic_map(side):
 
 
 upper, lower = map(read_surface, sys.argv[1:]) if len(sys.argv) == 3 else map(create_synthetic_map, ("upper", "lower"))
-loads = np.geomspace(1e-4, 1e-1, 13)  # mN
+loads = np.geomspace(1e-3, 1e-1, 3)  # mN
 options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "5 GPa", "cutoff": "none", "onset": 0}
 result = pair(upper, lower, load=loads, lines=32, **options)
 mean = result.at().sel(sliding="opposing", direction=0.0).isel(cut_off=0, mu0=0, tau0=0)
-for load in mean["load"].values[::4]:
+for load in mean["load"].values:
     friction_at_load = mean.sel(load=load)
     mean_friction, lower_end, upper_end = friction_at_load["friction_coefficient"].values
     beyond_hertz = float(friction_at_load["share_beyond_hertz"].sel(statistic="mean"))
@@ -37,13 +34,5 @@ for load in mean["load"].values[::4]:
         f"{1000 * load:8.3g} µN: μ_s = {mean_friction:.2f} [{lower_end:.2f}, {upper_end:.2f}], "
         f"{beyond_hertz:.0%} of the load beyond Hertz"
     )
-with mpl.rc_context(MATPLOTLIB_STYLE):
-    figure = Figure(figsize=(COLUMN_WIDTH, 0.7 * COLUMN_WIDTH), layout="constrained")
-    axes = figure.subplots()
-    mean_friction, lower_end, upper_end = mean["friction_coefficient"].transpose("statistic", "load").values
-    axes.fill_between(loads, lower_end, upper_end, alpha=0.3, linewidth=0, label="95 %")
-    axes.semilogx(loads, mean_friction, label="mean over lines")
-    axes.set_xlabel("normal load $F_N$ (mN)")
-    axes.set_ylabel(r"coefficient of static friction $\mu_s$")
-    axes.legend()
-    figure.savefig("afm_friction.png")
+for name, file_name in (("friction", "afm_friction.png"), ("contact", "afm_contact.png")):
+    result.figure(name).savefig(file_name)
