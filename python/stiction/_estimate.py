@@ -7,15 +7,21 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
-from stiction._number_format import choose_prefixed_unit, format_significant
+from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, choose_prefixed_unit, format_significant
 
 MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is very narrow
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
 # the upper end of an interval is printed with one digit if it exceeds this multiple of the value
 MAX_FULL_PRECISION_END_RATIO = 100.0
+NO_INTERVAL_CODE = -128  # number that replaces the number of decimals of the upper end if no interval is printed
+EXPONENT_CODE = (
+    -127
+)  # number that replaces it if the upper end is printed with one digit and an exponent, as in "5e+09"
+# maximum number of decimals, and maximum number of digits before the decimal point that may be rounded
+MAX_DECIMALS = 100
 
 
 class Interval(NamedTuple):
@@ -35,7 +41,10 @@ class Interval(NamedTuple):
     def __str__(self) -> str:
         if math.isinf(self.upper):
             return f"{format_significant(self.lower)} to {UNBOUNDED_END_TEXT}"
-        decimals = _count_decimals(max(abs(self.lower), abs(self.upper)), self.lower, self.upper, 1)
+        larger_end = max(abs(self.lower), abs(self.upper))
+        decimals = int(
+            _count_interval_decimals(np.asarray(larger_end), np.asarray(self.lower), np.asarray(self.upper), 1)
+        )
         end_texts = [_format_decimals(end, decimals) for end in self]
         return end_texts[0] if end_texts[0] == end_texts[1] else " to ".join(end_texts)
 
@@ -75,20 +84,14 @@ class Estimate:
         return not (math.isnan(self.lower) or math.isnan(self.upper))
 
     def __str__(self) -> str:
-        if math.isnan(self.value):
-            return "none"
-        if not self.has_interval:
-            return _format_decimals(self.value, _first_decimal(self.value) + 1)
-        return self._format_with_interval(1)
+        return self._format(1)
 
     def __format__(self, format_spec: str) -> str:
         if not format_spec:
             return str(self)
         if format_spec != ".2u":
             raise ValueError(f"format of an estimate must be '' or '.2u', got {format_spec!r}")
-        if math.isnan(self.value):
-            return "none"
-        return self._format_with_interval(2) if self.has_interval else format_significant(self.value, 3)
+        return self._format(2)
 
     @property
     def table_text(self) -> str:
@@ -119,19 +122,22 @@ class Estimate:
         lower, upper = self.interval.extended_to(other.interval)
         return replace(self, lower=lower, upper=upper)
 
-    def _format_with_interval(self, digits: int) -> str:
+    def _format(self, digits: int) -> str:
         """Return the value and its interval, rounded to `digits` significant digits of the half-width."""
-        value, lower, upper = self.value, self.lower, self.upper
-        if math.isinf(upper):
-            decimals = _count_decimals(value, lower, 2 * value - lower, digits)
-            return f"{_format_decimals(value, decimals)} [{_format_decimals(lower, decimals)}, {UNBOUNDED_END_TEXT})"
-        decimals = _count_decimals(value, lower, upper, digits)
-        end_texts = [_format_decimals(end, decimals) for end in (lower, upper)]
-        if end_texts[0] == end_texts[1]:
-            return format_significant(value, MAX_SIGNIFICANT_DIGITS)
-        if upper > MAX_FULL_PRECISION_END_RATIO * abs(value) > 0:
-            end_texts[1] = format_significant(upper, 1)
-        return f"{_format_decimals(value, decimals)} [{end_texts[0]}, {end_texts[1]}]"
+        if math.isnan(self.value):
+            return "none"
+        numbers = (np.asarray(number, float) for number in (self.value, self.lower, self.upper))
+        decimals, upper_decimals = map(int, count_estimate_decimals(*numbers, digits=digits))
+        value_text = _format_decimals(self.value, decimals)
+        if upper_decimals == NO_INTERVAL_CODE:
+            return value_text
+        if math.isinf(self.upper):
+            upper_text = f"{UNBOUNDED_END_TEXT})"
+        elif upper_decimals == EXPONENT_CODE:
+            upper_text = f"{self.upper:.0e}]"
+        else:
+            upper_text = f"{_format_decimals(self.upper, upper_decimals)}]"
+        return f"{value_text} [{_format_decimals(self.lower, decimals)}, {upper_text}"
 
 
 def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
@@ -155,20 +161,60 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
     return np.asarray(np.where(np.isnan(limits[0]).any(axis=-1, keepdims=True), limits[0], extended))
 
 
-def _first_decimal(value: float) -> int:
-    """Return the position of the first significant digit after the decimal point; it is negative for large values."""
-    return -math.floor(math.log10(abs(value))) if value else 0
+def count_estimate_decimals(
+    value: Floats, lower: Floats, upper: Floats, *, digits: int
+) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
+    """Return how many decimals an `Estimate` prints: one number for value and lower end, and one for the upper end.
+
+    Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are
+    `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large end. `digits` is 1 for the
+    default format and 2 for ".2u".
+    """
+    has_interval = ~(np.isnan(lower) | np.isnan(upper))
+    with np.errstate(invalid="ignore", over="ignore"):
+        decimals = _count_interval_decimals(value, lower, np.where(np.isinf(upper), 2 * value - lower, upper), digits)
+        scale = 10.0 ** np.clip(decimals, -MAX_DECIMALS, MAX_DECIMALS)
+        are_ends_equal = np.isfinite(upper) & (np.abs(np.round(lower * scale) - np.round(upper * scale)) < 1)
+        is_huge = np.isfinite(upper) & (upper > MAX_FULL_PRECISION_END_RATIO * np.abs(value)) & (value != 0)
+    has_exponent = is_huge & ~((upper >= MIN_WITHOUT_EXPONENT) & (upper < MAX_WITHOUT_EXPONENT))
+    upper_decimals = np.where(is_huge, _count_significant_decimals(upper, 1), decimals)
+    value_decimals = -_find_decimal_exponents(value) + 1 if digits == 1 else _count_significant_decimals(value, 3)
+    decimals = np.where(are_ends_equal, _count_significant_decimals(value, MAX_SIGNIFICANT_DIGITS), decimals)
+    decimals = np.where(has_interval, decimals, value_decimals)
+    decimals, upper_decimals = (
+        np.nan_to_num(np.clip(array, -MAX_DECIMALS, MAX_DECIMALS)) for array in (decimals, upper_decimals)
+    )
+    upper_decimals = np.where(has_exponent, EXPONENT_CODE, upper_decimals)
+    upper_decimals = np.where(has_interval & ~are_ends_equal, upper_decimals, NO_INTERVAL_CODE)
+    return decimals.astype(np.int8), upper_decimals.astype(np.int8)
 
 
-def _count_decimals(value: float, lower: float, upper: float, digits: int) -> int:
+def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:
     """Return how many decimals to print for `digits` digits of the half-width, and for 2 to 4 digits of the value."""
-    first_decimal = _first_decimal(value)
-    if not upper > lower:
-        return first_decimal + MAX_SIGNIFICANT_DIGITS - 1
-    interval_decimals = digits - 1 - math.floor(math.log10((upper - lower) / 2))
-    if not value:
-        return interval_decimals
-    return min(max(interval_decimals, first_decimal + 1), first_decimal + MAX_SIGNIFICANT_DIGITS - 1)
+    first_decimals = -_find_decimal_exponents(value)
+    max_decimals = first_decimals + MAX_SIGNIFICANT_DIGITS - 1
+    interval_decimals = digits - 1 - _find_decimal_exponents((upper - lower) / 2)
+    decimals = np.where(value == 0, interval_decimals, np.clip(interval_decimals, first_decimals + 1, max_decimals))
+    return np.asarray(np.where(upper > lower, decimals, max_decimals))
+
+
+def _count_significant_decimals(value: Floats, digits: int) -> Floats:
+    """Return the decimals of values that are rounded to `digits` digits, without trailing zeros."""
+    exponents = _find_decimal_exponents(value)
+    with np.errstate(invalid="ignore", over="ignore"):
+        # whole numbers up to a power of ten
+        digit_values = np.round(np.abs(value) / 10.0 ** (exponents - digits + 1))
+    trailing_zeros = sum((digit_values % 10**count == 0).astype(float) for count in range(1, digits + 1))
+    return np.asarray(np.where(value == 0, 0.0, digits - 1 - exponents - trailing_zeros))
+
+
+def _find_decimal_exponents(value: Floats) -> Floats:
+    """Return the decimal exponents of numbers. The exponent of 0 is 0; those of NaN and infinity are not finite."""
+    size = np.abs(value)
+    with np.errstate(divide="ignore"):
+        exponents = np.where(size == 0, 0.0, np.floor(np.log10(size)))
+    # The logarithm of a power of ten may be slightly too small.
+    return np.asarray(np.where(size >= 10.0 ** (exponents + 1), exponents + 1, exponents))
 
 
 def _format_decimals(value: float, digits: int) -> str:

@@ -24,12 +24,16 @@ _PREFIXED_UNITS = {
 _NO_PREFIXES = ((0.0, 1.0, ""),)
 
 
+# numbers outside of this range may be printed with exponents
+MIN_WITHOUT_EXPONENT, MAX_WITHOUT_EXPONENT = 1e-6, 1e6
+
+
 def format_significant(value: float, digits: int = 2) -> str:
     """Format a number to `digits` significant digits. Exponents are used only below 1e-6 and from 1e6 upwards."""
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
-    if "e" not in text or not 1e-6 <= abs(value) < 1e6:
+    if "e" not in text or not MIN_WITHOUT_EXPONENT <= abs(value) < MAX_WITHOUT_EXPONENT:
         return text
     rounded = float(text)
     return f"{rounded:.0f}" if abs(rounded) >= 1 else f"{rounded:.{digits + 5}f}".rstrip("0")

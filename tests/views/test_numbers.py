@@ -8,7 +8,7 @@ from importlib import resources
 import numpy as np
 import pytest
 from stiction import Study, friction_map, run
-from stiction._estimate import Estimate
+from stiction._estimate import Estimate, count_estimate_decimals
 from stiction._number_format import format_significant, list_number_formats
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION, LimitCheck
 from stiction.studies.at_load import at_load
@@ -17,7 +17,7 @@ from stiction.studies.nodes import NodeAxis, compute_error_to_tolerance_ratio, i
 from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.summary import summarize
 from stiction.views.report import report_page
-from stiction.views.report.tables import NumberArray, count_estimate_decimals
+from stiction.views.report.tables import NumberArray
 from support.generated_studies import SMALL_STUDY, empty_dataset
 
 pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
@@ -120,7 +120,7 @@ def test_status_in_a_report_is_other_than_ok_next_to_a_node_without_a_value(repo
 
 
 @pytest.mark.parametrize("digits", [1, 2])
-@pytest.mark.parametrize("scale", [3.3e-4, 0.1147, 0.99951, 17.251, 1234.0])
+@pytest.mark.parametrize("scale", [3.3e-4, 0.1147, 0.99951, 17.251, 1234.0, 56_789.0, 4.2e7])
 def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_evaluator, scale, digits):
     random = np.random.default_rng(3)
     value = scale * random.uniform(0.9, 1.1, 40)
@@ -129,6 +129,7 @@ def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_e
     upper[:5] = np.inf
     lower[5:8] = upper[5:8] = np.nan
     upper[8:12] = 300 * value[8:12]
+    upper[12] = 1e11 * value[12]  # printed with an exponent
     if digits == 2:
         value[5] = 2 * scale  # without an interval, trailing zeros are omitted
     decimals, decimals_of_upper = count_estimate_decimals(value, lower, upper, digits=digits)

@@ -65,6 +65,7 @@ function statusAt(table, first, {linear}, statuses) {
 }
 
 const NO_INTERVAL = -128; // code of an interval that is not printed
+const EXPONENT = -127; // code of an upper end that is printed with one digit and an exponent, as in 5e+09
 
 /** Return a value and its interval at a place. The interval is unbounded if it is unbounded at a neighbouring node. */
 function pointAt({offsets, floats, small}, name, index, place) {
@@ -102,7 +103,9 @@ function inDecimals(value, digits) {
 /** Format both ends of an interval. The text is empty if the library prints no interval. */
 function formatEnds({lower, upper, decimals, upperDecimals}) {
   if (upperDecimals === NO_INTERVAL || Number.isNaN(lower) || Number.isNaN(upper)) return "";
-  return `[${inDecimals(lower, decimals)}, ${upper === Infinity ? "∞)" : `${inDecimals(upper, upperDecimals)}]`}`;
+  const withExponent = () => upper.toExponential(0).replace(/([+-])(\d)$/, (_, sign, digit) => `${sign}0${digit}`);
+  const bounded = () => `${upperDecimals === EXPONENT ? withExponent() : inDecimals(upper, upperDecimals)}]`;
+  return `[${inDecimals(lower, decimals)}, ${upper === Infinity ? "∞)" : bounded()}`;
 }
 
 /** Format a value and its interval with the same decimals as the library. */

@@ -12,15 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
-from stiction._estimate import MAX_FULL_PRECISION_END_RATIO, MAX_SIGNIFICANT_DIGITS, Estimate
+from stiction._estimate import Estimate, count_estimate_decimals
 from stiction._number_format import MIN_ROUNDED_UP, NumberFormat
 
 # number of leading bytes of a double that are stored in a page; four bytes give a relative precision of 5e-7
 STORED_FLOAT_BYTES = 4
-NO_INTERVAL_CODE = -128  # number that replaces the number of decimals of the upper end if no interval is printed
-# maximum number of decimals, and maximum number of digits before the decimal point that may be rounded
-MAX_DECIMALS = 100
-
 
 _COMPRESSION_LEVEL = 7  # zlib level; compression takes a sixth of the time of level 9 and produces 0.5 % more bytes
 
@@ -129,62 +125,6 @@ def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
     }
     formats = {name: array.format_records() for name, array in arrays.items() if isinstance(array, NumberArray)}
     return PackedArrays(offsets, formats, texts)
-
-
-def count_estimate_decimals(
-    mean: Floats, lower: Floats, upper: Floats, *, digits: int = 1
-) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return how many decimals an `Estimate` prints: one number for mean and lower end, and one for the upper end.
-
-    Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are
-    `NO_INTERVAL_CODE` if the text contains no interval. If `digits` is 2, the estimate has the format ".2u" instead of
-    the default format.
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        value_decimals = np.where(mean != 0, -np.floor(np.log10(np.abs(mean))), 0.0)
-        upper_end = np.where(np.isinf(upper), 2 * mean - lower, upper)
-        interval_decimals = digits - 1 - np.floor(np.log10((upper_end - lower) / 2))
-        decimals = np.where(
-            mean == 0,
-            interval_decimals,
-            np.clip(interval_decimals, value_decimals + 1, value_decimals + MAX_SIGNIFICANT_DIGITS - 1),
-        )
-        decimals = np.where(upper_end > lower, decimals, value_decimals + MAX_SIGNIFICANT_DIGITS - 1)
-        has_no_interval = np.isnan(lower) | np.isnan(upper)
-        value_only_decimals = value_decimals + 1 if digits == 1 else _count_significant_decimals(mean)
-        decimals = np.where(has_no_interval, value_only_decimals, decimals)
-        is_huge = np.isfinite(upper) & (upper > MAX_FULL_PRECISION_END_RATIO * np.abs(mean)) & (mean != 0)
-        upper_decimals = np.where(is_huge, -_rounded_decimal_exponents(upper), decimals)
-        scale = 10.0 ** np.clip(decimals, -MAX_DECIMALS, MAX_DECIMALS)
-        is_upper_equal = (
-            ~has_no_interval & np.isfinite(upper) & (np.abs(np.round(lower * scale) - np.round(upper * scale)) < 1)
-        )
-    decimals, upper_decimals = (
-        np.nan_to_num(np.clip(array, -MAX_DECIMALS, MAX_DECIMALS)) for array in (decimals, upper_decimals)
-    )
-    upper_decimals = np.where(has_no_interval, NO_INTERVAL_CODE, upper_decimals)
-    # If both ends have the same printed digits, only the value is printed, without trailing zeros.
-    for index in zip(*np.nonzero(is_upper_equal), strict=True):
-        text = format(
-            Estimate(float(mean[index]), float(lower[index]), float(upper[index])), "" if digits == 1 else ".2u"
-        )
-        if "[" not in text:
-            decimals[index], upper_decimals[index] = len(text.partition(".")[2]), NO_INTERVAL_CODE
-    return decimals.astype(np.int8), upper_decimals.astype(np.int8)
-
-
-def _count_significant_decimals(values: Floats) -> Floats:
-    """Return the decimals of values that `format_significant` rounds to three digits, without trailing zeros."""
-    exponent = np.where(values != 0, np.floor(np.log10(np.abs(values))), 0.0)
-    digits = np.round(np.abs(values) / 10.0 ** (exponent - 2))  # whole numbers from 100 to 1000
-    trailing_zeros = sum((digits % 10**count == 0).astype(float) for count in (1, 2, 3))
-    return np.asarray(np.where(values != 0, 2 - exponent - trailing_zeros, 0.0))
-
-
-def _rounded_decimal_exponents(values: Floats) -> Floats:
-    """Return the decimal exponents of positive values after rounding to one digit."""
-    exponent = np.floor(np.log10(values))
-    return np.asarray(np.where(np.round(values / 10.0**exponent) >= 10, exponent + 1, exponent))
 
 
 QUANTITY_DIGITS = 2  # digits of the half-width of intervals of quantities, as on the terminal (format ".2u")
