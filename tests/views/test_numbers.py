@@ -106,7 +106,7 @@ def test_interval_in_a_report_is_unbounded_next_to_a_node_without_upper_end(repo
       const three = (list) => list.flatMap((each) => [each, each, each]);
       const floats = three([1, 2, 3, 0.5, 1, 2, 2, 3, Infinity]);
       const offsets = {a_value: 0, a_lower: 9, a_upper: 18, a_decimals: 0, a_upper_decimals: 0};
-      const point = pointAt({offsets, floats, small: Array(9).fill(1)}, "a", 0, placeAt(axes, mu0, 0.5));
+      const point = pointAt({offsets, formats: {}, floats, small: Array(9).fill(1)}, "a", 0, placeAt(axes, mu0, 0.5));
       return [point.upper, quoted(point)];
     }"""
     assert report_evaluator(script, 0.5) == [2.5, "1.5 [0.8, 2.5]"]
@@ -165,7 +165,7 @@ def test_report_script_prints_numbers_of_caveats_as_the_terminal(report_evaluato
     array = NumberArray(np.array(values), list_number_formats(shown))
     texts = report_evaluator(
         "(formats, values, indices) => values.map((value, i) => printed({value, format: formats[indices[i]]}))",
-        array.format_records(), values, array.columns()["format"].tolist(),
+        [item._asdict() for item in array.formats], values, array.columns()["format"].tolist(),
     )  # fmt: skip
     assert texts == [check.to_caveat({"name": value}).text for value in values]
 
@@ -325,6 +325,26 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
                 assert [caveat[name] for caveat in assessment["caveats"]] == expected_texts
             verdicts.add(point.verdict)
     assert "Do not quote" in verdicts
+
+
+def test_area_in_reports_of_generated_surfaces_has_the_unit_and_digits_of_the_terminal():
+    dataset = create_arbitrary_sums(1.0)
+    dataset["contact_area"].values *= 3e4
+    report_evaluator, study = ReportEvaluator(report_page(dataset)), parse_study_of_dataset(dataset)
+    mu0, tau0 = study.friction.mu0[0], float(study.friction.tau0[0])
+    texts = set()
+    for load_index in range(0, 40, 4):
+        reference = at_load(dataset, [report_evaluator.facts["loads"]["values"][load_index]], mu0=[mu0], tau0=[tau0])
+        for point in summarize(reference, study).points:
+            estimate, unit = point.quantities["contact_area"].in_prefixed_unit("um^2")
+            cell = dataset["fractal_dimension"].values.tolist().index(point.at["fractal_dimension"])
+            amplitude = dataset["amplitude"].values.tolist().index(point.at["amplitude"])
+            place = {"cell": cell, "amplitude": amplitude, "load": load_index}
+            shown_point = report_evaluator.evaluate_quantity("area", mu0, tau0, **place)
+            expected_text = "none" if np.isnan(estimate.value) else f"{estimate:.2u} {unit}"
+            assert shown_point["text"] == expected_text
+            texts.add(expected_text.split(" ")[-1])
+    assert {"µm²", "mm²"} <= texts
 
 
 def test_validity_in_reports_of_generated_profiles_is_printed_like_in_tables(generated_dataset, report_evaluator):

@@ -98,10 +98,10 @@ def _node_facts(values: GeneratedValuesAtNodes, study: Study) -> dict[str, Any]:
 
 def _node_arrays(values: GeneratedValuesAtNodes) -> dict[str, ReportArray]:
     """Return all quantities at the nodes. The array axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
-    arrays: dict[str, ReportArray] = {
-        name: EstimateArray(points, digits=1 if name == "friction" else QUANTITY_DIGITS)
-        for name, points in values.estimates.items()
-    }
+    arrays: dict[str, ReportArray] = {"friction": EstimateArray(values.estimates["friction"])}
+    for name in filter(values.estimates.__contains__, _UNITS):
+        formats = list_number_formats(_UNITS[name])
+        arrays[name] = EstimateArray(values.estimates[name], digits=QUANTITY_DIGITS, formats=formats)
     arrays["width"] = NumberArray(_relative_half_widths(values.estimates["friction"]), _WIDTH_FORMATS)
     for name, means in values.validity.items():
         arrays[f"validity_{name}"] = NumberArray(means, _VALIDITY_FORMATS[QUANTITIES[name].percent])
@@ -131,6 +131,9 @@ def _has_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
     """Return whether the text of a caveat contains a number of the point."""
     return isinstance(reason, LimitCheck) and "{}" in reason.text
 
+
+_UNITS = {"area": QUANTITIES["contact_area"].unit, "stiffness": QUANTITIES["normal_stiffness"].unit}
+"""Core units of the estimates other than friction."""
 
 _WIDTH_FORMATS = (NumberFormat(0.0, 0.01, "±{} %", 2),)
 _VALIDITY_FORMATS = {

@@ -67,14 +67,15 @@ function statusAt(table, first, {linear}, statuses) {
 const NO_INTERVAL = -128; // code of an interval that is not printed
 const EXPONENT = -127; // code of an upper end that is printed with one digit and an exponent, as in 5e+09
 
-/** Return a value and its interval at a place. The interval is unbounded if it is unbounded at a neighbouring node. */
-function pointAt({offsets, floats, small}, name, index, place) {
+/** Return a value and its interval at a place, and the format of the nearest node if the quantity has a unit.
+ * The interval is unbounded if it is unbounded at a neighbouring node. */
+function pointAt({offsets, formats, floats, small}, name, index, place) {
   const first = index * place.size;
   const interpolated = (part) => between(floats, offsets[`${name}_${part}`] + first, place);
-  const decimals = (part) => atNearest(small, offsets[`${name}_${part}`] + first, place);
+  const nearest = (part) => atNearest(small, offsets[`${name}_${part}`] + first, place);
   const isOpen = place.linear.some(([node]) => floats[offsets[`${name}_upper`] + first + node] === Infinity);
   return {value: interpolated("value"), lower: interpolated("lower"), upper: isOpen ? Infinity : interpolated("upper"),
-    decimals: decimals("decimals"), upperDecimals: decimals("upper_decimals")};
+    decimals: nearest("decimals"), upperDecimals: nearest("upper_decimals"), format: formats[name]?.[nearest("format")]};
 }
 
 /** Return a number without an interval at a place, and the format of the nearest node.
@@ -108,10 +109,11 @@ function formatEnds({lower, upper, decimals, upperDecimals}) {
   return `[${inDecimals(lower, decimals)}, ${upper === Infinity ? "∞)" : bounded()}`;
 }
 
-/** Format a value and its interval with the same decimals as the library. */
-function quoted(point) {
-  if (!Number.isFinite(point.value)) return "none";
-  return [inDecimals(point.value, point.decimals), formatEnds(point)].filter(Boolean).join(" ");
+/** Format a value and its interval with the same decimals and the same unit as the library. */
+function quoted({value, lower, upper, decimals, upperDecimals, format: {factor, text} = {factor: 1, text: "{}"}}) {
+  if (!Number.isFinite(value)) return "none";
+  const ends = formatEnds({lower: lower / factor, upper: upper / factor, decimals, upperDecimals});
+  return text.replace("{}", [inDecimals(value / factor, decimals), ends].filter(Boolean).join(" "));
 }
 
 /** Format a number {value, format} without an interval. The library chooses the format {factor, digits, text} of a node. */

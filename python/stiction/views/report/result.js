@@ -224,10 +224,10 @@ function figuresOf(at, d, l) {
     return list;
   }
   if (at.status !== "ok") return list;
-  for (const [quantity, words, unit] of [["area", "True contact area", "µm²"], ["stiffness", "Normal stiffness", "mN/µm"]]) {
+  for (const [quantity, words] of [["area", "True contact area"], ["stiffness", "Normal stiffness"]]) {
     if (!hasQuantity(quantity)) continue;
     const of = quantityAt(quantity, d, l);
-    row(words, of.value, `${quoted(of)}\u00a0${unit}`);
+    row(words, of.value, quoted(of));
   }
   for (const {name, words} of facts.validity) {
     const number = numberAt(numbers, `validity_${name}`, at.index, here);

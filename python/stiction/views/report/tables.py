@@ -45,21 +45,29 @@ class EstimateArray:
 
     A page also stores the numbers of decimals to print, for `digits` (1 or 2) digits of the half-width of the interval.
     Values without an interval have the decimals of the estimates in `reference`, if it is given; the shapes must
-    broadcast.
+    broadcast. If there are `formats` by size, in descending order of `minimum`, a page also stores the index of the
+    format of each value. The factor of the format applies to the decimals, which replace its digits.
     """
 
     values: Floats
     reference: Floats | None = None
     digits: int = 1
+    formats: Sequence[NumberFormat] = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Return the values, interval ends and numbers of decimals, by name suffix."""
-        value_decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(self.values, -1, 0), digits=self.digits)
+        indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
+        factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
+        estimates = np.moveaxis(self.values / factors, -1, 0)
+        value_decimals, upper_decimals = count_estimate_decimals(*estimates, digits=self.digits)
         if self.reference is not None:
             reference_decimals, _ = count_estimate_decimals(*np.moveaxis(self.reference, -1, 0), digits=self.digits)
             value_decimals = np.where(np.isnan(self.values[..., 1]), reference_decimals, value_decimals)
-        columns = {end: self.values[..., index] for index, end in enumerate(("value", "lower", "upper"))}
-        return columns | {"decimals": value_decimals, "upper_decimals": upper_decimals}
+        columns: dict[str, NDArray[Any]] = {
+            end: self.values[..., index] for index, end in enumerate(("value", "lower", "upper"))
+        }
+        columns |= {"decimals": value_decimals, "upper_decimals": upper_decimals}
+        return columns if indices is None else columns | {"format": indices}
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,14 +82,14 @@ class NumberArray:
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Return the numbers and the indices of their formats, by name suffix."""
-        sizes = np.where(np.isnan(self.values) | (self.values == 0), 1.0, np.abs(self.values))
-        minima = MIN_ROUNDED_UP * np.array([item.minimum for item in reversed(self.formats)])
-        format_indices = len(minima) - np.searchsorted(minima, sizes, side="right")
-        return {"value": self.values, "format": format_indices.astype(np.int8)}
+        return {"value": self.values, "format": find_format_indices(self.values, self.formats)}
 
-    def format_records(self) -> list[dict[str, Any]]:
-        """Return the formats as records."""
-        return [{"factor": item.factor, "digits": item.digits, "text": item.text} for item in self.formats]
+
+def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDArray[np.int8]:
+    """Return the index of the format of each number, as `format_number` chooses the format of a single number."""
+    sizes = np.where(np.isnan(values) | (values == 0), 1.0, np.abs(values))
+    minima = MIN_ROUNDED_UP * np.array([item.minimum for item in reversed(formats)])
+    return (len(minima) - np.searchsorted(minima, sizes, side="right")).astype(np.int8)
 
 
 ReportArray = NDArray[Any] | EstimateArray | NumberArray
@@ -92,8 +100,8 @@ ReportArray = NDArray[Any] | EstimateArray | NumberArray
 class PackedArrays:
     """Encoded arrays of a page.
 
-    `offsets` maps each column to the index of its first number in the decoded array of its type. `formats` contains the
-    formats of each `NumberArray`.
+    `offsets` maps each column to the index of its first number in the decoded array of its type. `formats` contains
+    the formats of each array that has formats.
     """
 
     offsets: dict[str, int]
@@ -123,7 +131,10 @@ def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
         "floats": encode_doubles(np.concatenate(floats), STORED_FLOAT_BYTES),
         "small": encode_small_integers(np.concatenate(small_integers)),
     }
-    formats = {name: array.format_records() for name, array in arrays.items() if isinstance(array, NumberArray)}
+    formats = {
+        name: [{"factor": item.factor, "digits": item.digits, "text": item.text} for item in array.formats]
+        for name, array in arrays.items() if isinstance(array, EstimateArray | NumberArray)
+    }  # fmt: skip
     return PackedArrays(offsets, formats, texts)
 
 
