@@ -427,7 +427,7 @@ def test_contact_values_in_reports_of_measured_surfaces_equal_library_values(dat
     dataset, report_evaluator = dataset_and_evaluator
     reference = at_load(dataset, dataset["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0)
     names = [quantity["name"] for quantity in report_evaluator.facts["quantities"]]
-    assert {"contact_area_fraction", "contact_count", "mean_pressure", "normal_stiffness"} <= set(names)
+    assert {"contact_area", "contact_count", "mean_pressure", "normal_stiffness"} <= set(names)
     factors = {value["of"]: value["factor"] for value in report_evaluator.facts["curves"].values()}
     for quantity in report_evaluator.facts["quantities"]:
         expected = factors.get(quantity["name"], 1) * reference[quantity["name"]].transpose("load", "statistic").values

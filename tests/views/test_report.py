@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 from stiction import Profile, Result, Study, levelled, pair, run, self_affine
+from stiction.mechanics.quantities import STIFFNESS_PER_AREA_QUANTITIES
 from stiction.studies.nodes import MAX_NODES, NUM_REPORT_LOADS
 from stiction.studies.report_data import collect_report_data
 from stiction.studies.study import parse_study_of_dataset
@@ -133,6 +134,25 @@ def test_report_shows_how_each_file_was_read(tmp_path):
     assert cells["given, not read from the file"] == "accept = tall"
     (tmp_path / "a.csv").unlink()
     assert "How a.csv was read" not in html.unescape(report_page(result.source))
+
+
+@pytest.mark.usefixtures("disable_figures")
+@pytest.mark.parametrize("fixture_name", ["maps_dataset", "profiles_dataset"])
+def test_report_divides_by_the_nominal_area_only_where_the_terminal_does(fixture_name, request):
+    """The nominal area of spheres on a strip has no meaning."""
+    result = Result(request.getfixturevalue(fixture_name))
+    content = measured_report_content(collect_report_data(result), "")
+    terminal_text = result_text(result.summary(), verbose=True)
+    has_nominal_area = "true area A/A0" in terminal_text
+    assert has_nominal_area == (fixture_name == "maps_dataset")
+    names = {table.name for table in content.quantities}
+    assert has_nominal_area == bool(names & {"contact_area_fraction", *STIFFNESS_PER_AREA_QUANTITIES})
+    assert {content.facts["curves"][name]["of"] for name in ("area", "stiffness")} <= names
+    assert has_nominal_area == ("MPa" in content.facts["loads"]["unit"])
+    load_index = content.facts["loads"]["values"].index(result.summary().first.at["load"])
+    load_text = content.facts["loads"]["texts"][load_index]
+    assert has_nominal_area == ("MPa" in load_text)
+    assert load_text in terminal_text
 
 
 @pytest.mark.usefixtures("disable_figures")

@@ -12,6 +12,7 @@ from stiction.studies.figure_values import (
     evaluate_onset_over_dimension,
     evaluate_positions_at_first_load,
 )
+from stiction.studies.point import has_nominal_area
 from stiction.studies.result import Result
 from stiction.studies.study_description import StudyDescription, describe_study
 from stiction.studies.values_at_nodes import (
@@ -68,6 +69,8 @@ class MeasuredReportData(ReportData):
     ----------
     cut_offs : list of float, µm
     nominal_area : float, µm²
+    has_nominal_area : bool
+        As for the function `has_nominal_area`.
     effective_modulus : float, GPa
     bodies : dict
         Files and processing of the upper and the lower body.
@@ -83,6 +86,7 @@ class MeasuredReportData(ReportData):
 
     cut_offs: list[float]
     nominal_area: float
+    has_nominal_area: bool
     effective_modulus: float
     bodies: dict[str, BodyHistory]
     contact_picture: xarray.Dataset | None
@@ -173,6 +177,7 @@ def _collect_measured_data(result: Result, picture: xarray.Dataset | None) -> Me
         num_solved=result.members.size,
         cut_offs=head["cut_off"].values.tolist(),
         nominal_area=float(head["nominal_area"]),
+        has_nominal_area=has_nominal_area(head, study),
         effective_modulus=float(head["effective_modulus"]),
         contact_picture=result.contact_picture if picture is None else picture,
         loading_cycle=result.loading_cycle,

@@ -7,15 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from stiction._checks import Floats
 from stiction._number_format import format_with_unit
 from stiction._text import printable_text
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import QUANTITIES
+from stiction.mechanics.quantities import QUANTITIES, STIFFNESS_PER_AREA_QUANTITIES
 from stiction.studies.assessment import find_smallest_check_limit
 from stiction.studies.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES, count_members_text, find_member_names
 from stiction.studies.report_data import MAX_FILE_READINGS, BodyHistory, MeasuredReportData
-from stiction.studies.study import Study
 from stiction.studies.summary import PointSummary, Summary
 from stiction.studies.values_at_nodes import ORDERED_STATUSES, MeasuredValuesAtNodes
 from stiction.views.assessment import most_useful_measurement_text
@@ -23,6 +21,7 @@ from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import (
     averaged_directions_text,
     cutoff_text,
+    load_text,
     material_names_text,
     motion_direction_text,
     nominal_area_text,
@@ -47,7 +46,7 @@ def measured_report_content(data: MeasuredReportData, name: str) -> ReportConten
         name=name,
         facts=_page_facts(data) | {"name": name},
         arrays=_friction_arrays(data.values),
-        quantities=_list_quantity_tables(data.values.load_quantities, data.study),
+        quantities=_list_quantity_tables(data),
         members_text=f"{count_members_text(data.study, data.num_members)} of the two surfaces",
         heading_lines=_heading_lines(data),
         description_markup=_summary_markup(data.summary) + "".join(histories),
@@ -62,6 +61,7 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
     study, summary, area, values = data.study, data.summary, data.nominal_area, data.values
     surfaces: Any = study.surfaces
     loads, angles = values.loads.tolist(), data.directions
+    pressures = [load / area if data.has_nominal_area else math.nan for load in loads]
     study_loads = [float(load) for load in study.friction.load]
     return {
         "isMeasured": True,
@@ -73,8 +73,8 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
         "kinds": [_MEMBER_KIND_TEXTS.get(kind or "", find_member_names(study)[1]) for kind in values.member_kinds],
         "loads": {
             "values": loads,
-            "texts": [f"{format_with_unit(load, 'mN')} ({format_with_unit(load / area, 'GPa')})" for load in loads],
-            "unit": f"; 1 mN is {1000 / area:.4g} MPa",
+            "texts": [load_text(*items) for items in zip(loads, pressures, strict=True)],
+            "unit": f"; 1 mN is {1000 / area:.4g} MPa" if data.has_nominal_area else "",
         },
         "start": {
             "cell": data.cut_offs.index(summary.first.at.get("cut_off", data.cut_offs[0])),
@@ -98,17 +98,29 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
         "memberCounts": values.member_counts,
         "hasAlternatives": values.has_alternatives,
         "ranged": any(axis.ranged.size for axis in values.axes),
-        "answers": [_assessment_record(point) for point in summary.points], "validity": [], "curves": _CURVE_PANELS,
+        "answers": [_assessment_record(point) for point in summary.points], "validity": [],
+        "curves": _CURVE_PANELS[data.has_nominal_area],
         "modulus": data.effective_modulus, "area": area,
     }  # fmt: skip
 
 
-_CURVE_PANELS: dict[str, dict[str, Any]] = {
-    "area": {"of": "contact_area_fraction", "title": "true contact area _A_/_A_~0~ (%)", "factor": 100},
-    "stiffness": {"of": "stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1e-3},
-    "unloading": {"of": "unloading_stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1e-3},
-}
-"""Quantity, axis title and unit conversion factor for each additional plot against load."""
+_CURVE_PANELS: dict[bool, dict[str, dict[str, Any]]] = {
+    True: {
+        "area": {"of": "contact_area_fraction", "title": "true contact area _A_/_A_~0~ (%)", "factor": 100},
+        "stiffness": {"of": "stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1e-3},
+        "unloading": {
+            "of": "unloading_stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1e-3,
+        },
+    },
+    False: {
+        "area": {"of": "contact_area", "title": "true contact area _A_ (µm²)", "factor": 1},
+        "stiffness": {"of": "normal_stiffness", "title": "normal stiffness (mN/µm)", "factor": 1},
+    },
+}  # fmt: skip
+"""Quantity, axis title and unit conversion factor for each additional plot against load.
+
+The keys specify whether the nominal area is meaningful.
+"""
 
 
 def _friction_arrays(values: MeasuredValuesAtNodes) -> dict[str, ReportArray]:
@@ -175,19 +187,22 @@ def _history_markup(side: str, history: BodyHistory) -> str:
     return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
-def _list_quantity_tables(estimates_by_name: dict[str, Floats], study: Study) -> list[QuantityTable]:
+def _list_quantity_tables(data: MeasuredReportData) -> list[QuantityTable]:
     """Return a table for each quantity that has values, except friction."""
     tables = []
-    factors = {curve_panel["of"]: curve_panel["factor"] for curve_panel in _CURVE_PANELS.values()}
-    for name, estimates in estimates_by_name.items():
+    curve_panels = _CURVE_PANELS[data.has_nominal_area].values()
+    factors = {curve_panel["of"]: curve_panel["factor"] for curve_panel in curve_panels}
+    for name, estimates in data.values.load_quantities.items():
+        if not data.has_nominal_area and name in ("contact_area_fraction", *STIFFNESS_PER_AREA_QUANTITIES):
+            continue
         if not np.isfinite(estimates[0]).any() or (
             name == "load_share_at_hardness" and not np.nan_to_num(estimates[0]).any()
         ):
             continue
         quantity = QUANTITIES[name]
-        label = quantity_label(name, study)
+        label = quantity_label(name, data.study)
         words = label[0].upper() + label[1:]
-        limit = find_smallest_check_limit(name, study)
+        limit = find_smallest_check_limit(name, data.study)
         tables.append(QuantityTable(name, words, quantity.table_unit, estimates, factors.get(name, 1), limit))
     return tables
 
