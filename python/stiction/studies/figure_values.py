@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stiction._units import exact_quantity
 from stiction.studies.members import generate_phases, generate_unscaled_profile, pair_of
+from stiction.studies.point import has_nominal_area
 from stiction.studies.result import Result
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
@@ -64,11 +65,16 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 def evaluate_height_factors(
     result: Result, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:
-    """Evaluate a result at its stored height factors, for the first load and one pair of mu0 and tau0 in the study."""
+    """Evaluate a result at its stored height factors, for the first load and one pair of mu0 and tau0 in the study.
+
+    Area fractions are omitted if the nominal area is not meaningful.
+    """
     settings, factors = result.study.friction, result.height_factors[scaled_bodies]
     mu0, tau0 = settings.mu0[mu0_index], float(settings.tau0[tau0_index])
     points = result.at(float(settings.load[0]), mu0=mu0, tau0=tau0, height_scale=factors, scaled=scaled_bodies)
-    return points.isel(load=0, mu0=0, tau0=0)
+    points = points.isel(load=0, mu0=0, tau0=0)
+    is_meaningful = has_nominal_area(points, result.study)
+    return points if is_meaningful else points.drop_vars("contact_area_fraction", errors="ignore")
 
 
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
