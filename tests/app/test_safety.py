@@ -414,6 +414,23 @@ def test_unexpected_error_of_an_intermediate_result_is_logged_while_the_command_
     assert record.exc_info[0] is {"preview": KeyError, "folder": AttributeError}[failing_source]
 
 
+def test_job_with_an_unexpected_error_fails_with_a_message_and_is_logged(tmp_path, monkeypatch, caplog):
+    async def run_module(arguments, **_):
+        raise KeyError(arguments[0])
+
+    async def check():
+        job = JobQueue(tmp_path).add("a pair", ["pair"])
+        await asyncio.gather(job.task, return_exceptions=True)
+        return job
+
+    monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
+    job = asyncio.run(check())
+    assert (job.state, job.activity) == ("failed", "")
+    assert "unexpected error" in job.error
+    (record,) = caplog.records
+    assert record.exc_info[0] is KeyError
+
+
 def test_command_and_its_preview_share_the_memory_of_the_machine(tmp_path, monkeypatch):
     memory_fractions = {}
 

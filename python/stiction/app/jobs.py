@@ -123,6 +123,7 @@ class JobQueue:
             len(self.jobs_by_number) + 1, title, arguments, folder, preview
         )
         job.task = asyncio.create_task(self._run_job(job))
+        job.task.add_done_callback(_print_unexpected_error)
         return job
 
     async def shut_down(self) -> None:
@@ -136,6 +137,7 @@ class JobQueue:
 
     async def _run_job(self, job: Job) -> None:
         """Run a job until it ends, and read its final result."""
+        final_state = "failed"
         try:
             async with self._job_lock:
                 job.state = "running"
@@ -149,12 +151,15 @@ class JobQueue:
                 if has_begun and not self._is_ending:
                     await self._read_result(job)
         except REPORTED_EXCEPTIONS as error:
-            final_state = "failed"
             has_only_values = job.record is not None and job.files is None
             job.error = "the report of this result could not be written: " * has_only_values + hide_private_paths(
                 str(error) or "not enough memory for this computation", self.root
             )
-        job.state, job.activity = final_state, ""
+        except Exception:
+            job.error = "unexpected error; the terminal of the server shows the details"
+            raise
+        finally:
+            job.state, job.activity = final_state, ""
 
     async def _run_command(self, job: Job) -> None:
         if job.folder.is_relative_to(self.root):
@@ -273,9 +278,9 @@ class JobQueue:
 
 
 def _print_unexpected_error(task: asyncio.Task[None]) -> None:
-    """Print the error of a task in the terminal of the server. The command of the job continues."""
+    """Print the error of a task in the terminal of the server. Other tasks continue."""
     if not task.cancelled() and (error := task.exception()) is not None:
-        context = {"message": "an intermediate result cannot be shown", "exception": error, "task": task}
+        context = {"message": "unexpected error in a job", "exception": error, "task": task}
         task.get_loop().call_exception_handler(context)
 
 
