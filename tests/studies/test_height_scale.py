@@ -379,14 +379,18 @@ def test_stored_study_without_height_factor_can_be_opened(bodies, tmp_path):
 @pytest.mark.parametrize(
     ("mechanics", "quantity"), [("asperities", "contact_area"), ("half-space", "contact_area_fraction")]
 )
-def test_height_factor_figure_shows_area_fractions_only_if_the_nominal_area_is_meaningful(mechanics, quantity):
+def test_figures_show_area_fractions_only_if_the_nominal_area_is_meaningful(mechanics, quantity):
     upper, lower = (
         self_affine(2, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side) for side in ("upper", "lower")
     )
     options = {"load": "0.1 mN", "mu0": 0.3, "effective_modulus": "10 GPa", "mechanics": mechanics}
     result = pair(upper, lower, offsets=6, onset=0, **options)
     compute_results_at_height_factors(result.source, [0.5])
-    assert result.figure("height_scale").axes[1].get_ylabel() == axis_label(quantity)
+    for name in ("friction", "height_scale"):
+        assert result.figure(name).axes[1].get_ylabel() == axis_label(quantity)
+    assert bool(result.figure("friction").axes[0].child_axes) == (
+        mechanics == "half-space"
+    )  # axis of nominal pressures
 
 
 def test_figure_and_report_show_stored_height_factors(bodies, result, tmp_path):

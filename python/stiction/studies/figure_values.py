@@ -67,14 +67,18 @@ def evaluate_height_factors(
 ) -> xarray.Dataset:
     """Evaluate a result at its stored height factors, for the first load and one pair of mu0 and tau0 in the study.
 
-    Area fractions are omitted if the nominal area is not meaningful.
+    The nominal area is omitted if it is not meaningful.
     """
     settings, factors = result.study.friction, result.height_factors[scaled_bodies]
     mu0, tau0 = settings.mu0[mu0_index], float(settings.tau0[tau0_index])
     points = result.at(float(settings.load[0]), mu0=mu0, tau0=tau0, height_scale=factors, scaled=scaled_bodies)
-    points = points.isel(load=0, mu0=0, tau0=0)
-    is_meaningful = has_nominal_area(points, result.study)
-    return points if is_meaningful else points.drop_vars("contact_area_fraction", errors="ignore")
+    return omit_meaningless_area(points.isel(load=0, mu0=0, tau0=0), result.study)
+
+
+def omit_meaningless_area(points: xarray.Dataset, study: Study) -> xarray.Dataset:
+    """Return a result of `Result.at` without nominal area and area fraction if the nominal area is not meaningful."""
+    names = ["nominal_area", "contact_area_fraction"]
+    return points if has_nominal_area(points, study) else points.drop_vars(names, errors="ignore")
 
 
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------

@@ -23,6 +23,7 @@ from stiction.studies.figure_values import (
     generate_bodies_by_length_scale,
     generate_profiles,
     iterate_motions,
+    omit_meaningless_area,
 )
 from stiction.studies.result import Result
 from stiction.studies.study import Study
@@ -163,7 +164,8 @@ def _measured_surface_figures(
         suffix = "" if number == 1 else f"-{number}"
         selection = unfiltered_points.isel(mu0=mu0_index, tau0=tau0_index)
         dataset = selection.sel(load=first_load, method="nearest")
-        yield f"friction{suffix}", partial(friction_by_load_figure, selection, study_loads, title=title)
+        points_over_load = omit_meaningless_area(selection, study)
+        yield f"friction{suffix}", partial(friction_by_load_figure, points_over_load, study_loads, title=title)
         if points.sizes.get("direction", 1) >= MIN_COMPASS_DIRECTIONS:
             yield f"compass{suffix}", partial(friction_by_direction_figure, dataset, title=title)
         yield f"positions{suffix}", partial(_positions_figure, result, dataset, title=title)
