@@ -7,7 +7,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, pair
+from stiction import Profile, Surface, levelled, pair
 from stiction.studies import scan_defects
 from stiction.studies.input_caveats import find_alternatives
 from stiction.studies.measured_surfaces import MeasuredBodySettings
@@ -138,6 +138,21 @@ def test_spectrum_of_flat_scan_with_spikes_includes_the_spikes(slope):
         assert defects.outliers.sum() == 1
         assert defects.body_without_outliers is defects.body
         assert defects.instrument_limit.matters
+
+
+@pytest.mark.parametrize("num_levels", [8, 64])
+@pytest.mark.parametrize("shape", [(2000,), (96, 96)])
+def test_spikes_of_rounded_scan_are_found(num_levels, shape):
+    heights = filtered_noise(np.random.default_rng(3), shape, 0.8, shortest=16)
+    step, kind = np.ptp(heights) / (num_levels - 1), Profile if len(shape) == 1 else Surface
+    spiky_heights = add_spikes(heights, 5)
+    for form in ("none", "line" if len(shape) == 1 else "plane"):
+        num_spikes = []
+        for each in (heights, spiky_heights):
+            body = kind(0.1 * step * np.round(each / step), spacing=0.5)
+            body = body if form == "none" else levelled(body, form)
+            num_spikes.append(ScanDefects(body, None, textured=False).num_spikes)
+        assert num_spikes == [0, 5]
 
 
 def test_pair_with_spikes_is_not_filtered_and_keeps_the_spikes(tmp_path):

@@ -207,6 +207,60 @@ def test_outlier_detection_has_few_false_positives(machining):
     assert num_outliers <= 10  # The five profiles have 10240 points in total.
 
 
+def add_spikes(heights, seed):
+    """Return heights with spikes of 4 to 12 rms heights at 0.15 % of the points, and a mask of the spikes."""
+    rng, spiky_heights, is_spike = np.random.default_rng(seed), heights.copy(), np.zeros(heights.shape, bool)
+    num_spikes = max(3, heights.size // 700)
+    is_spike.flat[rng.choice(heights.size, num_spikes, replace=False)] = True
+    spiky_heights[is_spike] += rng.choice([-1, 1], num_spikes) * rng.uniform(4, 12, num_spikes) * heights.std()
+    return spiky_heights, is_spike
+
+
+@pytest.mark.parametrize("num_levels", [8, 16, 32, 64, 256])
+@pytest.mark.parametrize("shape", [(2048,), (96, 96)])
+def test_outlier_detection_distinguishes_spikes_from_rounding(num_levels, shape):
+    body_class, form = (Profile, "line") if len(shape) == 1 else (Surface, "plane")
+    num_outliers = num_found = num_spikes = 0
+    for seed, hurst, shortest in ((1, 0.8, None), (2, 1.0, None), (3, 0.8, 16), (4, 0.5, None)):
+        heights = filtered_noise(np.random.default_rng(seed), shape, hurst, shortest=shortest)
+        spiky_heights, is_spike = add_spikes(heights, seed)
+        step = np.ptp(heights) / (num_levels - 1)
+        for each in (heights, spiky_heights):
+            body = body_class(step * np.round(each / step), spacing=0.5)
+            for body_heights in (body.heights, levelled(body, form).heights):
+                is_outlier = find_outliers(body_heights)
+                if each is heights:
+                    num_outliers += int(is_outlier.sum())
+                else:
+                    num_outliers += int((is_outlier & ~is_spike).sum())
+                    num_found += int((is_outlier & is_spike).sum())
+                    num_spikes += int(is_spike.sum())
+    assert num_outliers <= 2
+    assert num_found > 0.97 * num_spikes
+
+
+@pytest.mark.parametrize("num_levels", [None, 256])
+@pytest.mark.parametrize("flat_fraction", [0.6, 0.8])
+@pytest.mark.parametrize("shape", [(2048,), (128, 128)])
+def test_outlier_detection_finds_spikes_of_partly_flat_scans(num_levels, flat_fraction, shape):
+    body_class, form = (Profile, "line") if len(shape) == 1 else (Surface, "plane")
+    num_found = num_spikes = num_outliers = num_points = 0
+    for seed in range(3):
+        heights = filtered_noise(np.random.default_rng(seed), shape, 0.7, longest=60)
+        heights = np.minimum(heights, np.quantile(heights, 1 - flat_fraction))
+        if num_levels is not None:
+            heights = np.round(heights * num_levels / np.ptp(heights)) * np.ptp(heights) / num_levels
+        spiky_heights, is_spike = add_spikes(heights, seed)
+        for scan_heights in (spiky_heights, levelled(body_class(spiky_heights, spacing=0.5), form).heights):
+            is_outlier = find_outliers(scan_heights)
+            num_found += int((is_outlier & is_spike).sum())
+            num_spikes += int(is_spike.sum())
+            num_outliers += int((is_outlier & ~is_spike).sum())
+            num_points += heights.size
+    assert num_found > 0.97 * num_spikes
+    assert num_outliers < 0.015 * num_points
+
+
 def test_nominal_area_excludes_missing_points_and_interpolation_adds_a_caveat(complete_surface, scan_path):
     scan, complete_result = (
         read_surface(scan_path, missing="mask", **READ_OPTIONS),

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from stiction._caching import cached_property
+from stiction.surfaces.height_step import find_height_step
 from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
 from stiction.surfaces.measured.writing import heights_with_nan
 from stiction.surfaces.missing_data import find_outliers, with_interpolated_points
@@ -131,19 +134,21 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     """Find points next to a large second difference of a profile, or map points far from the median of 3 x 3 points."""
     from scipy.ndimage import maximum_filter, median_filter
 
+    rounding_error = find_height_step(heights_with_nan(body)) / math.sqrt(12)  # rms error of rounded heights
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
         # The second difference is large beside wider spikes, and it is unknown at both ends.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
-        threshold = MIN_SPIKE_SHARPNESS_RATIO
+        threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
     else:
         heights = levelled(body, "plane").heights
         distances, typical_distances = (
             np.abs(heights - median_filter(heights, size=3)),
             np.abs(heights - np.median(heights)),
         )
-        threshold = MIN_SPIKE_HEIGHT_RATIO
-    usual_distance = float(np.median(typical_distances)) / 0.6745
+        threshold, rounding_distance = MIN_SPIKE_HEIGHT_RATIO, rounding_error
+    # More than half of the distances between rounded heights may be 0.
+    usual_distance = max(float(np.median(typical_distances)) / 0.6745, rounding_distance)
     return np.asarray(distances > threshold * usual_distance) if usual_distance > 0 else np.zeros(distances.shape, bool)
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._repr import format_with_unit
+from stiction.surfaces.height_step import find_height_step
 
 if TYPE_CHECKING:
     from stiction.surfaces.surface import AnyBody
@@ -24,6 +25,14 @@ The robust standard deviation is 1.4826 times the median absolute deviation.
 _MIN_OUTLIER_RATIO = MIN_OUTLIER_DEVIATIONS * 1.4826  # the same deviation as a multiple of the median deviation
 MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; a larger group is a feature of the surface
 
+# Median deviation of rounding errors from their neighbours, as a fraction of the step to which heights are rounded.
+# Independent errors give 0.25 for deviations from means, and 0.21 (profiles) or 0.33 (maps) for deviations from lines.
+_MEDIAN_ROUNDING_DEVIATION = 0.25
+# Round-off of heights from which a form was subtracted, as a fraction of their range.
+_ROUND_OFF_RATIO = 1e-10
+# Fraction of deviations that are at most the resolution of the heights. If it is exceeded, the scan has flat regions.
+_MAX_FLAT_FRACTION = 0.25
+
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles (1) and for maps (2)
 # Minimum number of estimates of a height from neighbouring points.
 # Three estimates are enough even if one of them is affected by another outlier.
@@ -33,7 +42,8 @@ _MIN_NEIGHBOUR_ESTIMATES = 3
 _MAX_COINCIDENT_LINES = 2
 _MAX_OUTLIER_PASSES = 8
 _MAX_WINDOWS = 100_000  # maximum number of neighbourhoods whose medians are computed at a time
-# The scatter of edge points is estimated separately only if there are at least this many edge points.
+# The scatter of edge points, and of rough regions beside flat regions, is estimated separately only if there are at
+# least this many points.
 _MIN_EDGE_POINTS = 20
 
 
@@ -103,18 +113,20 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
     An outlier deviates from the median of the means of opposite neighbours (which is independent of the slope), and
     from the lines through two neighbours on nearly all sides (a cusp or an edge continues along one of these lines).
     Both deviations are compared with the robust standard deviation of the whole scan and of the neighbourhood. The
-    largest outliers are removed first and the test is repeated, so that outliers do not mask each other.
+    robust standard deviation of rounded heights is at least that of rounding errors (`find_height_step`). The largest
+    outliers are removed first and the test is repeated, so that outliers do not mask each other.
     """
     from scipy.ndimage import label, maximum_filter
 
     is_measured, remaining_heights, is_outlier = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
     typical_deviations: list[_TypicalDeviations] = []
+    resolution = _find_resolution(heights)
     for _ in range(_MAX_OUTLIER_PASSES):
         mean_deviations, line_deviations, at_edge = _deviations_from_neighbours(heights, remaining_heights)
         if not typical_deviations:
             typical_deviations = [
-                _find_typical_deviations(mean_deviations, is_measured, np.zeros_like(is_measured)),
-                _find_typical_deviations(line_deviations, is_measured, at_edge),
+                _find_typical_deviations(mean_deviations, is_measured, np.zeros_like(is_measured), resolution),
+                _find_typical_deviations(line_deviations, is_measured, at_edge, resolution),
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.of_scan for typical in typical_deviations])
@@ -170,17 +182,42 @@ class _TypicalDeviations:
 
 
 def _find_typical_deviations(
-    distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_]
+    distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_], resolution: float
 ) -> _TypicalDeviations:
-    """Find the median deviation of edge points and of all other points."""
+    """Find the median deviation of edge points and of all other points.
+
+    Deviations up to the resolution (µm) of the heights may be due to rounding. If the scan has flat regions, where most
+    deviations are so small, the median of the other regions is used in and beside these other regions.
+    """
+    from scipy.ndimage import maximum_filter, median_filter
+
+    is_known, width = is_measured & np.isfinite(distances), _WINDOW_WIDTHS[distances.ndim]
+    is_rough = near_rough_region = np.zeros(distances.shape, np.bool_)
+    if is_known.any() and np.quantile(distances[is_known], _MAX_FLAT_FRACTION) <= resolution:
+        is_rough = is_known & (median_filter(np.where(is_known, distances, 0.0), size=width) > resolution)
+        near_rough_region = maximum_filter(is_rough, size=width)
     typical_values = np.zeros(distances.shape)
     for group_mask in (~at_edge, at_edge):
-        values = distances[group_mask & is_measured & np.isfinite(distances)]
+        values, rough_values = (distances[group_mask & points] for points in (is_known, is_known & is_rough))
         if values.size >= _MIN_EDGE_POINTS:
-            typical_values[group_mask | (typical_values == 0)] = np.median(values)
+            group_mask = group_mask | (typical_values == 0)
+            typical_value = max(float(np.median(values)), _MEDIAN_ROUNDING_DEVIATION * resolution)
+            typical_values[group_mask] = typical_value
+            if rough_values.size >= _MIN_EDGE_POINTS:
+                typical_values[group_mask & near_rough_region] = max(float(np.median(rough_values)), typical_value)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(is_measured & np.isfinite(distances) & (typical_values > 0), distances / typical_values, 1.0)
     return _TypicalDeviations(typical_values, ratio)
+
+
+def _find_resolution(heights: Floats) -> float:
+    """Return the step (µm) to which heights are rounded, or their round-off.
+
+    The result is slightly larger, so that deviations of one step do not exceed it.
+    """
+    measured_heights = heights[np.isfinite(heights)]
+    height_range = float(np.ptp(measured_heights)) if measured_heights.size else 0.0
+    return 1.01 * max(find_height_step(heights), _ROUND_OFF_RATIO * height_range)
 
 
 def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:

@@ -1,0 +1,66 @@
+"""Step to which an instrument or a file format rounded the heights of a scan."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stiction._checks import Floats
+
+# Second differences count as equal if they differ by less than this fraction of the height range.
+# Larger than the round-off of levelling and of single-precision heights.
+_TOLERANCE_RATIO = 1e-6
+_MIN_REPETITIONS = 5  # minimum number of equal second differences that may be due to rounding
+_MIN_REPEATED_FRACTION = 0.5  # minimum fraction of second differences that are repeated
+# minimum fraction of second differences that are multiples of the step, and the accepted deviation in steps
+_MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
+# Maximum ratio of the step to the height range. Fewer than four levels may also be a flat scan with equal spikes.
+_MAX_STEP_RATIO = 1 / 3 + 1e-6
+
+
+def find_height_step(heights: Floats) -> float:
+    """Find the step to which heights are rounded, also if a line, a plane or a parabola was subtracted afterwards.
+
+    Parameters
+    ----------
+    heights : (n,) or (rows, columns) ndarray of float, µm
+        NaN at missing points.
+
+    Returns
+    -------
+    step : float, µm
+        0 if the heights are not rounded, if they have fewer than four levels, or if the second differences are so much
+        larger than the step that rounding does not matter.
+
+    Notes
+    -----
+    Second differences of rounded heights are multiples of the step, and the differences of one step in both directions
+    are frequent. A subtracted parabola changes all second differences along an axis by the same amount, so their median
+    is subtracted. Single spikes do not have equal second differences of both signs.
+    """
+    is_measured = np.isfinite(heights)
+    tolerance = _TOLERANCE_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
+    if not tolerance > 0:
+        return 0.0
+    differences = np.concatenate([_centred_second_differences(heights, axis) for axis in range(heights.ndim)])
+    numbers, counts = np.unique(np.rint(differences / tolerance), return_counts=True)
+    is_repeated = counts >= _MIN_REPETITIONS
+    if counts[is_repeated].sum() <= _MIN_REPEATED_FRACTION * differences.size:
+        return 0.0
+    positive, negative = numbers[is_repeated & (numbers > 0)], -numbers[is_repeated & (numbers < 0)]
+    has_both_signs = np.isin(positive, np.concatenate([negative - 1, negative, negative + 1]))
+    if not has_both_signs.any():
+        return 0.0
+    number = float(positive[has_both_signs].min())
+    step = float(np.median(differences[np.rint(differences / tolerance) == number]))
+    if step > _MAX_STEP_RATIO * tolerance / _TOLERANCE_RATIO:
+        return 0.0
+    multiples = differences / step
+    is_multiple = np.abs(multiples - np.rint(multiples)) <= _MULTIPLE_TOLERANCE
+    return step if is_multiple.mean() >= _MIN_FRACTION_OF_MULTIPLES else 0.0
+
+
+def _centred_second_differences(heights: Floats, axis: int) -> Floats:
+    """Return the known second differences along an axis, minus one of the values nearest to their median."""
+    differences = np.diff(heights, 2, axis=axis)
+    differences = differences[np.isfinite(differences)]
+    return differences - np.quantile(differences, 0.5, method="lower") if differences.size else differences

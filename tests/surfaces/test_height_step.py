@@ -1,0 +1,47 @@
+"""Step of rounded heights: found after levelling, and absent for unrounded heights and flat scans with spikes."""
+
+import numpy as np
+import pytest
+from stiction import Profile, Surface, levelled
+from stiction.surfaces.height_step import find_height_step
+from support.machined_surfaces import MACHINED_SURFACES, filtered_noise
+
+# Levelling, or storing heights as single-precision numbers, changes second differences only by round-off.
+STEP_TOLERANCE = 1e-3
+
+
+def round_to_levels(heights, num_levels):
+    """Return heights rounded to a number of levels within their range, and the step between the levels."""
+    step = np.ptp(heights) / (num_levels - 1)
+    return step * np.round((heights - heights.min()) / step), step
+
+
+@pytest.mark.parametrize("num_levels", [8, 32, 256])
+@pytest.mark.parametrize("shape", [(2048,), (96, 96)])
+def test_step_of_rounded_heights_is_found_after_levelling(num_levels, shape):
+    body_class, forms = (Profile, ("line", "quadratic")) if len(shape) == 1 else (Surface, ("plane", "quadratic"))
+    for seed, shortest in ((1, None), (2, 16)):
+        smooth_heights = 0.1 * filtered_noise(np.random.default_rng(seed), shape, 0.8, shortest=shortest)
+        heights, step = round_to_levels(smooth_heights, num_levels)
+        levelled_heights = [levelled(body_class(heights, spacing=0.5), form).heights for form in forms]
+        missing_points = np.where(np.arange(heights.size).reshape(shape) % 50 == 7, np.nan, heights)
+        single_precision = [each.astype(np.float32).astype(float) for each in (heights, *levelled_heights)]
+        for each in (heights, 25.0 + heights, *levelled_heights, *single_precision, missing_points):
+            assert find_height_step(each) == pytest.approx(step, rel=STEP_TOLERANCE)
+
+
+@pytest.mark.parametrize("machining", MACHINED_SURFACES)
+@pytest.mark.parametrize("dimensions", [1, 2])
+def test_unrounded_heights_have_no_step(machining, dimensions):
+    for seed in range(3):
+        heights = MACHINED_SURFACES[machining](np.random.default_rng(seed), dimensions)
+        assert find_height_step(heights) < 1e-5 * np.ptp(heights)
+
+
+@pytest.mark.parametrize("shape", [(2048,), (64, 64)])
+def test_flat_scan_with_equal_spikes_has_no_step(shape):
+    heights = np.zeros(shape)
+    assert find_height_step(heights) == find_height_step(np.full(shape, np.nan)) == 0
+    heights[..., 5::17] = heights[..., 6::17] = 1.0  # pairs of saturated points
+    assert find_height_step(heights) == 0
+    assert find_height_step(np.array([1.0, 2.0])) == 0
