@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+import xarray
 from stiction import Result, Study, run
 from stiction.studies.report_data import collect_report_data
 from stiction.studies.study import parse_study_of_dataset
@@ -59,8 +60,11 @@ def test_measured_report_data_equal_the_result(maps_dataset):
     assert data.cut_offs == [0.0]
     assert float(data.positions["load"]) == float(result.study.friction.load[0])
     assert (data.contact_picture, data.loading_cycle, data.height_factors) == (None, None, {})
-    picture = data.positions  # any dataset
-    assert collect_report_data(result, picture).contact_picture is picture
+    slopes = {"contact_slope_x": ("contact", [0.1, -0.1, 0.2]), "contact_slope_y": ("contact", [0.0, 0.1, 0.0])}
+    picture = xarray.Dataset(slopes)
+    data_with_picture = collect_report_data(result, picture)
+    assert data_with_picture.contact_picture is picture
+    assert data_with_picture.num_opposing_contacts == 2
     single_member = collect_report_data(Result.of(maps_dataset.isel(repetition=[0])))
     assert single_member.positions is None
 

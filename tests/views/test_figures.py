@@ -40,7 +40,7 @@ from stiction.views.figures.ensemble import (
 from stiction.views.figures.loads import cut_off_figure, format_log_axis
 from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
-from stiction.views.report.pictures import inline_svg, list_measured_panels
+from stiction.views.report.pictures import inline_svg, list_panels
 from stiction.views.rows import summary_json, summary_table
 from stiction.views.style import FIGURE_FORMATS, save_figure, spread_label_positions
 from support.generated_studies import SMALL_STUDY, empty_dataset
@@ -435,7 +435,7 @@ def test_list_of_figures_computes_no_resolution_limits(maps_at_two_cutoffs, monk
 
 def test_report_and_plot_draw_the_same_figure_over_the_cutoff(maps_at_two_cutoffs):
     result = Result.of(maps_at_two_cutoffs)
-    panels = {panel.title: panel for panel in list_measured_panels(collect_report_data(result))}
+    panels = {panel.title: panel for panel in list_panels(collect_report_data(result))}
     figures = [panels["Cutoff wavelength"].draw_figure(), dict(select_figures(result))["cut_off"]()]
     drawn_lines = [
         [

@@ -14,7 +14,6 @@ from stiction._units import short_repr
 from stiction.cli.application import print_message, print_output, report_interruption, show_status
 from stiction.cli.options import option
 from stiction.studies.executors import thread_pool_executor
-from stiction.studies.member_names import count_members_text
 from stiction.studies.pipeline import complete_result
 from stiction.studies.result import Result
 from stiction.studies.store import StoreError, StudyMismatchError, open_stored_result
@@ -103,7 +102,7 @@ def compute_result_in_folder(
         detail = ""
         with contextlib.suppress(StoreError):  # an exception means that no result is stored yet
             stored_result = open_stored_result(directory)
-            count_text = count_members_text(study, stored_result.study.ensemble.repetitions)
+            count_text = study.member_names.with_count(stored_result.study.ensemble.repetitions)
             progress = f"{stored_result.num_finished} of {count_text} are finished and stored"
             detail = f"; {progress}: run the same command again to resume"
         raise report_interruption(detail) from None

@@ -29,13 +29,12 @@ def complete_output_command(result: Result) -> str:
 
 def open_result_with_warning(directory: Path) -> Result:
     """Open the result in a directory, and print a warning if it is unfinished."""
-    from stiction.studies.member_names import count_members_text
     from stiction.studies.result import Result
     from stiction.studies.store import StoreError, open_stored_result
 
     stored_result = open_stored_result(directory)
     num_repetitions = stored_result.study.ensemble.repetitions
-    count_text = count_members_text(stored_result.study, num_repetitions)
+    count_text = stored_result.study.member_names.with_count(num_repetitions)
     if not stored_result.num_finished:
         raise StoreError(f"{directory}: none of the {count_text} is finished yet")
     if stored_result.num_finished < num_repetitions:

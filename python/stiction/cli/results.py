@@ -19,7 +19,6 @@ DirectoryArgument = Annotated[Path, typer.Argument(metavar="DIR", help="Director
 @command("info", "stiction info figure6", "stiction info pair --verbose", "stiction info figure6 --json")
 def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: JsonOption = False) -> None:
     """Show the inputs of a result, its progress, its friction at a few loads, and its reliability."""
-    from stiction.studies.member_names import find_member_names
     from stiction.studies.result import Result
     from stiction.studies.store import open_stored_result
     from stiction.studies.study import Study, find_table_differences
@@ -41,7 +40,7 @@ def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: 
             print_output(wrap_text(f"{'' if index else 'study':<13}{line}", hanging_indent=" " * 15))
     elif verbose:
         print_output(study.to_toml())
-    print_output(f"{find_member_names(study)[1]:<11}  {num_finished} of {study.ensemble.repetitions} finished")
+    print_output(f"{study.member_names.plural:<11}  {num_finished} of {study.ensemble.repetitions} finished")
     print_output(
         f"size         {stored_result.total_file_size / 2**20:.1f} MiB, computed by stiction {stored_result.version}"
     )

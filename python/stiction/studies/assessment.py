@@ -20,7 +20,6 @@ from stiction.studies.hardness import find_junction_growth, find_materials, find
 from stiction.studies.input_uncertainty import UncertainInput
 from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH_COEFFICIENT, find_interface
 from stiction.studies.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
-from stiction.studies.member_names import count_members_text, find_member_names
 from stiction.studies.point import (
     SlidingRuleCoefficient,
     effective_modulus_at,
@@ -235,7 +234,7 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
     """Return checks of a coefficient and its interval; only the first check that fails is reported."""
     if study.is_gap:
         return (SINGLE_POSITION_CHECK,)
-    members = find_member_names(study)[1]
+    members = study.member_names.plural
     return (
         LimitCheck("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
         LimitCheck(
@@ -248,7 +247,7 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
 
 def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
     """Return checks for too few contacts; only the first check that fails is reported."""
-    members = find_member_names(study)[1]
+    members = study.member_names.plural
     total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"
     if study.is_gap:  # a gap has a single position
@@ -273,7 +272,7 @@ def _build_contact_checks(study: Study) -> CheckGroups:
     """Return checks of the contacts and of the pull-off force."""
     text = "the pull-off force is a lower bound"
     if not study.is_gap:  # a gap has a single position
-        text += f": {{}} of the {find_member_names(study)[1]} have only a bound"
+        text += f": {{}} of the {study.member_names.plural} have only a bound"
     remedy = "call half_space to see the reason as a warning"
     pull_off_check = _build_fraction_check("share_of_pull_off_bounds", text, remedy, "caution", 0.0)
     return ([pull_off_check], *_COMMON_CONTACT_CHECKS)
@@ -281,7 +280,7 @@ def _build_contact_checks(study: Study) -> CheckGroups:
 
 def _build_status_caveat(status: str, study: Study) -> Caveat:
     """Return the caveat of a point without a coefficient."""
-    other_explanation = "there is no coefficient", f"check how many {find_member_names(study)[1]} have a value"
+    other_explanation = "there is no coefficient", f"check how many {study.member_names.plural} have a value"
     return Caveat(*STATUS_EXPLANATIONS.get(status, other_explanation), "fault")
 
 
@@ -303,7 +302,7 @@ def find_point_caveats(
     # smallest number of solved members in any sliding direction
     num_solved = float(point["ok"].min()) if "ok" in point else math.nan
     if num_solved < MAX_AFFECTED_FRACTION * num_members:
-        text = f"only {num_solved:.0f} of {count_members_text(study, num_members)} have a coefficient"
+        text = f"only {num_solved:.0f} of {study.member_names.with_count(num_members)} have a coefficient"
         yield Caveat(text, "check the statuses, and try another load", "fault")
     numbers = _compute_checked_numbers(point, study, value)
     pressure_checks = build_pressure_checks(study, effective_modulus_at(point, study))

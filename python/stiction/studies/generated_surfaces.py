@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from stiction._checks import Floats
 from stiction._units import exact_quantity_text, quantity, short_repr
+from stiction.studies.member_names import REPETITION_NAMES, MemberNames
 from stiction.studies.values import (
     MAX_PARAMETER_VALUES,
     FractalDimensionRange,
@@ -71,6 +72,7 @@ class CommonGeneratedSurfaceSettings(SettingsTableVariant):
     both_readings: ClassVar[None] = None
     first_scan_member_index: ClassVar[int] = 0
     scan_counts: ClassVar[tuple[int, int]] = (1, 1)
+    member_names: ClassVar[MemberNames] = REPETITION_NAMES
 
     fractal_dimension: FractalDimensionsOrRange = Field(
         default=FractalDimensionRange(start=1.0, stop=1.7, count=50),

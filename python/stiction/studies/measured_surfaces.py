@@ -22,6 +22,7 @@ from stiction._text import printable_path
 from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.quantities import MAX_STORED_VALUE
+from stiction.studies.member_names import GENERAL_MEMBER_NAMES, POSITION_NAMES, SURROGATE_PAIR_NAMES, MemberNames
 from stiction.studies.stored_values import POSITIVE_STORED_VALUE, AttributeSpec
 from stiction.studies.values import (
     CutOffs,
@@ -593,6 +594,11 @@ class CommonMeasuredSurfaceSettings(SettingsTableVariant):
         "interval at the first cutoff then also covers the interval at the second.",
     )
 
+    @property
+    def member_names(self) -> MemberNames:
+        """Name of the members in texts for users."""
+        return POSITION_NAMES
+
     def cell_coordinates(self) -> dict[str, Floats]:
         """Return the cutoffs (µm) for which a result is computed."""
         return {"cut_off": to_value_array(self.cut_off)}
@@ -820,6 +826,11 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
     )  # fmt: skip
 
     @property
+    def member_names(self) -> MemberNames:
+        """Name of the members in texts for users. It is general if some members are pairs of surrogates."""
+        return GENERAL_MEMBER_NAMES if self.surrogates else POSITION_NAMES
+
+    @property
     def first_scan_member_index(self) -> int:
         """Index of the first member that consists of pieces of the measured maps. Earlier members are surrogates."""
         return self.surrogates
@@ -853,9 +864,15 @@ class SurrogateSettings(CommonMeasuredSurfaceSettings):
     press: Literal["surrogates"] = Field(
         default="surrogates", description="Random height maps with the spectra of the two scans."
     )
+
     level: Literal["plane", "quadratic", "mean"] = Field(
         default="plane", description="Form to remove from each file; a plane is a straight line for a profile."
     )
+
+    @property
+    def member_names(self) -> MemberNames:
+        """Name of the members in texts for users."""
+        return SURROGATE_PAIR_NAMES
 
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int

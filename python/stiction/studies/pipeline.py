@@ -21,7 +21,6 @@ from stiction.studies.contact_picture import CONTACT_PICTURE_FILE, contact_pictu
 from stiction.studies.hardness import AREAS_BY_HARDNESS_FILE
 from stiction.studies.input_caveats import find_alternatives
 from stiction.studies.load_range import has_only_negligible_loads
-from stiction.studies.member_names import count_members_text
 from stiction.studies.member_solution import estimate_member_time
 from stiction.studies.onset import (
     ONSET_FILE,
@@ -80,10 +79,11 @@ def complete_result(
     differences = (
         find_table_differences(existing_result.study, stored_result.study) if existing_result and num_existing else []
     )
+    existing_text, all_text = map(study.member_names.with_count, (num_existing, num_members))
     if friction_differences := [difference for difference in differences if difference[0].startswith("friction.")]:
         print_remark(
-            f"{folder} has results for other friction parameters; its {count_members_text(study, num_existing)} are "
-            f"kept, and its table, report and figures are replaced\n{format_study_differences(friction_differences)}"
+            f"{folder} has results for other friction parameters; its {existing_text} are kept, and its table, report "
+            f"and figures are replaced\n{format_study_differences(friction_differences)}"
         )
     is_measured = stored_result.study.is_measured
     seconds = (num_members - num_existing) * estimate_member_time(stored_result.study)
@@ -93,8 +93,7 @@ def complete_result(
     )
     if part is not None:
         print_finished(
-            f"part {part[0]}/{part[1]} is finished; {stored_result.num_finished} of "
-            f"{count_members_text(study, num_members)} are in {folder}"
+            f"part {part[0]}/{part[1]} is finished; {stored_result.num_finished} of {all_text} are in {folder}"
         )
         return Result(stored_result)
     result = Result(stored_result)
@@ -102,10 +101,7 @@ def complete_result(
         _compute_areas_if_possible(result, executor, print_remark)
         _compute_alternatives(stored_result, executor, progress=progress, print_remark=print_remark)
     if num_existing < num_members and (num_existing or not is_measured):
-        print_finished(
-            f"wrote {folder}"
-            + (f" ({num_existing} of {count_members_text(study, num_members)} already existed)" if num_existing else "")
-        )
+        print_finished(f"wrote {folder}" + (f" ({num_existing} of {all_text} already existed)" if num_existing else ""))
     elif num_existing == num_members:
         version_text = "" if stored_result.version == __version__ else f", computed by stiction {stored_result.version}"
         print_finished(f"{folder} already contains this study{version_text}")

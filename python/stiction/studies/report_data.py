@@ -11,6 +11,7 @@ from stiction.studies.figure_values import (
     evaluate_height_factors,
     evaluate_onset_over_dimension,
     evaluate_positions_at_first_load,
+    find_opposing_contacts,
 )
 from stiction.studies.point import has_nominal_area
 from stiction.studies.result import Result
@@ -76,6 +77,8 @@ class MeasuredReportData(ReportData):
         Files and processing of the upper and the lower body.
     contact_picture, loading_cycle : xarray.Dataset or None
         As for `Result`.
+    num_opposing_contacts : int
+        Number of contacts in the picture that oppose the motion in the first direction.
     summary : Summary
     values : MeasuredValuesAtNodes
     positions : xarray.Dataset or None
@@ -90,6 +93,7 @@ class MeasuredReportData(ReportData):
     effective_modulus: float
     bodies: dict[str, BodyHistory]
     contact_picture: xarray.Dataset | None
+    num_opposing_contacts: int
     loading_cycle: xarray.Dataset | None
     summary: Summary
     values: MeasuredValuesAtNodes
@@ -171,6 +175,8 @@ def _collect_common_data(result: Result) -> dict[str, Any]:
 
 def _collect_measured_data(result: Result, picture: xarray.Dataset | None) -> MeasuredReportData:
     study, head = result.study, result.head
+    picture = result.contact_picture if picture is None else picture
+    first_direction = float(study.contact.direction_angles()[0])
     return MeasuredReportData(
         bodies={side: _read_body_history(getattr(study.surfaces, side), head.attrs.get(side)) for side in SIDES},
         **_collect_common_data(result),
@@ -179,7 +185,8 @@ def _collect_measured_data(result: Result, picture: xarray.Dataset | None) -> Me
         nominal_area=float(head["nominal_area"]),
         has_nominal_area=has_nominal_area(head, study),
         effective_modulus=float(head["effective_modulus"]),
-        contact_picture=result.contact_picture if picture is None else picture,
+        contact_picture=picture,
+        num_opposing_contacts=0 if picture is None else int(find_opposing_contacts(picture, first_direction).sum()),
         loading_cycle=result.loading_cycle,
         summary=result.summary(),
         values=evaluate_measured_nodes(result.nodes),

@@ -33,7 +33,6 @@ from stiction.studies.layout import (
     compute_bytes_per_member,
     stack_members,
 )
-from stiction.studies.member_names import count_members_text, find_member_names
 from stiction.studies.member_solution import compute_member_arrays, estimate_member_time
 from stiction.studies.members import count_grid_points, find_body_attributes
 from stiction.studies.result import Result
@@ -178,7 +177,7 @@ def complete_blocks(
         pool = stack.enter_context(executor_or_thread_pool(executor))
         advance = stack.enter_context(
             progress_bar(
-                find_member_names(stored_result.study)[1],
+                stored_result.study.member_names.plural,
                 unfinished_members.total,
                 unfinished_members.total - unfinished_members.count,
                 progress,
@@ -267,7 +266,7 @@ def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]
         reason = WORKER_DIED_MESSAGE if isinstance(error, BrokenExecutor) else error
         raise StoreError(
             f"{reason}\n{stored_result.reload().num_finished} of "
-            f"{count_members_text(stored_result.study, stored_result.study.ensemble.repetitions)} are finished and "
+            f"{stored_result.study.member_names.with_count(stored_result.study.ensemble.repetitions)} are finished and "
             "kept; run the study in the same folder again to resume"
         ) from None
 
@@ -288,7 +287,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
 
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
-        advance = stack.enter_context(progress_bar(find_member_names(study)[1], unfinished_members.total, 0, progress))
+        advance = stack.enter_context(progress_bar(study.member_names.plural, unfinished_members.total, 0, progress))
         _submit_member_ranges(
             unfinished_members, pool, MAX_SUBMITTED_TASKS, accept_arrays, compute_block_arrays, __version__, study
         )
@@ -318,12 +317,12 @@ def _describe_remaining_work(
         else ""
     )
     advice = (
-        f"; fewer {find_member_names(study)[1]} or smaller surfaces reduce the time"
+        f"; fewer {study.member_names.plural} or smaller surfaces reduce the time"
         if elapsed_time > LONG_RUN_TIME
         else ""
     )
     return (
-        f"computing {count_members_text(study, unfinished_members.count)}: {time_text}, {format_bytes(size)} in "
+        f"computing {study.member_names.with_count(unfinished_members.count)}: {time_text}, {format_bytes(size)} in "
         f"{num_files} {'file' if num_files == 1 else 'files'}{space_text}{writer_text}{advice}"
     )
 
@@ -341,7 +340,7 @@ def _format_revised_time_estimate(
     remaining_time = seconds * (unfinished_members.count / (members * workers) - 1)
     if remaining_time < MIN_REPORTED_TIME or seconds < 2 * members * cost:
         return ""
-    count_text = count_members_text(study, unfinished_members.count)
+    count_text = study.member_names.with_count(unfinished_members.count)
     progress_text = f"{members} of {count_text} took {format_duration(seconds)}"
     return f"{progress_text}; the rest takes about {format_duration(remaining_time)} more"
 

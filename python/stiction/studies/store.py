@@ -51,7 +51,6 @@ from stiction.studies.layout import (
     variable_specs,
 )
 from stiction.studies.measured_surfaces import BODY_ATTRIBUTE_SPECS, BodyAttributes
-from stiction.studies.member_names import count_members_text
 from stiction.studies.members import find_body_attributes
 from stiction.studies.stored_values import (
     MIN_POSITIVE_STORED_VALUE,
@@ -183,7 +182,7 @@ class StoredResult:
         does not match its study.
         """
         if not self.num_finished:
-            count_text = count_members_text(self.study, self.study.ensemble.repetitions)
+            count_text = self.study.member_names.with_count(self.study.ensemble.repetitions)
             raise StoreError(f"{printable_path(self.path)}: none of the {count_text} is finished yet")
         if self.nbytes > MAX_RESULT_BYTES:
             raise StoreError(
@@ -315,7 +314,7 @@ def read(path: str | Path) -> xarray.Dataset:
     if stored_result.num_finished < num_members:
         warnings.warn(
             f"{printable_path(path)}: {stored_result.num_finished} of "
-            f"{count_members_text(stored_result.study, num_members)} are finished; the result contains only these",
+            f"{stored_result.study.member_names.with_count(num_members)} are finished; the result contains only these",
             stacklevel=2,
         )
     return result

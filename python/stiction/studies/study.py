@@ -38,6 +38,7 @@ from stiction.studies.generated_surfaces import (
 )
 from stiction.studies.input_uncertainty import UncertainInputSettings
 from stiction.studies.measured_surfaces import MeasuredBodySettings, MeasuredSurfaceSettings
+from stiction.studies.member_names import MemberNames
 from stiction.studies.values import (
     FrictionCoefficients,
     LoadsOfInterest,
@@ -380,6 +381,11 @@ class Study(SettingsTable):
     def uses_half_space(self) -> bool:
         """True if the contact model is the elastic half-space, and False if it consists of isolated asperities."""
         return self.contact.mechanics == "half-space"
+
+    @property
+    def member_names(self) -> MemberNames:
+        """Name of the members in texts for users."""
+        return self.surfaces.member_names
 
     @property
     def step_quantity(self) -> Literal["approach", "load"]:

@@ -26,6 +26,7 @@ from stiction.studies.assessment import (
     LimitCheck,
     assess_ensemble_points,
     compute_checked_quantities,
+    find_smallest_check_limit,
     verdict_from_caveats,
 )
 from stiction.studies.nodes import InterpolationNodes, NodeAxis
@@ -81,6 +82,8 @@ class MeasuredValuesAtNodes:
         Number of members of each kind.
     load_quantities : dict
         Estimates (kind, cutoff, load) of each quantity that depends only on the load, by name.
+    check_limits : dict
+        Results of `find_smallest_check_limit` for these quantities.
     has_alternatives : bool
         True if intervals of the true area cover results for alternative preparations of the scans.
     """
@@ -99,6 +102,7 @@ class MeasuredValuesAtNodes:
     has_combined: NDArray[np.bool_]
     member_counts: list[int]
     load_quantities: dict[str, Floats]
+    check_limits: dict[str, float | None]
     has_alternatives: bool
 
 
@@ -115,6 +119,7 @@ def evaluate_measured_nodes(nodes: InterpolationNodes) -> MeasuredValuesAtNodes:
     estimates[
         np.broadcast_to(~has_combined[:, np.newaxis, np.newaxis, :, None, None, None], estimates.shape[:-1]), 1:
     ] = np.nan
+    quantity_names = [name for name in quantity_names_shown_in("report") if name in nodes.load_quantities[0]]
     return MeasuredValuesAtNodes(
         axes=nodes.axes,
         interpolation_errors=nodes.interpolation_errors,
@@ -133,9 +138,9 @@ def evaluate_measured_nodes(nodes: InterpolationNodes) -> MeasuredValuesAtNodes:
             name: np.stack(
                 [values[name].transpose("cut_off", "load", "statistic").values for values in nodes.load_quantities]
             )
-            for name in quantity_names_shown_in("report")
-            if name in nodes.load_quantities[0]
+            for name in quantity_names
         },
+        check_limits={name: find_smallest_check_limit(name, nodes.study) for name in quantity_names},
         has_alternatives=bool(nodes.load_quantities[0].attrs.get("alternatives")),
     )
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.member_names import count_members_text
 from stiction.studies.onset import OnsetValues
 from stiction.views.layout import Paragraph, Table
 from stiction.views.point import coordinate_text
@@ -69,7 +68,7 @@ PICOJOULE = 1e-3  # in mN µm
 
 def onset_note(onset: OnsetValues, study: Study) -> str:
     """Return a note about the number of averaged members and the assumptions for the onset of sliding."""
-    count_text = count_members_text(study, onset.num_members)
+    count_text = study.member_names.with_count(onset.num_members)
     text = f"The onset of sliding is a mean over {count_text}, with friction at all contacts."
     if not onset.is_poisson_ratio_given and math.isfinite(onset.stiffness.value):
         text += f" Poisson's ratio is assumed to be {onset.poisson_ratio[0]:g}."

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
-from stiction.studies.member_names import count_members_text
 from stiction.views.layout import Paragraph, Table, TextRows, WrappedText
 from stiction.views.point import SLIDING_RULE_TITLES, cutoff_text
 from stiction.views.quantities import percent_text
@@ -84,7 +83,7 @@ def _coefficient_text(value: float) -> str:
 
 def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
     """Return the note below the table of cutoffs."""
-    count_text = count_members_text(study, resolution.members)
+    count_text = study.member_names.with_count(resolution.members)
     text = f"The surfaces are low-pass filtered at the cutoff; means over {count_text}."
     if resolution.plastic_limit is not None:
         text += " No finer scan passes the plastic limit. With friction at opposing contacts there is no such limit."

@@ -15,7 +15,7 @@ from stiction._number_format import format_percent, format_significant, format_t
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.studies.hardness import find_uncertain_inputs
 from stiction.studies.interfaces import find_interface
-from stiction.studies.member_names import POSITION_NAMES, find_member_names
+from stiction.studies.member_names import POSITION_NAMES
 from stiction.studies.point import get_contact_law_name, has_limited_pressure
 from stiction.studies.summary import PointSummary, Summary
 from stiction.surfaces.pairing import SIDES
@@ -218,7 +218,7 @@ def _averaged_members_text(point: PointSummary) -> str:
     """Return text that counts the averaged members, as in "8 positions"."""
     study = point.study
     # A dataset of a study with positions and surrogates contains members of one kind.
-    names = find_member_names(study) if study.surfaces.press != "areas" else POSITION_NAMES
+    names = study.member_names if study.surfaces.press != "areas" else POSITION_NAMES
     explanation = " (random surfaces with these spectra)" if study.surfaces.press == "surrogates" else ""
     return f"{point.members:.0f} {names[1]}{explanation}"
 

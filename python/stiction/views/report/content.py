@@ -17,7 +17,6 @@ from stiction.studies.report_data import GeneratedReportData, MeasuredReportData
 from stiction.studies.study import Study
 from stiction.views.figures.ensemble import COLOUR_BAR_TICKS
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
-from stiction.views.report.pictures import FigurePanel
 from stiction.views.report.tables import QuantityTable, ReportArray
 from stiction.views.style import SLIDING_RULE_LABELS
 
@@ -40,7 +39,6 @@ class ReportContent:
         Data for the scripts: texts and numbers.
     arrays : dict
         Data for the scripts: arrays of numbers, by name.
-    panels : sequence of FigurePanel
     quantities : sequence of QuantityTable
         Quantities that do not depend on mu0 and tau0.
     """
@@ -51,7 +49,6 @@ class ReportContent:
     description_markup: str
     facts: dict[str, Any]
     arrays: Mapping[str, ReportArray]
-    panels: Sequence[FigurePanel]
     quantities: Sequence[QuantityTable] = ()
 
 

@@ -13,7 +13,7 @@ from stiction._number_format import NumberFormat, format_with_unit, list_number_
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.assessment import Caveat, LimitCheck
-from stiction.studies.member_names import REPETITION_NAMES, count_members_text
+from stiction.studies.member_names import REPETITION_NAMES
 from stiction.studies.report_data import GeneratedReportData
 from stiction.studies.study import Study
 from stiction.studies.values_at_nodes import GENERATED_STATUSES, GeneratedValuesAtNodes, get_validity_limit
@@ -21,7 +21,6 @@ from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
 from stiction.views.point import coordinate_text, motion_direction_text
 from stiction.views.report.content import ReportContent
 from stiction.views.report.page import escape_html, format_count
-from stiction.views.report.pictures import list_generated_panels
 from stiction.views.report.tables import QUANTITY_DIGITS, EstimateArray, NumberArray, ReportArray
 
 
@@ -29,7 +28,7 @@ def generated_report_content(data: GeneratedReportData, name: str) -> ReportCont
     """Return the content of a report on generated surfaces. The default title is the name of the study."""
     name, values = name or data.description.name, data.values
     facts = _page_facts(data) | {"name": name, "repetitions": data.num_solved, "hasIntervals": data.num_solved > 1}
-    facts |= {"kinds": [REPETITION_NAMES[1]], "combined": [True], "answers": [], "asked": []}
+    facts |= {"kinds": [REPETITION_NAMES.plural], "combined": [True], "answers": [], "asked": []}
     arrays: dict[str, ReportArray] = {}
     if values is not None:
         colour_ranges = _compute_colour_ranges(values)
@@ -45,7 +44,6 @@ def generated_report_content(data: GeneratedReportData, name: str) -> ReportCont
         description_markup=_changed_settings_markup(data.description.changed_settings),
         facts=facts,
         arrays=arrays,
-        panels=list_generated_panels(data),
     )
 
 
@@ -228,7 +226,7 @@ def _heading_lines(data: GeneratedReportData) -> list[str]:
 
 def _describe_members(data: GeneratedReportData) -> str:
     num_dimensions, num_amplitudes, num_steps = data.dimensions.size, data.amplitudes.size, data.num_steps
-    repetitions_text = count_members_text(data.study, data.num_solved)
+    repetitions_text = data.study.member_names.with_count(data.num_solved)
     cells_text = f"{'each of ' if num_dimensions > 1 else ''}{format_count(num_dimensions, 'fractal dimension')}"
     cells_text += f" and {format_count(num_amplitudes, 'amplitude')}" if num_amplitudes > 1 else ""
     steps_text = (

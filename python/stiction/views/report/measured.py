@@ -11,8 +11,7 @@ from stiction._number_format import format_with_unit
 from stiction._text import printable_text
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, STIFFNESS_PER_AREA_QUANTITIES
-from stiction.studies.assessment import find_smallest_check_limit
-from stiction.studies.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES, count_members_text, find_member_names
+from stiction.studies.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES
 from stiction.studies.report_data import MAX_FILE_READINGS, BodyHistory, MeasuredReportData
 from stiction.studies.summary import PointSummary, Summary
 from stiction.studies.values_at_nodes import ORDERED_STATUSES, MeasuredValuesAtNodes
@@ -30,7 +29,6 @@ from stiction.views.pull_off import pull_off_text
 from stiction.views.quantities import quantity_label
 from stiction.views.report.content import ReportContent
 from stiction.views.report.page import MAX_SHOWN_LINE_LENGTH, escape_html
-from stiction.views.report.pictures import list_measured_panels
 from stiction.views.report.reading import LISTED_READING_OPTIONS, file_reading_table
 from stiction.views.report.tables import EstimateArray, QuantityTable, ReportArray
 from stiction.views.resolution import resolved_wavelengths_text
@@ -47,14 +45,13 @@ def measured_report_content(data: MeasuredReportData, name: str) -> ReportConten
         facts=_page_facts(data) | {"name": name},
         arrays=_friction_arrays(data.values),
         quantities=_list_quantity_tables(data),
-        members_text=f"{count_members_text(data.study, data.num_members)} of the two surfaces",
+        members_text=f"{data.study.member_names.with_count(data.num_members)} of the two surfaces",
         heading_lines=_heading_lines(data),
         description_markup=_summary_markup(data.summary) + "".join(histories),
-        panels=list_measured_panels(data),
     )
 
 
-_MEMBER_KIND_TEXTS = {"shifts": POSITION_NAMES[1], "surrogates": SURROGATE_PAIR_NAMES[1]}
+_MEMBER_KIND_TEXTS = {"shifts": POSITION_NAMES.plural, "surrogates": SURROGATE_PAIR_NAMES.plural}
 
 
 def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
@@ -70,7 +67,7 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
             "texts": [f"cutoff {cutoff_text(surfaces.get_scan_cut_offs(value))}" for value in data.cut_offs],
         },
         "amplitudes": [], "repetitions": data.num_solved, "asked": study_loads,
-        "kinds": [_MEMBER_KIND_TEXTS.get(kind or "", find_member_names(study)[1]) for kind in values.member_kinds],
+        "kinds": [_MEMBER_KIND_TEXTS.get(kind or "", study.member_names.plural) for kind in values.member_kinds],
         "loads": {
             "values": loads,
             "texts": [load_text(*items) for items in zip(loads, pressures, strict=True)],
@@ -202,7 +199,7 @@ def _list_quantity_tables(data: MeasuredReportData) -> list[QuantityTable]:
         quantity = QUANTITIES[name]
         label = quantity_label(name, data.study)
         words = label[0].upper() + label[1:]
-        limit = find_smallest_check_limit(name, data.study)
+        limit = data.values.check_limits[name]
         tables.append(QuantityTable(name, words, quantity.table_unit, estimates, factors.get(name, 1), limit))
     return tables
 

@@ -15,8 +15,6 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction._number_format import format_percent, format_with_unit
-from stiction.studies.figure_values import find_opposing_contacts
-from stiction.studies.member_names import find_member_names
 from stiction.studies.report_data import GeneratedReportData, MeasuredReportData
 from stiction.studies.resolution import ResolutionLimits
 from stiction.studies.study import Study
@@ -64,8 +62,12 @@ class FigurePanel:
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
 
-def list_generated_panels(data: GeneratedReportData) -> list[FigurePanel]:
-    """Return the panels that have data, for a report on generated surfaces."""
+def list_panels(data: MeasuredReportData | GeneratedReportData) -> list[FigurePanel]:
+    """Return the panels of a report that have data."""
+    return _list_measured_panels(data) if isinstance(data, MeasuredReportData) else _list_generated_panels(data)
+
+
+def _list_generated_panels(data: GeneratedReportData) -> list[FigurePanel]:
     panels = []
     if data.contact_forces is not None:
         panels.append(_contact_forces_panel(data.contact_forces))
@@ -103,11 +105,10 @@ def _onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> FigurePan
 # ---- Measured surfaces -----------------------------------------------------------------------------------------------
 
 
-def list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
-    """Return the panels that have data, for a report on measured surfaces."""
+def _list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
     title, panels = format_print_title(data.description.name), []
     if data.contact_picture is not None:
-        panels.append(_contact_panel(data.contact_picture, data.directions[0]))
+        panels.append(_contact_panel(data.contact_picture, data.directions[0], data.num_opposing_contacts))
     if data.positions is not None:
         panels.append(_members_panel(data.positions, data.study, title))
     if (limits := data.summary.find_resolution_limits()) is not None:
@@ -120,10 +121,9 @@ def list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
     return panels
 
 
-def _contact_panel(picture: xarray.Dataset, direction: float) -> FigurePanel:
+def _contact_panel(picture: xarray.Dataset, direction: float, num_opposing: int) -> FigurePanel:
     """Return the panel that shows the contacts for a direction of motion (degrees)."""
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
-    num_opposing = int(find_opposing_contacts(picture, direction).sum())
     text = (
         f"The position whose true area is nearest to the mean: {format_count(force.size, 'contact')} at "
         f"{format_with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {motion_direction_text(direction)}, "
@@ -142,7 +142,7 @@ def _contact_panel(picture: xarray.Dataset, direction: float) -> FigurePanel:
 
 def _members_panel(point: xarray.Dataset, study: Study, title: str) -> FigurePanel:
     """Return the panel that shows the friction coefficients of single members."""
-    singular, plural = find_member_names(study)
+    singular, plural = study.member_names
     return FigurePanel(
         f"Single {plural}",
         f"Friction coefficient for each {singular} and direction.",
@@ -180,7 +180,7 @@ def _onset_panels(onset: xarray.Dataset, study: Study, title: str) -> list[Figur
     slip_panel = FigurePanel(
         "Order of slip",
         "Contacts on a map of the lower body, coloured by the tangential load at which they slip.",
-        f"For one {find_member_names(study)[0]}: {points_text if 'slip' in onset else contacts_text}",
+        f"For one {study.member_names.singular}: {points_text if 'slip' in onset else contacts_text}",
         partial(slip_figure, onset, title=title),
     )
     return [curve_panel, slip_panel]

@@ -13,7 +13,6 @@ from string import Template
 import xarray
 
 from stiction.studies.intervals import CONFIDENCE_LEVEL
-from stiction.studies.member_names import count_members_text
 from stiction.studies.report_data import GeneratedReportData, MeasuredReportData, ReportData, collect_report_data
 from stiction.studies.result import Result
 from stiction.views.report.content import ReportContent, common_facts
@@ -27,6 +26,7 @@ from stiction.views.report.page import (
     read_package_file,
     script_markup,
 )
+from stiction.views.report.pictures import list_panels
 from stiction.views.report.tables import STORED_FLOAT_BYTES, pack_arrays
 
 _ARROW_KEYS_HELP = "arrow keys move {}, plus and minus zoom"
@@ -125,9 +125,9 @@ def _render_page(data: MeasuredReportData | GeneratedReportData, content: Report
     facts = common_facts(data) | content.facts
     facts |= {"quantities": [table.record() for table in content.quantities]}
     facts |= {"tables": packed_arrays.offsets, "formats": packed_arrays.formats, "leading": STORED_FLOAT_BYTES}
-    panels = {
-        is_main: "".join(panel.markup() for panel in content.panels if panel.is_main == is_main)
-        for is_main in (True, False)
+    panels = list_panels(data)
+    panel_markup = {
+        is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main) for is_main in (True, False)
     }
     main_plots = MAIN_PLOTS[data.study.is_measured]
     plot_panels = {
@@ -138,8 +138,8 @@ def _render_page(data: MeasuredReportData | GeneratedReportData, content: Report
         unfinished=notices_markup,
         percent=f"{100 * CONFIDENCE_LEVEL:g} %",
         members=escape_html(content.members_text),
-        touching=panels[True],
-        pictures=panels[False],
+        touching=panel_markup[True],
+        pictures=panel_markup[False],
         study=f"<h2>The study</h2>{content.description_markup}{_study_file_markup(data.description.file_text)}",
         panels="".join(plot_panels[name] for name in main_plots),
         others="".join(text for name, text in plot_panels.items() if name not in main_plots),
@@ -158,10 +158,10 @@ def _incompleteness_notices(data: ReportData, name: str) -> str:
     num_repetitions, notices = data.study.ensemble.repetitions, []
     if data.num_members < num_repetitions:
         notices.append(
-            f"{name} is unfinished: {data.num_members} of {count_members_text(data.study, num_repetitions)}."
+            f"{name} is unfinished: {data.num_members} of {data.study.member_names.with_count(num_repetitions)}."
         )
     if (num_unsolved := data.num_members - data.num_solved) > 0:
-        count_text = count_members_text(data.study, num_unsolved)
+        count_text = data.study.member_names.with_count(num_unsolved)
         notices.append(f"{name}: {count_text} without a solution at every load left out.")
     return "".join(f'<p class="notice">{escape_html(line)}</p>' for line in notices)
 
