@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from stiction._units import exact_quantity
 from stiction.studies.members import generate_phases, generate_unscaled_profile, pair_of
-from stiction.studies.point import has_nominal_area
 from stiction.studies.result import Result
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
@@ -78,7 +77,7 @@ def evaluate_height_factors(
 def omit_meaningless_area(points: xarray.Dataset, study: Study) -> xarray.Dataset:
     """Return a result of `Result.at` without nominal area and area fraction if the nominal area is not meaningful."""
     names = ["nominal_area", "contact_area_fraction"]
-    return points if has_nominal_area(points, study) else points.drop_vars(names, errors="ignore")
+    return points if study.has_nominal_area else points.drop_vars(names, errors="ignore")
 
 
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------

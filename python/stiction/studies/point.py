@@ -172,13 +172,8 @@ def list_sliding_rules_reported_first(study: Study) -> list[str]:
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the nominal area is meaningful for the contact model.
-
-    For spheres on a strip of arbitrary thickness, it is not.
-    """
-    if "nominal_area" not in point.coords:
-        return False
-    return study.is_areal or study.uses_half_space or "cylinder" in get_contact_law_name(study)
+    """Return whether a point has a nominal area that is meaningful for the contact model."""
+    return "nominal_area" in point.coords and study.has_nominal_area
 
 
 def nominal_pressure_at(point: xarray.Dataset, study: Study) -> float:

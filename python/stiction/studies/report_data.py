@@ -13,7 +13,6 @@ from stiction.studies.figure_values import (
     evaluate_positions_at_first_load,
     find_opposing_contacts,
 )
-from stiction.studies.point import has_nominal_area
 from stiction.studies.result import Result
 from stiction.studies.study_description import StudyDescription, describe_study
 from stiction.studies.values_at_nodes import (
@@ -70,8 +69,6 @@ class MeasuredReportData(ReportData):
     ----------
     cut_offs : list of float, µm
     nominal_area : float, µm²
-    has_nominal_area : bool
-        As for the function `has_nominal_area`.
     effective_modulus : float, GPa
     bodies : dict
         Files and processing of the upper and the lower body.
@@ -89,7 +86,6 @@ class MeasuredReportData(ReportData):
 
     cut_offs: list[float]
     nominal_area: float
-    has_nominal_area: bool
     effective_modulus: float
     bodies: dict[str, BodyHistory]
     contact_picture: xarray.Dataset | None
@@ -183,7 +179,6 @@ def _collect_measured_data(result: Result, picture: xarray.Dataset | None) -> Me
         num_solved=result.members.size,
         cut_offs=head["cut_off"].values.tolist(),
         nominal_area=float(head["nominal_area"]),
-        has_nominal_area=has_nominal_area(head, study),
         effective_modulus=float(head["effective_modulus"]),
         contact_picture=picture,
         num_opposing_contacts=0 if picture is None else int(find_opposing_contacts(picture, first_direction).sum()),

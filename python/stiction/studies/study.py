@@ -383,6 +383,14 @@ class Study(SettingsTable):
         return self.contact.mechanics == "half-space"
 
     @property
+    def has_nominal_area(self) -> bool:
+        """True if the nominal area is meaningful for the contact model.
+
+        For spheres on a strip of arbitrary thickness, it is not.
+        """
+        return self.is_areal or self.uses_half_space or "cylinder" in str(self.contact.law or "").lower()
+
+    @property
     def member_names(self) -> MemberNames:
         """Name of the members in texts for users."""
         return self.surfaces.member_names

@@ -58,7 +58,7 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
     study, summary, area, values = data.study, data.summary, data.nominal_area, data.values
     surfaces: Any = study.surfaces
     loads, angles = values.loads.tolist(), data.directions
-    pressures = [load / area if data.has_nominal_area else math.nan for load in loads]
+    pressures = [load / area if data.study.has_nominal_area else math.nan for load in loads]
     study_loads = [float(load) for load in study.friction.load]
     return {
         "isMeasured": True,
@@ -71,7 +71,7 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
         "loads": {
             "values": loads,
             "texts": [load_text(*items) for items in zip(loads, pressures, strict=True)],
-            "unit": f"; 1 mN is {1000 / area:.4g} MPa" if data.has_nominal_area else "",
+            "unit": f"; 1 mN is {1000 / area:.4g} MPa" if data.study.has_nominal_area else "",
         },
         "start": {
             "cell": data.cut_offs.index(summary.first.at.get("cut_off", data.cut_offs[0])),
@@ -96,7 +96,7 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
         "hasAlternatives": values.has_alternatives,
         "ranged": any(axis.ranged.size for axis in values.axes),
         "answers": [_assessment_record(point) for point in summary.points], "validity": [],
-        "curves": _CURVE_PANELS[data.has_nominal_area],
+        "curves": _CURVE_PANELS[data.study.has_nominal_area],
         "modulus": data.effective_modulus, "area": area,
     }  # fmt: skip
 
@@ -187,10 +187,10 @@ def _history_markup(side: str, history: BodyHistory) -> str:
 def _list_quantity_tables(data: MeasuredReportData) -> list[QuantityTable]:
     """Return a table for each quantity that has values, except friction."""
     tables = []
-    curve_panels = _CURVE_PANELS[data.has_nominal_area].values()
+    curve_panels = _CURVE_PANELS[data.study.has_nominal_area].values()
     factors = {curve_panel["of"]: curve_panel["factor"] for curve_panel in curve_panels}
     for name, estimates in data.values.load_quantities.items():
-        if not data.has_nominal_area and name in ("contact_area_fraction", *STIFFNESS_PER_AREA_QUANTITIES):
+        if not data.study.has_nominal_area and name in ("contact_area_fraction", *STIFFNESS_PER_AREA_QUANTITIES):
             continue
         if not np.isfinite(estimates[0]).any() or (
             name == "load_share_at_hardness" and not np.nan_to_num(estimates[0]).any()
