@@ -258,7 +258,8 @@ def test_outlier_detection_finds_spikes_of_partly_flat_scans(num_levels, flat_fr
             num_outliers += int((is_outlier & ~is_spike).sum())
             num_points += heights.size
     assert num_found > 0.97 * num_spikes
-    assert num_outliers < 0.015 * num_points
+    # Narrow valleys in a flat region of rounded heights may look like outliers.
+    assert num_outliers <= (2 if num_levels is None else 0.015 * num_points)
 
 
 def test_nominal_area_excludes_missing_points_and_interpolation_adds_a_caveat(complete_surface, scan_path):

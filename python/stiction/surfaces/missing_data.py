@@ -30,8 +30,9 @@ MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; a larger grou
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 # Round-off of heights from which a form was subtracted, as a fraction of their range.
 _ROUND_OFF_RATIO = 1e-10
-# Fraction of deviations that are at most the resolution of the heights. If it is exceeded, the scan has flat regions.
+# Fraction of deviations that may be due to rounding or round-off. If it is exceeded, the scan has flat regions.
 _MAX_FLAT_FRACTION = 0.25
+_MIN_ROUGH_FRACTION = 0.02  # minimum fraction of rough points that represent the clipped or filled regions too
 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles (1) and for maps (2)
 # Minimum number of estimates of a height from neighbouring points.
@@ -120,13 +121,13 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
 
     is_measured, remaining_heights, is_outlier = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
     typical_deviations: list[_TypicalDeviations] = []
-    resolution = _find_resolution(heights)
+    step = find_height_step(heights)
     for _ in range(_MAX_OUTLIER_PASSES):
         mean_deviations, line_deviations, at_edge = _deviations_from_neighbours(heights, remaining_heights)
         if not typical_deviations:
             typical_deviations = [
-                _find_typical_deviations(mean_deviations, is_measured, np.zeros_like(is_measured), resolution),
-                _find_typical_deviations(line_deviations, is_measured, at_edge, resolution),
+                _find_typical_deviations(mean_deviations, is_measured, np.zeros_like(is_measured), heights, step),
+                _find_typical_deviations(line_deviations, is_measured, at_edge, heights, step),
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.of_scan for typical in typical_deviations])
@@ -182,20 +183,25 @@ class _TypicalDeviations:
 
 
 def _find_typical_deviations(
-    distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_], resolution: float
+    distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_], heights: Floats, step: float
 ) -> _TypicalDeviations:
     """Find the median deviation of edge points and of all other points.
 
-    Deviations up to the resolution (µm) of the heights may be due to rounding. If the scan has flat regions, where most
-    deviations are so small, the median of the other regions is used in and beside these other regions.
+    Deviations up to the step (µm) to which heights are rounded may be due to rounding. If the scan has flat regions,
+    where most deviations are so small, the median of the other regions is used in and beside these other regions.
+    Flat regions of heights that are not rounded were clipped or filled; the median is then used everywhere.
     """
     from scipy.ndimage import maximum_filter, median_filter
 
     is_known, width = is_measured & np.isfinite(distances), _WINDOW_WIDTHS[distances.ndim]
     is_rough = near_rough_region = np.zeros(distances.shape, np.bool_)
+    round_off = _ROUND_OFF_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
+    resolution = 1.01 * max(step, round_off)  # deviations of one step do not exceed it
     if is_known.any() and np.quantile(distances[is_known], _MAX_FLAT_FRACTION) <= resolution:
         is_rough = is_known & (median_filter(np.where(is_known, distances, 0.0), size=width) > resolution)
         near_rough_region = maximum_filter(is_rough, size=width)
+        if step <= round_off and is_rough.sum() >= _MIN_ROUGH_FRACTION * is_known.sum():
+            near_rough_region[...] = True
     typical_values = np.zeros(distances.shape)
     for group_mask in (~at_edge, at_edge):
         values, rough_values = (distances[group_mask & points] for points in (is_known, is_known & is_rough))
@@ -208,16 +214,6 @@ def _find_typical_deviations(
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(is_measured & np.isfinite(distances) & (typical_values > 0), distances / typical_values, 1.0)
     return _TypicalDeviations(typical_values, ratio)
-
-
-def _find_resolution(heights: Floats) -> float:
-    """Return the step (µm) to which heights are rounded, or their round-off.
-
-    The result is slightly larger, so that deviations of one step do not exceed it.
-    """
-    measured_heights = heights[np.isfinite(heights)]
-    height_range = float(np.ptp(measured_heights)) if measured_heights.size else 0.0
-    return 1.01 * max(find_height_step(heights), _ROUND_OFF_RATIO * height_range)
 
 
 def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
