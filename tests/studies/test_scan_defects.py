@@ -140,6 +140,19 @@ def test_spectrum_of_flat_scan_with_spikes_includes_the_spikes(slope):
         assert defects.instrument_limit.matters
 
 
+@pytest.mark.parametrize("flat_fraction", [0.6, 1.0])
+@pytest.mark.parametrize("shape", [(2000,), (96, 96)])
+def test_spikes_of_partly_flat_scan_are_found_before_and_after_levelling(flat_fraction, shape):
+    heights = filtered_noise(np.random.default_rng(3), shape, 0.8, longest=60)
+    kind, form = (Profile, "line") if len(shape) == 1 else (Surface, "plane")
+    heights = 0.1 * np.minimum(heights, np.quantile(heights, 1 - flat_fraction))
+    spiky_heights = heights.copy()
+    spiky_heights.flat[[300, 700, 1100, 1500]] += 1.0
+    body = kind(spiky_heights, spacing=0.5)
+    assert [ScanDefects(each, None, textured=False).num_spikes for each in (body, levelled(body, form))] == [4, 4]
+    assert ScanDefects(kind(heights, spacing=0.5), None, textured=False).num_spikes == 0
+
+
 @pytest.mark.parametrize("num_levels", [8, 64])
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
 def test_spikes_of_rounded_scan_are_found(num_levels, shape):

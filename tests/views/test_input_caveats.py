@@ -39,9 +39,10 @@ def caveat_texts(upper, lower, *, mu0=(0.2,), loads=()):
 def test_heights_larger_than_the_scan_length_add_a_caveat(rough_profile):
     tall_profile = Profile(rough_profile.heights * 1000, spacing=rough_profile.spacing)
     assert any(text.startswith("upper: heights span") for text in caveat_texts(tall_profile, rough_profile))
-    surface = Surface(np.eye(8), spacing=1.0)
+    heights = np.outer(np.hanning(8), np.hanning(8))
+    surface = Surface(heights / heights.max(), spacing=1.0)
     assert caveat_texts(surface, surface) == []
-    assert caveat_texts(Surface(10 * np.eye(8), spacing=1.0), surface) == [
+    assert caveat_texts(Surface(10 * surface.heights, spacing=1.0), surface) == [
         "upper: heights span 10 µm on a length of 8 µm"
     ]
     # Heights that are impossible for a scan are a fault.

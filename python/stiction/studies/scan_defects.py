@@ -149,7 +149,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
         threshold, rounding_distance = MIN_SPIKE_HEIGHT_RATIO, rounding_error
     # More than half of the distances between rounded heights may be 0.
     usual_distance = max(float(np.median(typical_distances)) / 0.6745, rounding_distance)
-    return np.asarray(distances > threshold * usual_distance) if usual_distance > 0 else np.zeros(distances.shape, bool)
+    return np.asarray(distances > threshold * usual_distance)
 
 
 def find_scan_defects(
