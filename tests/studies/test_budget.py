@@ -12,13 +12,8 @@ from stiction import Study, Surface, cut_off, pair, self_affine_surface
 from stiction.mechanics.friction import STATUS_OK, ForcesPerLoad
 from stiction.studies import budget, hardness
 from stiction.studies.at_load import at_load
-from stiction.studies.budget import (
-    _CoefficientSamples,
-    _compute_equal_tailed_interval,
-    _compute_pressure_and_growth_under_shear,
-    _get_arrays_over_dims,
-    add_uncertainty,
-)
+from stiction.studies.budget import _compute_pressure_and_growth_under_shear, _get_arrays_over_dims, add_uncertainty
+from stiction.studies.coefficient_samples import CoefficientSamples, compute_equal_tailed_interval
 from stiction.studies.executors import thread_pool_executor
 from stiction.studies.hardness import choose_hardness_and_modulus_nodes, compute_areas_at_nodes, find_uncertain_inputs
 from stiction.studies.input_uncertainty import Z_95, parse_uncertain_input
@@ -143,7 +138,7 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
     numbers = {
         name: values[0, 0, 0, 0, 0] for name, values in _get_arrays_over_dims(variables, table, point_index).items()
     }
-    samples = _CoefficientSamples(numbers, point_index, result.study, inputs, friction, areas)
+    samples = CoefficientSamples(numbers, 0, result.study, inputs, friction, areas)
     # The samples must not contain errors of the mean over positions.
     samples.names, samples.standard_errors = tuple(inputs), {}
     for probability in (0.03, 0.7):
@@ -179,12 +174,12 @@ def test_ends_of_the_combined_interval_equal_quantiles_of_the_samples(infinite) 
     samples = np.random.default_rng(3).lognormal(size=2**14)
     samples[:infinite] = np.inf
     method = "inverted_cdf" if infinite else "linear"
-    assert _compute_equal_tailed_interval(samples) == pytest.approx(
+    assert compute_equal_tailed_interval(samples) == pytest.approx(
         np.quantile(samples, [0.025, 0.975], method=method).tolist(), rel=1e-14
     )
     samples[0] = np.nan
     with pytest.raises(ValueError, match="have no coefficient"):
-        _compute_equal_tailed_interval(samples)
+        compute_equal_tailed_interval(samples)
 
 
 # In the periodic samples, every 61st value is the largest, so that the estimated bounds of the tails are wrong.
@@ -201,8 +196,8 @@ SAMPLES_WITH_UNUSUAL_TAILS = {
 @pytest.mark.parametrize("samples", SAMPLES_WITH_UNUSUAL_TAILS.values(), ids=SAMPLES_WITH_UNUSUAL_TAILS)
 def test_interval_ends_equal_quantiles_of_samples_with_unusual_tails(samples) -> None:
     expected_ends = np.quantile(samples, [0.025, 0.975]).tolist()
-    assert _compute_equal_tailed_interval(samples) == pytest.approx(expected_ends, rel=1e-14)
-    assert _compute_equal_tailed_interval(-samples) == pytest.approx([-expected_ends[1], -expected_ends[0]], rel=1e-14)
+    assert compute_equal_tailed_interval(samples) == pytest.approx(expected_ends, rel=1e-14)
+    assert compute_equal_tailed_interval(-samples) == pytest.approx([-expected_ends[1], -expected_ends[0]], rel=1e-14)
 
 
 def test_areas_at_other_hardnesses_are_solved_for_only_two_members_of_large_maps(monkeypatch) -> None:

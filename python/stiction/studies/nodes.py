@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.studies.at_load import at_load
-from stiction.studies.budget import SAME_INPUT_TOLERANCE, add_uncertainty
+from stiction.studies.budget import add_uncertainty
+from stiction.studies.coefficient_samples import SAME_INPUT_TOLERANCE
 from stiction.studies.hardness import find_uncertain_inputs
 from stiction.studies.load_range import choose_loads_in_range
 

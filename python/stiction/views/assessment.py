@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from stiction.studies.alternatives import ALTERNATIVE_LABELS, SPIKES_ALTERNATIVE, TIP_ALTERNATIVE
 from stiction.studies.assessment import VERDICTS_BY_SEVERITY, WIDE_INTERVAL_TEXT, Caveat
-from stiction.studies.budget import (
+from stiction.studies.coefficient_samples import (
     LOWER_SCANS_INPUT_NAME,
     POSITIONS_INPUT_NAME,
     UNRESOLVED_ROUGHNESS_INPUT_NAME,
