@@ -239,7 +239,13 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_folder
         (["scan.csv", "--missing", "zero"], "missing must be one of 'error', 'interpolate', 'mask', got 'zero'"),
         (["scan.csv", "--level", "plane"], "--level must be one of 'none', 'mean', 'line',"),
         (["scan.csv", "--lc", "1 um", "--repeated"], "requires two scans of the same place"),
-        (["scan.csv", "scan.csv", "--lc", "1 um", "--together"], "--lc, --ls and --robust must not be combined with"),
+        (["scan.csv", "scan.csv", "--lc", "1 um", "--together"], "--lc must not be combined with --together"),
+        (["scan.csv", "scan.csv", "--band", "1 um,2 um", "--together"], "--band must not be combined with --together"),
+        (
+            ["scan.csv", "scan.csv", "--texture", "turned", "--repeated"],
+            "--texture must not be combined with --repeated",
+        ),
+        (["scan.csv", "scan.csv", "--tip", "2 um", "--repeated"], "--tip must not be combined with --repeated"),
         (["scan.csv", "--lc", "1 m"], "one section length is"),
         (
             ["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"],

@@ -126,9 +126,10 @@ def characterise(
         if dry_run or (as_json and output is None)
         else _choose_output_paths(files, output, together=together, repeated=repeated)
     )
+    _reject_unused_options(context, together=together, repeated=repeated)
     hurst_band = _parse_band(band)
     cutoff_wavelength = None if cutoff is None else parse_quantity("cutoff", cutoff, "length")
-    filters = _parse_filters(lc, ls, robust=robust, joined=together or repeated)
+    filters = _parse_filters(lc, ls, robust=robust)
     if texture is not None and texture not in MACHINING_PROCESSES:
         raise ValueError(f"--texture must be one of {', '.join(MACHINING_PROCESSES)}, got {texture!r}")
     tip_radius = None if tip is None else parse_quantity("tip", tip, "length")
@@ -343,10 +344,16 @@ def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
     return levelled(body, level)
 
 
-def _parse_filters(lc: str | None, ls: str | None, *, robust: bool, joined: bool) -> dict[str, Any]:
+def _reject_unused_options(context: typer.Context, *, together: bool, repeated: bool) -> None:
+    """Raise a `ValueError` if an option is given that has no effect on a joined spectrum or on repeated scans."""
+    names = ["lc", "ls", "robust", "band", "texture", *(["tip"] if repeated else [])]
+    given_names = [name for name in names if option_was_given(context, name)]
+    if given_names and (together or repeated):
+        raise ValueError(f"--{given_names[0]} must not be combined with {'--together' if together else '--repeated'}")
+
+
+def _parse_filters(lc: str | None, ls: str | None, *, robust: bool) -> dict[str, Any]:
     """Parse the filter options `--lc`, `--ls` and `--robust`, which apply to roughness parameters."""
-    if joined and (lc is not None or ls is not None or robust):
-        raise ValueError("--lc, --ls and --robust must not be combined with --together or --repeated")
     long_cutoff = None if lc is None else parse_quantity("lc", lc, "length")
     short_cutoff = 0.0 if ls == "none" else None if ls is None else parse_quantity("ls", ls, "length")
     return {"lc": long_cutoff, "ls": short_cutoff, "robust": robust}
