@@ -31,7 +31,7 @@ ALTERNATIVE_CONDITIONS: dict[AlternativeName, str] = {
     SPIKES_ALTERNATIVE: "without outliers",
     TIP_ALTERNATIVE: "with an estimate of the roughness that the tip did not reach",
 }
-"""Clauses that name the alternative preparations in caveats."""
+"""Phrases that begin the texts of caveats about results for alternative preparations."""
 
 TIP_CORRECTION = 4.0
 """Multiple of the tip correction that the alternative preparation *tip* subtracts from the scans.

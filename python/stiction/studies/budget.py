@@ -231,7 +231,10 @@ def _find_inputs_and_strengths(study: Study) -> tuple[dict[str, Any], list[Stren
 def _average_pairs_of_scans(
     result: Result, at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[tuple[int, ...], ScanPairMean | None]:
-    """Split the variance of each coefficient by source (scans and positions). Empty for a single pair of scans."""
+    """Return the mean of each coefficient over pairs of scans, with its variance split by source.
+
+    The sources are scans and positions. The result is empty for a single pair of scans.
+    """
     surfaces: Any = result.study.surfaces
     if math.prod(surfaces.scan_counts) == 1:
         return {}

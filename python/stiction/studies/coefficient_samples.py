@@ -103,9 +103,10 @@ class CoefficientSamples:
         )
 
     def _drop_inputs_of_other_strengths(self, strengths: Sequence[StrengthArrays]) -> Sequence[StrengthArrays]:
-        """Drop mu0 or tau0 from the inputs, and the joint samples, if the study has another value of it.
+        """Drop mu0 or tau0 from the inputs if its value differs from the value in the study.
 
-        A range in the study does not apply to other values of mu0 or tau0.
+        A range in the study does not apply to other values of mu0 or tau0. Joint samples are then dropped too; the
+        remaining joint samples are returned.
         """
         for name, value in (("mu0", self.mu0), ("tau0", self.tau0)):
             if self.study.known.interface:
@@ -120,7 +121,7 @@ class CoefficientSamples:
         return strengths
 
     def _find_standard_errors(self, scan_mean: ScanPairMean | None) -> dict[str, float]:
-        """Return the relative standard errors of the mean due to the choice of scans and positions, if above 0."""
+        """Return the nonzero relative standard errors of the mean due to the choice of scans and positions."""
         lower, upper = self.sampling
         relative_width = math.log(upper / lower) if lower > 0 else (upper - lower) / self.value
         error = relative_width / (2 * Z_95)
@@ -131,9 +132,9 @@ class CoefficientSamples:
         return {name: each for name, each in zip(SAMPLING_INPUT_NAMES, errors, strict=True) if each > 0}
 
     def _find_scatter(self, point: Mapping[str, Any], scan_mean: ScanPairMean | None) -> tuple[float, float]:
-        """Return the relative standard deviation of a test of one new member from the mean, and its degrees of freedom.
+        """Return the relative standard deviation of single tests from the mean, and its degrees of freedom.
 
-        The test is in a single direction.
+        A single test is a test of one new member in one direction.
         """
         if scan_mean is not None:
             return scan_mean.test / self.value, min(scan_mean.test_freedom, MAX_DEGREES_OF_FREEDOM)
@@ -143,10 +144,11 @@ class CoefficientSamples:
         return deviation * math.sqrt(1 + 1 / max(num_members, 1)), float(max(num_members - 1, 1))
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return a coefficient that is 0 for exact inputs with its 95 % interval, for which it has no relative error.
+        """Return the 95 % interval of a coefficient that is 0 at the central inputs, after the coefficient itself.
 
-        The interval contains the coefficient and its sampling interval, and is not below 0. The result is NaN if the
-        coefficient is not 0, or if neither mu0 nor tau0 is uncertain.
+        Relative errors of such a coefficient are undefined. The interval contains the coefficient and its sampling
+        interval, and is not below 0. The result is NaN if the coefficient is not 0, or if neither mu0 nor tau0 is
+        uncertain.
         """
         is_zero = (np.abs(self.sampling_estimate) < NEGLIGIBLE_COEFFICIENT).all()
         if not is_zero or not {"mu0", "tau0"} & self.inputs.keys():
@@ -326,10 +328,11 @@ class CoefficientSamples:
     def _compute_coefficients_of_inputs(
         self, fixed: Mapping[str, float], wait: float, strength_index: int
     ) -> tuple[Floats, Floats | None, NDArray[np.bool_] | None]:
-        """Return samples of the coefficient without sampling uncertainty, and a mask of the samples that seize.
+        """Return samples of the coefficient without sampling uncertainty, range widths, and a mask of seizing samples.
 
-        If shorter wavelengths may change the coefficient, the first array contains the lowest coefficients for finer
-        scans, and the second array the widths of their ranges. The mask is None if no sample seizes.
+        If unresolved roughness may change the coefficient, the samples are the lowest coefficients for finer scans,
+        and the range widths are the differences between the highest and the lowest. Otherwise, the range widths are
+        None. The mask is None if no sample seizes.
         """
         probabilities, _, samples, hardness, modulus = self._draw_input_samples(fixed, wait)
         strength = self.strengths[strength_index] if self.strengths else None

@@ -34,7 +34,7 @@ MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads needed to compu
 def average_ensemble(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
 ) -> xarray.Dataset:
-    """Compute ensemble means at given mean normal loads. The dimension `statistic` has means and interval limits.
+    """Compute ensemble means at given mean normal loads. The dimension `statistic` contains means and interval limits.
 
     `names` lists quantities to evaluate besides friction; None stands for all.
     """
@@ -81,7 +81,7 @@ def average_ensemble(
 
 
 def _list_ensemble_quantities(head: xarray.Dataset) -> list[str]:
-    """List the quantities besides friction of which a result has ensemble means."""
+    """List the quantities besides friction whose ensemble means a result provides."""
     has_stiffness = head.sizes[find_step_dimension(head)] >= MIN_STIFFNESS_STEPS
     optional_names = [name for name in (*ONSET_QUANTITIES, "contact_load") if name in head]
     return ["contact_area", "contact_count", *(["normal_stiffness"] if has_stiffness else []), *optional_names]
@@ -111,7 +111,7 @@ def _evaluate_direction_groups(
 
 
 def _average_unloaded_members(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> dict[str, Any]:
-    """Average the pull-off force, whether only bounds are known, and the friction without a load over the members."""
+    """Average the pull-off force, the marks of lower bounds, and the friction at no load over the members."""
     import xarray
 
     variables = {}
@@ -138,9 +138,8 @@ def compute_ensemble_friction(
 ) -> xarray.DataArray:
     """Compute the ratio mean(F_T) / mean(F_N) at elastic loads (mN), with its jackknife interval.
 
-    The means are taken over members and directions.
-
-    The dimensions are cells, sliding, load, mu0, tau0 and statistic. The value is NaN if mean(F_N) is not above 0.
+    The means are taken over members and directions. The dimensions are cells, sliding, load, mu0, tau0 and
+    statistic. The value is NaN if mean(F_N) is not above 0.
     """
     import xarray
 

@@ -75,7 +75,7 @@ def evaluate_height_factors(
 
 
 def omit_meaningless_area(points: xarray.Dataset, study: Study) -> xarray.Dataset:
-    """Return a result of `Result.at` without nominal area and area fraction if the nominal area is not meaningful."""
+    """Remove the nominal area and the area fraction from a result of `Result.at` if they are not meaningful."""
     names = ["nominal_area", "contact_area_fraction"]
     return points if study.has_nominal_area else points.drop_vars(names, errors="ignore")
 

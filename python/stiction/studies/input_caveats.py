@@ -180,7 +180,7 @@ def find_scan_caveats(
 
     If `textured` is true, the spectrum may have lines and humps. `has_second_cutoff` is true if the study also has the
     filtered scan, and `elastic` is true if the study has no hardness. `alternatives` contains the names of the
-    alternative preparations that the interval includes. `periodic` is as in `power_spectrum`.
+    alternative preparations that the interval includes. `power_spectrum` explains `periodic`.
     """
     defects = find_scan_defects(body, tip_radius, textured=textured, periodic=periodic)
     instrument_caveats = _find_instrument_caveats(defects, has_second_cutoff, elastic, TIP_ALTERNATIVE in alternatives)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
-INTERVAL_STATISTICS = ["mean", "lower", "upper"]  # values of the dimension `statistic` of datasets
+INTERVAL_STATISTICS = ["mean", "lower", "upper"]  # values of the dimension `statistic` in datasets
 NUM_SLOPE_FIT_STEPS = 4  # a slope is fitted to this number of steps on each side of a crossing
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""

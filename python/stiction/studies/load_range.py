@@ -62,5 +62,5 @@ def find_negligible_load(result: Result) -> float:
 
 
 def _average_pull_off_by_piece(result: Result) -> list[float]:
-    """Return the mean pull-off force (mN) over the members in each piece of a result that is read at a time."""
+    """Return the mean pull-off force (mN) of the members in each piece of a result. One piece is read at a time."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]

@@ -17,7 +17,7 @@ class MemberNames(NamedTuple):
 
 
 GENERAL_MEMBER_NAMES = MemberNames("member", "members")
-"""General name, for studies whose members are positions and pairs of surrogates."""
+"""General name, for studies that have both positions and pairs of surrogates as members."""
 
 REPETITION_NAMES = MemberNames("repetition", "repetitions")
 POSITION_NAMES = MemberNames("position", "positions")

@@ -65,7 +65,7 @@ def member_values(
 
     Parameters
     ----------
-    result, loads, mu0, tau0, of
+    result, loads, mu0, tau0, member_kind
         As for `at_load`.
     reading : {"elastic", "normal"}
 
@@ -141,7 +141,7 @@ def interpolate_member_sums(
 def compute_mean_areas(result: Result) -> Floats:
     """Return the true area (µm²) at each computed load, averaged over the members.
 
-    `Result.compute_mean_areas` caches these areas.
+    `Result.mean_areas` caches these areas.
     """
     zero_strength = np.zeros(1)
     areas = evaluate_members_before_growth(
@@ -301,7 +301,7 @@ def _interpolate_quantities(
 def _evaluate_pull_off(
     piece: xarray.Dataset, member_dims: tuple[str, ...], mu0: Floats, tau0: Floats
 ) -> dict[str, Any]:
-    """Return the pull-off force of each member, whether only a bound is known, and the friction without a load."""
+    """Return the pull-off force of each member, a mark if it is only a lower bound, and the friction at no load."""
     # An element is 1 if only a lower bound on the pull-off force of the member is known, and 0 otherwise.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {

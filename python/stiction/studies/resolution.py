@@ -331,7 +331,7 @@ class ResolutionLimits:
     points : xarray.Dataset
         Values at the cutoffs.
     plastic_limit : (float, float) or None
-        Result of `find_plastic_limit`.
+        Coefficient and area fraction at the plastic limit, as returned by `find_plastic_limit`.
     shortest : float or None, µm
         Shortest wavelength that the scans resolve at any of the cutoffs, or None if the files are missing.
     wavelengths : (n,) ndarray of float, µm

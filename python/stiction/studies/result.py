@@ -340,9 +340,9 @@ class Result:
         reading : {"mean", "elastic", "normal"}, optional
             Definition of the load, as for `at_load`.
         quantities : collection of str, optional
-            Names of quantities to evaluate besides friction, such as ["contact_area"]; all by default. The validity of
-            the model consists of quantities too, such as "share_beyond_hertz"; a summary contains no caveats about
-            omitted quantities.
+            Names of quantities to evaluate besides friction, such as ["contact_area"]; all by default. Quantities
+            that show whether the model is valid, such as "share_beyond_hertz", are also evaluated only if they are
+            named; a summary contains no caveats about omitted quantities.
         per_member : bool
             True to return the values of each member, as `member_values` does, instead of means and intervals.
         budget : bool

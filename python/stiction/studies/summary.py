@@ -365,8 +365,8 @@ def summarize(
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
     """Return a point after adding the faults of an alternative preparation that the point does not have itself.
 
-    Errors of a scan do not improve an assessment: spikes hold two bodies apart, for example, so that more contacts
-    carry the load.
+    Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
+    that more contacts carry the load.
     """
     (other_point,) = (each for each in alternative.points if each.at == point.at)
     own_faults = {each.name or each.text for each in point.faults}
