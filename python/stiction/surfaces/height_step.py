@@ -7,18 +7,18 @@ import numpy as np
 from stiction._checks import Floats
 
 # Second differences count as equal if they differ by less than this fraction of the height range.
-# Larger than the round-off of levelling and of single-precision heights.
+# It exceeds the round-off of levelling and of single-precision heights.
 _TOLERANCE_RATIO = 1e-6
 _MIN_REPETITIONS = 5  # minimum number of equal second differences that may be due to rounding
 _MIN_REPEATED_FRACTION = 0.5  # minimum fraction of second differences that are repeated
 # minimum fraction of second differences that are multiples of the step, and the accepted deviation in steps
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
-# Maximum ratio of the step to the height range. Fewer than four levels may also be a flat scan with equal spikes.
+# Maximum ratio of the step to the height range. With fewer than four levels, a scan may be flat with equal spikes.
 _MAX_STEP_RATIO = 1 / 3 + 1e-6
 
 
 def find_height_step(heights: Floats) -> float:
-    """Find the step to which heights are rounded, also if a line, a plane or a parabola was subtracted afterwards.
+    """Find the step to which heights are rounded, even if a line, a plane or a parabola was subtracted afterwards.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def find_height_step(heights: Floats) -> float:
 
 
 def _centred_second_differences(heights: Floats, axis: int) -> Floats:
-    """Return the known second differences along an axis, minus one of the values nearest to their median."""
+    """Return the finite second differences along an axis, minus their lower median."""
     differences = np.diff(heights, 2, axis=axis)
     differences = differences[np.isfinite(differences)]
     return differences - np.quantile(differences, 0.5, method="lower") if differences.size else differences

@@ -30,9 +30,9 @@ MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; a larger grou
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 # Round-off of heights from which a form was subtracted, as a fraction of their range.
 _ROUND_OFF_RATIO = 1e-10
-# Fraction of deviations that may be due to rounding or round-off. If it is exceeded, the scan has flat regions.
+# Maximum fraction of deviations that may be due to rounding or round-off in a scan without flat regions.
 _MAX_FLAT_FRACTION = 0.25
-_MIN_ROUGH_FRACTION = 0.02  # minimum fraction of rough points that represent the clipped or filled regions too
+_MIN_ROUGH_FRACTION = 0.02  # minimum fraction of rough points whose deviations are also used in clipped regions
 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles (1) and for maps (2)
 # Minimum number of estimates of a height from neighbouring points.
@@ -187,9 +187,10 @@ def _find_typical_deviations(
 ) -> _TypicalDeviations:
     """Find the median deviation of edge points and of all other points.
 
-    Deviations up to the step (µm) to which heights are rounded may be due to rounding. If the scan has flat regions,
-    where most deviations are so small, the median of the other regions is used in and beside these other regions.
-    Flat regions of heights that are not rounded were clipped or filled; the median is then used everywhere.
+    Deviations up to `step`, the step (µm) to which heights are rounded, may be due to rounding. In flat regions, most
+    deviations are so small. If a scan has flat regions, the median of its rough regions is used in and beside the rough
+    regions. Flat regions of heights that are not rounded were clipped or filled; the median of the rough regions is
+    then used everywhere.
     """
     from scipy.ndimage import maximum_filter, median_filter
 

@@ -99,7 +99,7 @@ def compare_repeated_scans(
         Two profiles or two surfaces with equal spacings that overlap by more than half, without missing points.
     outliers : sequence of two ndarray of bool, optional
         Masks of points of the first and of the second scan that are interpolated before the alignment and the estimate,
-        because single points look like white noise. The mean of both scans contains their measured heights. By default,
+        because outliers look like white noise. The mean of both scans contains their measured heights. By default,
         no points are interpolated.
 
     Returns
@@ -216,7 +216,7 @@ def _check_scans(first: Any, second: Any) -> None:
 def _interpolate_outliers(
     first: Profile | Surface, second: Profile | Surface, outliers: Sequence[NDArray[np.bool_]] | None
 ) -> tuple[Profile | Surface, Profile | Surface]:
-    """Return both scans with interpolated outliers; without outliers, return the scans unchanged."""
+    """Return both scans with interpolated outliers, or both scans unchanged if `outliers` is None."""
     if outliers is None:
         return first, second
     masks = [np.asarray(mask) for mask in outliers]
