@@ -17,11 +17,9 @@ UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded in
 # the upper end of an interval is printed with one digit if it exceeds this multiple of the value
 MAX_FULL_PRECISION_END_RATIO = 100.0
 NO_INTERVAL_CODE = -128  # number that replaces the number of decimals of the upper end if no interval is printed
-EXPONENT_CODE = (
-    -127
-)  # number that replaces it if the upper end is printed with one digit and an exponent, as in "5e+09"
-# maximum number of decimals, and maximum number of digits before the decimal point that may be rounded
-MAX_DECIMALS = 100
+# number that replaces the number of decimals of an upper end with one digit and an exponent, as in "5e+09"
+EXPONENT_CODE = -127
+MAX_DECIMALS = 100  # maximum number of decimals; negative numbers of decimals have the same maximum size
 
 
 class Interval(NamedTuple):
@@ -35,7 +33,7 @@ class Interval(NamedTuple):
     upper: float
 
     def extended_to(self, *others: tuple[float, float]) -> Interval:
-        """Return the smallest interval that includes this interval and other intervals, as for `extend_intervals`."""
+        """Return the smallest interval that includes this and other intervals; NaN as in `extend_intervals`."""
         return Interval(*extend_intervals(self, *others).tolist()) if others else self
 
     def __str__(self) -> str:
@@ -202,7 +200,7 @@ def _count_significant_decimals(value: Floats, digits: int) -> Floats:
     """Return the decimals of values that are rounded to `digits` digits, without trailing zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
-        # whole numbers up to a power of ten
+        # the rounded digits as a whole number, such as 123 for 0.01234
         digit_values = np.round(np.abs(value) / 10.0 ** (exponents - digits + 1))
     trailing_zeros = sum((digit_values % 10**count == 0).astype(float) for count in range(1, digits + 1))
     return np.asarray(np.where(value == 0, 0.0, digits - 1 - exponents - trailing_zeros))

@@ -93,7 +93,7 @@ def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
 
 
 def format_number(value: float, kind: str) -> str:
-    """Format a number as its kind and its size require. `kind` is explained at `list_number_formats`."""
+    """Format a number according to its kind, which `list_number_formats` explains, and to its size."""
     return _choose_by_size(value, list_number_formats(kind)).format(value)
 
 

@@ -85,10 +85,11 @@ class Job:
         }  # fmt: skip
 
     def show(self, record: Any, files: Path | None, *, scope: str = "", counts: tuple[int, int] | None = None) -> None:
-        """Show the values of a result, and the files that the user can save, if they have been written.
+        """Show the values of a result.
 
-        `scope` describes the members of an intermediate result. `counts` are the numbers of finished and of all
-        members, unless they remain the same.
+        `files` is the directory with the files that the user can save, or None if they have not been written. `scope`
+        describes the members of an intermediate result. `counts` contains the number of finished members and the number
+        of all members; None leaves both unchanged.
         """
         self.record, self.files, self.scope, self.versions = record, files, scope, self.versions + 1
         if counts is not None:
@@ -285,7 +286,7 @@ def _print_unexpected_error(task: asyncio.Task[None]) -> None:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the values of the reported point in the JSON record of a pair. A record without values has a remark."""
+    """Return the values of the reported point in the JSON record of a pair. Raise its remark if it has no values."""
     values = json.loads(record)
     if "answers" not in values:
         raise RejectedRequestError(values["remark"])
@@ -330,9 +331,10 @@ async def run_module(
 async def _start_module(
     arguments: list[str], memory: float, grace_time: float
 ) -> AsyncIterator[tuple[Process, StreamReader, asyncio.Task[bytes]]]:
-    """Start a module in a process, and end the process on exit. Errors are read by a task, so that they block nothing.
+    """Start a module in a process, and end the process on exit.
 
-    A process that still runs on exit is interrupted, and killed after `grace_time` seconds.
+    A task reads the error output, so that a full pipe does not block the process. A process that still runs on exit is
+    interrupted, and killed after `grace_time` seconds.
     """
     process = await asyncio.create_subprocess_exec(
         *memory_limit_command_prefix(memory), sys.executable, "-P", "-m", *arguments, stdin=asyncio.subprocess.DEVNULL,
@@ -356,7 +358,7 @@ async def _start_module(
 
 
 async def _read_record(stream: StreamReader) -> tuple[str, bool]:
-    """Read the output of a process up to the end of a record, or all of it if there is no record (False)."""
+    """Return the output up to the end of a record and True, or the whole output and False if there is no record."""
     try:
         return (await stream.readuntil(END_OF_JSON_RECORD)).decode(), True
     except asyncio.LimitOverrunError:

@@ -231,7 +231,7 @@ def _print_joined_spectrum(
 
 
 def _name_scans(files: list[Path]) -> list[str]:
-    """Return the names of files without directories, or with them if names are equal."""
+    """Return the names of files, or their paths if two names are equal."""
     names = [file.name for file in files]
     return names if len(set(names)) == len(names) else list(map(str, files))
 

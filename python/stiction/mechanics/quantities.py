@@ -29,7 +29,7 @@ with an onset of sliding, and of measured bodies.
 """
 
 STIFFNESS_PER_AREA_UNIT = "MPa/mm"
-"""Unit of all stiffnesses per area in datasets and files, which is usual for joints of rock and of machines."""
+"""Unit of all stiffnesses per area in datasets and files, which is usual for rock joints and machine joints."""
 
 STIFFNESS_PER_AREA_FACTOR = 1e6  # conversion factor from GPa/µm to `STIFFNESS_PER_AREA_UNIT`
 

@@ -152,7 +152,7 @@ def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
     return figure
 
 
-MIN_POSITION_RATIO = 1.05  # smallest ratio of two wavelengths whose points are visibly next to each other
+MIN_POSITION_RATIO = 1.05  # smallest ratio of two wavelengths whose points are visibly apart
 UNFILTERED_POSITION_RATIO = 1.5
 """Ratio of the shortest cutoff to the cutoff at which unfiltered scans are drawn if their resolution is unknown."""
 
@@ -299,8 +299,8 @@ def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, 
 def format_log_axis(axis: Any, limits: tuple[float, float] | None = None) -> None:
     """Label an axis with plain numbers, with several labels per decade.
 
-    Axes that span more than `MAX_PLAIN_LABEL_RATIO` are labelled with powers of ten. `limits` are the limits of the
-    main axis of a secondary axis, which has no limits before it is drawn.
+    Axes that span more than `MAX_PLAIN_LABEL_RATIO` are labelled with powers of ten. For a secondary axis, `limits`
+    are the limits of its main axis, because a secondary axis has no limits before it is drawn.
     """
     low, high = limits or axis.get_view_interval()
     if high > MAX_PLAIN_LABEL_RATIO * low:

@@ -46,7 +46,8 @@ class EstimateArray:
     A page also stores the numbers of decimals to print, for `digits` (1 or 2) digits of the half-width of the interval.
     Values without an interval have the decimals of the estimates in `reference`, if it is given; the shapes must
     broadcast. If there are `formats` by size, in descending order of `minimum`, a page also stores the index of the
-    format of each value. The factor of the format applies to the decimals, which replace its digits.
+    format of each value. Decimals are counted after the division by the factor of the format;
+    its number of digits is not used.
     """
 
     values: Floats
