@@ -75,7 +75,7 @@ def test_extended_interval_includes_both_intervals_and_ignores_missing_limits():
     assert estimate.extended_to(Estimate(0.25)) == estimate
 
 
-def test_extended_estimate_without_interval_has_no_interval():
+def test_extending_an_estimate_without_interval_adds_no_interval():
     # The interval of another estimate does not describe the uncertainty of this value, and may not contain the value.
     assert not Estimate(0.2).extended_to(Estimate(0.3, 0.25, 0.4)).has_interval
 

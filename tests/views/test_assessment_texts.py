@@ -559,7 +559,7 @@ def test_caveats_of_generated_surfaces_use_the_word_repetitions():
     assert "all repetitions together have fewer than 10 contacts" in caveat_texts(point)
 
 
-def test_few_contacts_of_a_gap_add_a_caveat_without_members():
+def test_caveat_about_few_contacts_of_a_gap_does_not_mention_members():
     study = measured_study().with_changes({"surfaces.gap": True})
     point = summarize_single_point(measured_result(contact_count=4.0, members=1, ok=1), study)
     (fault,) = point.faults
