@@ -19,6 +19,7 @@ from stiction import (
     spectral_moments,
     surface_spectrum,
 )
+from stiction.surfaces.preparation import levelled
 from stiction.surfaces.scale import fitted_and_limiting_power_laws, line_spectra
 from support.machined_surfaces import MACHINED_SURFACES, filtered_noise, scale_to_unit_rms, turned_surface
 from support.rough_surfaces import rough_profile, self_affine_map, sinusoid
@@ -227,7 +228,9 @@ class TestInstrumentLimit:
         smooth_profile = self_affine(
             5, hurst_exponent=0.8, rms=0.1, points=4096, spacing=0.01, longest_wavelength=5.0, shortest_wavelength=0.5
         )
-        assert instrument_limit(Profile(np.round(smooth_profile.heights, 3), spacing=0.01)).reason == "quantisation"
+        rounded_profile = Profile(np.round(smooth_profile.heights, 3), spacing=0.01)
+        assert instrument_limit(rounded_profile).reason == "quantisation"
+        assert instrument_limit(levelled(rounded_profile, "line")).reason == "quantisation"
 
 
 def make_body(heights, spacing=0.1):

@@ -14,6 +14,7 @@ from stiction._checks import Floats, check_bool, float_array, make_read_only, va
 from stiction._repr import TableReprMixin, TextReprMixin
 from stiction.surfaces.filters import MIN_CUTOFF_POINTS, gaussian_transmission
 from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, density_between_harmonics, find_texture_harmonics
+from stiction.surfaces.height_step import find_height_step
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -774,12 +775,8 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance: Floats) -> in
 
 
 def _is_quantised(body: Profile | Surface) -> bool:
-    """Return True if the heights of a body have so few levels that rounding explains the noise."""
-    level_steps = np.diff(np.unique(body.heights))
+    """Return True if the heights of a body were rounded to so large a step that rounding explains the noise."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s has the variance s²/12.
     # The variance of the second differences of white noise is six times the variance of the noise.
-    return bool(
-        level_steps.size < body.heights.size / 4
-        and np.median(level_steps) ** 2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference
-    )
+    return find_height_step(body.heights) ** 2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference
