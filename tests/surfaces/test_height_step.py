@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 from stiction import Profile, Surface, levelled
 from stiction.surfaces.height_step import find_height_step
 from support.machined_surfaces import MACHINED_SURFACES, filtered_noise
@@ -45,3 +46,11 @@ def test_flat_scan_with_equal_spikes_has_no_step(shape):
     heights[..., 5::17] = heights[..., 6::17] = 1.0  # pairs of saturated points
     assert find_height_step(heights) == 0
     assert find_height_step(np.array([1.0, 2.0])) == 0
+
+
+def test_clipped_map_of_unrounded_heights_has_no_step():
+    heights = gaussian_filter(np.random.default_rng(1).normal(size=(1024, 1024)), 4)
+    clipped_heights = np.maximum(heights, np.quantile(heights, 0.95))
+    assert find_height_step(clipped_heights) == 0
+    rounded_heights, step = round_to_levels(clipped_heights, 64)
+    assert find_height_step(rounded_heights) == pytest.approx(step, rel=STEP_TOLERANCE)

@@ -13,6 +13,9 @@ _MIN_REPETITIONS = 5  # minimum number of equal second differences that may be d
 _MIN_REPEATED_FRACTION = 0.5  # minimum fraction of second differences that are repeated
 # minimum fraction of second differences that are multiples of the step, and the accepted deviation in steps
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
+# Minimum fraction of multiples among second differences that are not 0. If a map was clipped at most points, nearly all
+# second differences are 0, which is a multiple of any step. If heights are not rounded, 0.1 are multiples by chance.
+_MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5
 # Maximum ratio of the step to the height range. With fewer than four levels, a scan may be flat with equal spikes.
 _MAX_STEP_RATIO = 1 / 3 + 1e-6
 
@@ -56,7 +59,11 @@ def find_height_step(heights: Floats) -> float:
         return 0.0
     multiples = differences / step
     is_multiple = np.abs(multiples - np.rint(multiples)) <= _MULTIPLE_TOLERANCE
-    return step if is_multiple.mean() >= _MIN_FRACTION_OF_MULTIPLES else 0.0
+    is_rounded = (
+        is_multiple.mean() >= _MIN_FRACTION_OF_MULTIPLES
+        and is_multiple[np.abs(multiples) > _MULTIPLE_TOLERANCE].mean() >= _MIN_FRACTION_OF_NONZERO_MULTIPLES
+    )
+    return step if is_rounded else 0.0
 
 
 def _centred_second_differences(heights: Floats, axis: int) -> Floats:
