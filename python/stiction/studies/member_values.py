@@ -266,7 +266,7 @@ class _MemberForces:
 def _compute_opposing_share(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return the share of the load at contacts that oppose sliding, if the result has the sliding rules for it."""
+    """Return the fraction of the load on contacts that oppose the motion, or {} if a sliding rule for it is missing."""
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}
