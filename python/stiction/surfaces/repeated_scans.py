@@ -110,8 +110,8 @@ def compare_repeated_scans(
     Raises
     ------
     ValueError
-        If types or spacings differ, if points are missing, if the scans are identical, if they show different areas, if
-        they are flat except for outliers, or if a mask does not have the shape of its scan.
+        If types or spacings differ, if points are missing, if the scans show different areas, if they are identical or
+        flat except for outliers, or if a mask does not have the shape of its scan.
 
     See Also
     --------
@@ -136,7 +136,7 @@ def compare_repeated_scans(
     _check_scans(first, second)
     bodies_without_outliers = _interpolate_outliers(first, second, outliers)
     body_class: Any = type(first)
-    if np.array_equal(first.heights, second.heights):
+    if _are_identical(first, second, outliers):
         raise ValueError(
             "first and second must be different scans, got identical heights, from which the noise cannot be estimated"
         )
@@ -227,10 +227,20 @@ def _interpolate_outliers(
             f"outliers must be two boolean arrays with the shapes {shapes[0]} and {shapes[1]}, got {given}"
         )
     bodies = with_interpolated_points(first, masks[0]), with_interpolated_points(second, masks[1])
-    for name, body in zip(("first", "second"), bodies, strict=True):
-        if not np.ptp(body.heights) > MIN_HEIGHT_RANGE:
+    for name, body, mask in zip(("first", "second"), bodies, masks, strict=True):
+        if mask.all() or not np.ptp(body.heights) > MIN_HEIGHT_RANGE:
             raise ValueError(f"{name} must not be flat except for outliers")
     return bodies
+
+
+def _are_identical(
+    first: Profile | Surface, second: Profile | Surface, outliers: Sequence[NDArray[np.bool_]] | None
+) -> bool:
+    """Return whether two scans have equal heights, except at the outliers of both scans."""
+    if first.heights.shape != second.heights.shape:
+        return False
+    is_outlier = np.zeros(first.heights.shape, np.bool_) if outliers is None else np.logical_or(*outliers)
+    return np.array_equal(first.heights[~is_outlier], second.heights[~is_outlier])
 
 
 def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, shortest: float, longest: float) -> float:
