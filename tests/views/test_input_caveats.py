@@ -260,3 +260,15 @@ class TestNoiseHiddenByRoughness:
         assert result.value == unfiltered_point.value < filtered_point.value
         assert result.interval[1] == pytest.approx(filtered_point.upper, rel=1e-9)
         assert result.interval[1] > result.of_positions[1]
+
+
+def test_caveats_of_a_gap_do_not_mention_two_scans(tmp_path):
+    heights = rough_maps(1, points=40)[0].heights.copy()
+    heights[5, 5] += 15 * heights.std()
+    heights[15:25, 15:25] = np.nan
+    np.save(tmp_path / "gap.npy", heights)
+    options = {"load": "20 MPa", "mu0": 0.2, "tau0": "100 MPa", "effective_modulus": "80 GPa", "onset": 0}
+    options |= {"unit": "um", "spacing": "0.1 um", "missing": "interpolate", "cutoff": "none", "direction": [0, 180]}
+    texts = [caveat.text for caveat in pair(gap=tmp_path / "gap.npy", **options).caveats]
+    for word in ("neighbours", "interpolated"):
+        assert [text.partition(":")[0] for text in texts if word in text] == ["gap"]

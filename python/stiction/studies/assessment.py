@@ -627,10 +627,11 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         yield Caveat(text, "scan both bodies with similar spacings", "caution")
     count = mean_over_directions(point, "contact_count")
     mean_contact_area = mean_over_directions(point, "contact_area") / count if count > 0 else math.nan
-    for side in sides:
+    # The study of a gap contains the same map twice.
+    for side, name in [("upper", "gap")] if study.is_gap else zip(sides, sides, strict=True):
         interpolated_fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
         if interpolated_fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
-            text = f"{side}: {format_percent(interpolated_fraction)} of the points are interpolated"
+            text = f"{name}: {format_percent(interpolated_fraction)} of the points are interpolated"
             if largest_gap > mean_contact_area:
                 text += (
                     f", in gaps larger than the contacts, up to {largest_gap:.3g} {'µm²' if study.is_areal else 'µm'}"

@@ -110,7 +110,9 @@ def find_input_caveats(
     unpaired_caveats = [
         [each for each in body_caveats if each not in paired_caveats] for body_caveats in (upper_caveats, lower_caveats)
     ]
-    named_caveats = zip(("both scans", "upper", "lower"), (merged_caveats, *unpaired_caveats), strict=True)
+    # The study of a gap contains the same map twice.
+    names = ("gap" if study.is_gap else "both scans", "upper", "lower")
+    named_caveats = zip(names, (merged_caveats, *unpaired_caveats), strict=True)
     caveats = [
         replace(each, text=f"{name}: {each.text}") for name, body_caveats in named_caveats for each in body_caveats
     ]
