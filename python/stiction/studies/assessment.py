@@ -161,7 +161,7 @@ STATUS_EXPLANATIONS = {
 }
 """Meaning and remedy of each status of a point that has no coefficient."""
 
-WIDE_INTERVAL_TEXT = f"the interval is wider than ±{100 * MAX_RELATIVE_HALF_WIDTH:.0f} %"
+WIDE_INTERVAL_TEXT = f"the sampling interval is wider than ±{100 * MAX_RELATIVE_HALF_WIDTH:.0f} %"
 
 SINGLE_POSITION_CHECK = LimitCheck(
     "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
