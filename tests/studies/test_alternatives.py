@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from typing import ClassVar
 
 import numpy as np
@@ -18,12 +18,14 @@ from stiction.studies.alternatives import (
     TIP_CORRECTION,
     build_alternative_study,
 )
+from stiction.studies.assessment import Caveat
 from stiction.studies.at_load import at_load
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.result import Result
 from stiction.studies.values_at_nodes import evaluate_measured_nodes
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.tip import sharpened
+from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.rows import summary_json
 from support.rough_surfaces import rough_maps, rough_profile
 
@@ -217,6 +219,17 @@ def test_area_interval_of_pair_with_hardness_includes_result_without_blunt_tip(t
     (tip_caveat,) = (each for each in result.caveats if "tip does not resolve" in each.text)
     assert "the interval includes an estimate of this" in tip_caveat.text
     assert tip_caveat.severity == "caution"
+
+
+def test_wide_interval_of_an_alternative_does_not_hide_the_most_useful_measurement(spiked_result):
+    point = replace(spiked_result.summary().first, caveats=())
+    expected_text = most_useful_measurement_text(point)
+    assert expected_text.startswith("A scan without spikes")
+    faults = {
+        name: Caveat(f"without outliers: {name}", "", "fault", name=name) for name in ("half_width", "contacts_missing")
+    }
+    assert most_useful_measurement_text(replace(point, caveats=(faults["half_width"],))) == expected_text
+    assert most_useful_measurement_text(replace(point, caveats=tuple(faults.values()))) == ""
 
 
 def test_budget_at_a_load_of_the_study_does_not_depend_on_another_load(spiked_result):

@@ -161,7 +161,7 @@ STATUS_EXPLANATIONS = {
 }
 """Meaning and remedy of each status of a point that has no coefficient."""
 
-WIDE_INTERVAL_TEXT = f"the sampling interval is wider than ±{100 * MAX_RELATIVE_HALF_WIDTH:.0f} %"
+WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check of the width of the sampling interval
 
 SINGLE_POSITION_CHECK = LimitCheck(
     "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
@@ -241,7 +241,10 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
             "missing_interval", MAX_AFFECTED_FRACTION, "there is no interval",
             f"an interval requires at least 8 different {members}",
         ),
-        LimitCheck("half_width", MAX_RELATIVE_HALF_WIDTH, WIDE_INTERVAL_TEXT, f"use more {members}"),
+        LimitCheck(
+            WIDE_INTERVAL_CHECK_NAME, MAX_RELATIVE_HALF_WIDTH,
+            f"the sampling interval is wider than ±{100 * MAX_RELATIVE_HALF_WIDTH:.0f} %", f"use more {members}",
+        ),
     )  # fmt: skip
 
 
@@ -351,7 +354,7 @@ def compute_checked_quantities(
     return {
         "deficit": -value,
         "missing_interval": (np.isnan(lower) | np.isnan(upper)).astype(float),
-        "half_width": half_width,
+        WIDE_INTERVAL_CHECK_NAME: half_width,
         "mean_pressure": pressure,
         "contact_count": count,
         "contacts_missing_of_all": MIN_TOTAL_CONTACTS - count * members,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stiction.studies.alternatives import ALTERNATIVE_LABELS, SPIKES_ALTERNATIVE, TIP_ALTERNATIVE
-from stiction.studies.assessment import VERDICTS_BY_SEVERITY, WIDE_INTERVAL_TEXT, Caveat
+from stiction.studies.assessment import VERDICTS_BY_SEVERITY, WIDE_INTERVAL_CHECK_NAME, Caveat
 from stiction.studies.coefficient_samples import (
     LOWER_SCANS_INPUT_NAME,
     POSITIONS_INPUT_NAME,
@@ -105,7 +105,7 @@ def _caveat_line(caveat: Caveat, suffix: str = "") -> WrappedText:
 def most_useful_measurement_text(point: PointSummary) -> str:
     """Return a sentence that names the measurement that would narrow the interval most, and the resulting interval."""
     dominant_input = point.dominant_input
-    if dominant_input is None or any(fault.text != WIDE_INTERVAL_TEXT for fault in point.faults):
+    if dominant_input is None or any(fault.name != WIDE_INTERVAL_CHECK_NAME for fault in point.faults):
         return ""
     reduced_limits = str(dominant_input.interval)
     if reduced_limits == str(point.rules[0].interval):
