@@ -236,7 +236,7 @@ def _interpolate_outliers(
 def _are_identical(
     first: Profile | Surface, second: Profile | Surface, outliers: Sequence[NDArray[np.bool_]] | None
 ) -> bool:
-    """Return whether two scans have equal heights, except at the outliers of both scans."""
+    """Return whether two scans have equal heights at all points that are outliers of neither scan."""
     if first.heights.shape != second.heights.shape:
         return False
     is_outlier = np.zeros(first.heights.shape, np.bool_) if outliers is None else np.logical_or(*outliers)
