@@ -250,8 +250,8 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
 
 def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
     """Return checks for too few contacts; only the first check that fails is reported."""
-    members = study.member_names.plural
-    total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}}"
+    member, members = study.member_names
+    total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"
     if study.is_gap:  # a gap has a single position
         total_text, total_remedy = f"fewer than {MIN_TOTAL_CONTACTS} contacts in the gap: {{}}", _MORE_CONTACTS_REMEDY
