@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._checks import Floats
+from stiction.studies.point import NEGLIGIBLE_LOAD_RATIO
 from stiction.studies.result import Result
 from stiction.studies.study import find_step_dimension
 
 if TYPE_CHECKING:
     import xarray
-
-NEGLIGIBLE_LOAD_RATIO = 0.01
-"""Smallest ratio of load to pull-off force for which the load is not negligible and a coefficient has a meaning."""
 
 NUM_DEFAULT_LOADS = 3  # number of loads for which results are shown if the study specifies no loads
 

@@ -13,7 +13,6 @@ from stiction._estimate import Estimate, Interval
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
-from stiction.studies.load_range import NEGLIGIBLE_LOAD_RATIO
 from stiction.studies.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
 
 if TYPE_CHECKING:
@@ -23,6 +22,8 @@ if TYPE_CHECKING:
 
 
 UNKNOWN_INTERVAL = Interval(math.nan, math.nan)
+NEGLIGIBLE_LOAD_RATIO = 0.01
+"""Smallest ratio of load to pull-off force for which the load is not negligible and a coefficient has a meaning."""
 
 
 @dataclass(frozen=True)
