@@ -14,6 +14,7 @@ import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, suppress
 from pathlib import Path
+from types import SimpleNamespace
 from urllib.parse import quote
 
 import pytest
@@ -382,6 +383,31 @@ def test_pair_job_that_fails_while_it_draws_shows_the_values_of_its_record(tmp_p
     assert job.record["headline"]
     assert job.error.startswith("the report of this result could not be written: results/")
     assert job.error.endswith("/report.html: No space left on device")
+
+
+def test_values_of_a_finished_pair_are_not_replaced_by_an_intermediate_result(tmp_path, monkeypatch):
+    """The command has printed its values, and still draws when the next check of its progress would be due."""
+
+    async def run_module(arguments, on_record=None, **_):
+        if arguments[0] != "stiction":
+            return '{"answer": "intermediate result", "finished": 8, "total": 16}'
+        on_record('{"answers": [{"headline": true, "caveats": []}]}')
+        await asyncio.sleep(0.2)
+        raise jobs.RejectedRequestError("the command ended")
+
+    async def check():
+        job = JobQueue(tmp_path).add("a pair", ["pair"])
+        await job.task
+        return job
+
+    ensemble = SimpleNamespace(repetitions=16)
+    stored_result = SimpleNamespace(num_finished=8, study=SimpleNamespace(ensemble=ensemble))
+    monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
+    monkeypatch.setattr(jobs, "open_stored_result", lambda _: stored_result)
+    monkeypatch.setattr(jobs, "POLL_INTERVAL", 0.02)
+    job = asyncio.run(check())
+    assert (job.record["headline"], job.scope) == (True, "")
+    assert job.error == "the report of this result could not be written: the command ended"
 
 
 @pytest.mark.parametrize("failing_source", ["preview", "folder"])

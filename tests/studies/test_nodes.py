@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from stiction import pair, run, self_affine_surface
+from stiction.studies.assessment import CAUTION_LOAD_FRACTION_AT_EDGE
 from stiction.studies.nodes import (
     INTERVAL_TOLERANCE,
     MAX_SHOWN_ERROR_RATIO,
@@ -207,6 +208,8 @@ def test_values_at_nodes_of_measured_surfaces_equal_the_summary_at_the_inputs_of
     assert nodes.num_coefficients == values.friction[..., 0].size
     assert values.has_combined.tolist() == [[True, False, False]]
     assert np.isnan(values.friction[:, :, :, 1:, ..., 1:]).all()
+    assert values.check_limits["share_at_edge"] == CAUTION_LOAD_FRACTION_AT_EDGE
+    assert values.check_limits["contact_area"] is None
     mu0_index, tau0_index = (
         int(np.abs(axis.values - value).argmin()) for axis, value in zip(nodes.axes, (0.2, 0.03), strict=True)
     )

@@ -168,6 +168,23 @@ def test_spikes_of_rounded_scan_are_found(num_levels, shape):
         assert num_spikes == [0, 5]
 
 
+def test_outlier_of_a_few_rounding_steps_in_a_flat_profile_is_no_spike():
+    rng = np.random.default_rng(0)
+    steps = np.where(rng.random(2000) < 0.05, rng.choice([-1.0, 1.0, 2.0], 2000), 0.0)
+    for height, num_spikes in ((4.0, 0), (8.0, 1)):
+        steps[1000] = height
+        defects = find_scan_defects(Profile(0.001 * steps, spacing=0.1), None, textured=False)
+        assert defects.outliers[1000]
+        assert defects.num_spikes == num_spikes
+
+
+def test_defects_of_a_periodic_body_are_cached_separately():
+    profile = Profile(filtered_noise(np.random.default_rng(1), (512,), 0.8), spacing=0.1)
+    options = {"tip_radius": 2.0, "textured": False}
+    defects, periodic_defects = (find_scan_defects(profile, **options, periodic=each) for each in (False, True))
+    assert (defects.periodic, periodic_defects.periodic) == (False, True)
+
+
 def test_pair_with_spikes_is_not_filtered_and_keeps_the_spikes(tmp_path):
     paths = []
     for side, surface in zip(("upper", "lower"), rough_maps(points=128), strict=True):

@@ -377,6 +377,15 @@ def test_interval_contains_filtered_and_unfiltered_results(is_floor):
     assert summary_of_all.headlines == list(summary_of_all.points)
 
 
+def test_point_without_an_interval_has_no_budget_entry_of_possible_noise():
+    dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
+    study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
+    assert [entry.words for entry in summarize(dataset, study).points[0].budget] == [POSSIBLE_NOISE_INPUT_NAME]
+    for upper_limit in (np.nan, np.inf):
+        dataset["friction_all_round"].loc[{"cut_off": 0.5, "statistic": "upper"}] = upper_limit
+        assert summarize(dataset, study).points[0].budget == ()
+
+
 def test_faults_of_the_unfiltered_result_also_apply_to_the_filtered_result():
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     dataset["friction_all_round"].loc[{"cut_off": 0.0, "statistic": "upper"}] = (
