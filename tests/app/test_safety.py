@@ -532,8 +532,9 @@ def test_profile_preview_rejects_studies_of_measured_surfaces(app):
 def test_server_answers_requests_despite_many_idle_connections(tmp_path):
     with start_server(tmp_path, "--keep") as server, ExitStack() as stack:
         server.log_in()
-        resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (256, 256))
-        for _ in range(400):
+        # The event loop accepts several batches of connections before it closes the oldest connections of the first.
+        resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (512, 512))
+        for _ in range(800):
             idle_connection = stack.enter_context(socket.create_connection(("127.0.0.1", int(server.port)), timeout=60))
             idle_connection.sendall(b"GET / HTTP/1.1\r\n")
         assert [server.request("GET", "/jobs")[0] for _ in range(3)] == [200, 200, 200]
