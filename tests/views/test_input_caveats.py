@@ -270,5 +270,6 @@ def test_caveats_of_a_gap_do_not_mention_two_scans(tmp_path):
     options = {"load": "20 MPa", "mu0": 0.2, "tau0": "100 MPa", "effective_modulus": "80 GPa", "onset": 0}
     options |= {"unit": "um", "spacing": "0.1 um", "missing": "interpolate", "cutoff": "none", "direction": [0, 180]}
     texts = [caveat.text for caveat in pair(gap=tmp_path / "gap.npy", **options).caveats]
+    assert any("1 point is more than 6 rms heights from its neighbours" in text for text in texts)
     for word in ("neighbours", "interpolated"):
         assert [text.partition(":")[0] for text in texts if word in text] == ["gap"]

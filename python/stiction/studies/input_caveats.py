@@ -337,13 +337,17 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, has_masked_result: b
             text = f"form (a parabola) contributes {percentage} of the mean square height, and carries the load"
             yield Caveat(text, "try --level quadratic", "caution")
     if num_spikes := defects.num_spikes:
-        points_text = "1 point is" if num_spikes == 1 else f"{num_spikes} points are"
+        points_text, possessive = ("1 point is", "its") if num_spikes == 1 else (f"{num_spikes} points are", "their")
         description = (
             f"more than {MIN_SPIKE_SHARPNESS_RATIO:g} times as sharp as usual"
             if isinstance(body, Profile)
-            else f"more than {MIN_SPIKE_HEIGHT_RATIO:g} rms heights from their neighbours"
+            else f"more than {MIN_SPIKE_HEIGHT_RATIO:g} rms heights from {possessive} neighbours"
         )
         text = f"{points_text} {description}, and would come into contact first"
         note = "; the interval includes the result for masked outliers" if has_masked_result else ""
-        remedy = "if they are instrument spikes, remove them (--outliers mask)"
+        remedy = (
+            "if it is an instrument spike, remove it (--outliers mask)"
+            if num_spikes == 1
+            else "if they are instrument spikes, remove them (--outliers mask)"
+        )
         yield Caveat(text, remedy, "caution", interval_note=note)
