@@ -303,9 +303,10 @@ class Summary:
         return find_resolution_effect(self.at, self.study, self._points_at_cutoffs)
 
     def find_resolution_limits(self, mu0_index: int = 0, tau0_index: int = 0) -> ResolutionLimits | None:
-        """Return values at several cutoffs with resolution limits, for the first load and one pair of mu0 and tau0.
+        """Return values at several cutoffs with resolution limits, for one load and one pair of mu0 and tau0.
 
-        None if there is only one cutoff.
+        The load is the first load of the study or, if the summary does not contain it, the nearest load. None if there
+        is only one cutoff.
         """
         from stiction.studies.resolution import find_resolution_limits
 
