@@ -414,6 +414,13 @@ def test_unfiltered_scans_are_drawn_to_the_left_of_the_first_cutoff(maps_at_two_
         assert unresolved.get_x() + unresolved.get_width() < position
 
 
+def test_figure_over_the_cutoff_has_the_combined_intervals_of_a_result_with_several_cutoffs(maps_at_two_cutoffs):
+    result = Result.of(maps_at_two_cutoffs)
+    # A stored result evaluates its cutoffs without combined intervals, too.
+    summary = replace(result.summary(), values_at_cutoffs=at_load(result, result.default_loads))
+    assert "friction_combined" in summary.find_resolution_limits().points
+
+
 def test_filtered_result_that_is_quoted_does_not_change_the_resolved_wavelengths(maps_at_two_cutoffs):
     study = parse_study_of_dataset(maps_at_two_cutoffs)
     points = Result.of(maps_at_two_cutoffs).at().isel(load=0, mu0=0, tau0=0)

@@ -319,8 +319,7 @@ class Summary:
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
         """Values at several cutoffs: those of the result itself or, if it has one cutoff, of its cutoff study."""
-        has_cutoffs = self.values_at_cutoffs is None and self.at.sizes.get("cut_off", 0) > 1
-        return self.at if has_cutoffs else self.values_at_cutoffs
+        return self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
 
     @cached_property
     def onset_values(self) -> OnsetValues | None:
