@@ -386,7 +386,7 @@ def test_pair_job_that_fails_while_it_draws_shows_the_values_of_its_record(tmp_p
 
 
 def test_values_of_a_finished_pair_are_not_replaced_by_an_intermediate_result(tmp_path, monkeypatch):
-    """The command has printed its values, and still draws when the next check of its progress would be due."""
+    """The progress must not be checked after the command has printed its values, even while it still draws."""
 
     async def run_module(arguments, on_record=None, **_):
         if arguments[0] != "stiction":
@@ -532,7 +532,7 @@ def test_profile_preview_rejects_studies_of_measured_surfaces(app):
 def test_server_answers_requests_despite_many_idle_connections(tmp_path):
     with start_server(tmp_path, "--keep") as server, ExitStack() as stack:
         server.log_in()
-        # The event loop accepts several batches of connections before it closes the oldest connections of the first.
+        # The event loop accepts several batches of connections before it closes the oldest ones.
         resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (512, 512))
         for _ in range(800):
             idle_connection = stack.enter_context(socket.create_connection(("127.0.0.1", int(server.port)), timeout=60))

@@ -353,7 +353,7 @@ class ResolutionLimits:
 
 
 def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLimits:
-    """Return values at several cutoffs and one load, mu0 and tau0, together with their limits for finer scans."""
+    """Return the limits, for finer scans, of values at several cutoffs and one load, mu0 and tau0."""
     roughness = find_resolved_roughness(study)
     shortest_cutoff = float(np.min(points["cut_off"].values)) if "cut_off" in points.coords else 0.0
     limits = ResolutionLimits(

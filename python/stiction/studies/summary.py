@@ -100,8 +100,8 @@ class PointSummary:
     bracket : (float, float), optional
         Range that contains the coefficient of any finer scan if friction acts at all contacts. The range extends from
         mu0 + tau0/H to the upper limit of the interval of this scan, with an allowance for a small number of contacts.
-        None without a hardness, or if the point has a fault other than few contacts per member. If there is a second
-        cutoff, or if an alternative preparation of the scans adds the fault, few contacts count too.
+        None if there is no hardness, or if the point has a fault. Faults about few contacts per member are ignored,
+        unless there is a second cutoff or the fault comes from an alternative preparation of the scans.
     from_roughness : float, optional
         Contribution to the value that depends on the scans rather than on the inputs alone.
     budget : tuple of UncertaintyBudgetEntry

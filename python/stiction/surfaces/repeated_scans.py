@@ -110,8 +110,8 @@ def compare_repeated_scans(
     Raises
     ------
     ValueError
-        If types or spacings differ, if points are missing, if the scans show different areas, if they are identical or
-        flat except for outliers, or if a mask does not have the shape of its scan.
+        If types or spacings differ, if points are missing, if the scans show different areas, if they are identical
+        except at outliers, if either is flat except for outliers, or if a mask does not have the shape of its scan.
 
     See Also
     --------
