@@ -52,20 +52,20 @@ MAX_RELATIVE_CUTOFF = 1 / 30  # maximum ratio of a cutoff to the shortest side o
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Create a cutoff study. It has several cutoffs, fewer members, and the loads of the original study.
+    """Create a cutoff study. It has longer cutoffs, fewer members, and only the requested loads of the original study.
 
-    The first cutoff is the cutoff of the original study. The other cutoffs start at the shortest resolved wavelength
-    and double successively. Returns None for generated bodies, for the asperity model, if the original study has
-    several cutoffs, or if the scans are too short.
+    The cutoffs start at the shortest resolved wavelength and double successively; the original study has results at its
+    own cutoff. Returns None for generated bodies, for the asperity model, if the original study has several cutoffs, or
+    if the scans are too short.
     """
     if not study.is_measured or not study.uses_half_space:
         return None
     cutoffs = study.surfaces.cell_coordinates()["cut_off"].tolist()
+    if len(cutoffs) > 1:
+        return None
     attributes = find_body_attributes(study).attributes
     max_spacing = max(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))
     side = min(float(np.min(attributes[f"{side}_extent_um"])) for side in ("upper", "lower"))
-    if len(cutoffs) > 1:
-        return None
     candidate_cutoffs = (
         2 * max_spacing * 2.0 ** np.arange(MAX_CUTOFFS)
         if cutoffs[0] == 0
@@ -73,58 +73,71 @@ def build_cutoff_study(study: Study) -> Study | None:
     )
     # Lengths are rounded up, because a grid cannot represent wavelengths shorter than two points.
     rounded_cutoffs = [
-        cutoffs[0],
-        *(
-            float(f"{cutoff * (1 + FOUR_DIGIT_ROUNDING_ERROR):.4g}")
-            for cutoff in candidate_cutoffs
-            if cutoff <= MAX_RELATIVE_CUTOFF * side
-        ),
+        float(f"{cutoff * (1 + FOUR_DIGIT_ROUNDING_ERROR):.4g}")
+        for cutoff in candidate_cutoffs
+        if cutoff <= MAX_RELATIVE_CUTOFF * side
     ]
-    if len(rounded_cutoffs) < 2:
+    if not rounded_cutoffs:
         return None
+    first_member = _find_first_scan_member(study)
+    num_members = min(
+        study.ensemble.repetitions - first_member, NUM_AREAL_MEMBERS if study.is_areal else NUM_LINE_MEMBERS
+    )
+    # Junction growth depends on how the true area changes with the load, so it needs all computed loads.
+    loads = study.contact.loading_steps() if study.contact.junction_growth else np.array(study.friction.load, float)
     changes: dict[str, Any] = {
         "surfaces.cut_off": [exact_quantity_text(cutoff, "um") for cutoff in rounded_cutoffs],
-        "contact.load": [load.text for load in study.friction.load],
-        "ensemble.repetitions": min(
-            study.ensemble.repetitions, NUM_AREAL_MEMBERS if study.is_areal else NUM_LINE_MEMBERS
-        ),
-    }  # fmt: skip
+        "contact.load": [exact_quantity_text(load, "mN") for load in loads.tolist()],
+        "contact.unloading_members": 0,
+        "ensemble.repetitions": num_members,
+    }
     if study.surfaces.first_scan_member_index:
-        changes["surfaces.surrogates"] = 0
+        changes["surfaces.surrogates"] = 0 if first_member else num_members
     return study.with_changes(changes)
 
 
-def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
-    """Evaluate a measured pair at several cutoffs, for the loads of its study.
+def _find_first_scan_member(study: Study) -> int:
+    """Return the index of the first member that consists of pieces of the scans, or 0 if all members are surrogates."""
+    index = study.surfaces.first_scan_member_index
+    return index if index < study.ensemble.repetitions else 0
 
-    The cutoffs are those of the result itself or of the cutoff study in its folder. Returns None if there is neither.
+
+def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
+    """Evaluate a measured pair at its own cutoff and at the cutoffs of the cutoff study in its folder.
+
+    The loads are those of the study, and the members are those of the cutoff study at all cutoffs. Returns None if no
+    cutoff study is stored.
     """
-    study = result.study
-    if not study.is_measured:
-        return None
-    loads = [float(load) for load in study.friction.load]
-    if study.surfaces.cell_coordinates()["cut_off"].size > 1:
-        return at_load(Result(result), loads)
-    folder = Path(result.path) / CUTOFF_STUDY_FOLDER
-    if not (folder / STUDY_FILE).exists():
+    import xarray
+
+    study, folder = result.study, Path(result.path) / CUTOFF_STUDY_FOLDER
+    if not study.is_measured or not (folder / STUDY_FILE).exists():
         return None
     try:
         stored_result = open_stored_result(folder)
         expected_study = build_cutoff_study(study)
+        if (
+            not stored_result.finished_members.size
+            or expected_study is None
+            or find_member_differences(stored_result.study, expected_study)
+        ):
+            return None
+        members = result.read_members(stored_result.finished_members + _find_first_scan_member(study))
     except (StoreError, ValueError):
         return None
-    if (
-        not stored_result.finished_members.size
-        or expected_study is None
-        or find_member_differences(stored_result.study, expected_study)
-    ):
-        return None
-    return at_load(
-        Result(stored_result),
-        loads,
-        mu0=list(study.friction.mu0),
-        tau0=[float(strength) for strength in study.friction.tau0],
-    )
+    values = [
+        at_load(
+            each,
+            [float(load) for load in study.friction.load],
+            mu0=list(study.friction.mu0),
+            tau0=[float(strength) for strength in study.friction.tau0],
+        )
+        for each in (Result(members), Result(stored_result))
+    ]
+    return xarray.concat(
+        values, "cut_off", data_vars="minimal", coords="minimal", compat="override", join="override",
+        combine_attrs="override",
+    )  # fmt: skip
 
 
 # ---- Resolved roughness ---------------------------------------------------------------------------------------------
@@ -187,11 +200,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
     surfaces: Any = study.surfaces
     bodies = load_bodies(study)
     cut_off = surfaces.reported_cut_off()
-    # The gap is computed for the first member that consists of pieces of the scans.
-    # If there is no such member, the gap is computed for a surrogate.
-    first_scan_index = surfaces.first_scan_member_index
-    index = first_scan_index if first_scan_index < study.ensemble.repetitions else 0
-    upper, lower = bodies.member(index, cut_off).pair
+    upper, lower = bodies.member(_find_first_scan_member(study), cut_off).pair
     gap = replace(upper, heights=upper.heights - lower.heights, history=(), missing=None)
     gap = with_interpolated_points(gap, find_outliers(gap.heights))
     attributes = bodies.attributes().attributes

@@ -200,16 +200,26 @@ class StoredResult:
         """Return a dataset that contains only the first finished member. The result must have a finished member."""
         return self._read_member_range(0, 1)
 
+    def read_members(self, indices: NDArray[np.intp]) -> xarray.Dataset:
+        """Return a dataset that contains the members with the given indices, which must be finished."""
+        positions = np.searchsorted(self.finished_members, indices)
+        if not np.array_equal(self.finished_members[positions[positions < self.num_finished]], indices):
+            raise StoreError(f"{printable_path(self.path)}: some of the requested members are not finished yet")
+        first, last = int(positions.min()), int(positions.max()) + 1
+        return self._get_member_range(first, last).isel(repetition=positions - first)
+
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
         """Yield the result in consecutive pieces, with only one piece in memory at a time (see `Result.pieces`)."""
         selected, count = None if names is None else list(names), self.num_finished
         for piece_start in range(0, count, self._members_per_piece):
-            piece = (
-                self._whole_dataset
-                if self._members_per_piece >= count
-                else self._read_member_range(piece_start, min(piece_start + self._members_per_piece, count))
-            )
-            yield piece.copy() if selected is None else piece[selected]
+            piece = self._get_member_range(piece_start, min(piece_start + self._members_per_piece, count))
+            yield piece if selected is None else piece[selected]
+
+    def _get_member_range(self, first: int, last: int) -> xarray.Dataset:
+        """Return a dataset of the finished members `self.finished_members[first:last]`, from memory if possible."""
+        if self._members_per_piece >= self.num_finished:
+            return self._whole_dataset.isel(repetition=slice(first, last))
+        return self._read_member_range(first, last)
 
     @cached_property
     def _members_per_piece(self) -> int:
