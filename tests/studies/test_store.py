@@ -143,6 +143,37 @@ def test_stored_result_read_in_pieces_equals_the_computed_dataset(folder_copy, u
     assert list(piece.data_vars) == ["contact_area"]
 
 
+def test_blocks_of_a_large_result_are_checked_once_and_later_only_the_named_variables_are_read(
+    folder_copy, uninterrupted_dataset, monkeypatch
+):
+    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
+    stored_result, decoded_contents, read_names = store.open_stored_result(folder_copy), [], set()
+    decode_members, read_variable = store.decode_members, store._read_variable
+    monkeypatch.setattr(
+        store, "decode_members", lambda content: decoded_contents.append(content) or decode_members(content)
+    )
+    first_pieces = list(stored_result.pieces(["normal_elastic"]))
+    assert len(decoded_contents) == len(stored_result.blocks)
+    monkeypatch.setattr(
+        store, "_read_variable", lambda file, name, *shape: read_names.add(name) or read_variable(file, name, *shape)
+    )
+    second_pieces = list(stored_result.pieces(["normal_elastic", "contact_count"]))
+    assert len(decoded_contents) == len(stored_result.blocks)
+    assert read_names == {"normal_elastic", "contact_count"}
+    expected_pieces = Result(uninterrupted_dataset).pieces(["normal_elastic", "contact_count"])
+    for first, second, expected in zip(first_pieces, second_pieces, expected_pieces, strict=True):
+        assert_same_bits(second, expected)
+        assert_same_bits(first, expected[["normal_elastic"]])
+    # A block that is removed or overwritten in the meantime leads to an error that names the file.
+    path = find_block_file(folder_copy, 8)
+    path.write_bytes(find_block_file(folder_copy, 20).read_bytes())
+    with pytest.raises(StoreError, match=rf"{path.name}: has normal_elastic with the shape .* instead of"):
+        list(stored_result.pieces(["normal_elastic"]))
+    path.unlink()
+    with pytest.raises(StoreError, match=rf"{path.name}: cannot be read"):
+        list(stored_result.pieces(["normal_elastic"]))
+
+
 def test_result_that_fits_in_one_piece_is_read_once(folder_copy, uninterrupted_dataset, monkeypatch):
     """Check also that a caller who changes the dataset does not change the cached result."""
     stored_result, decoded_contents = store.open_stored_result(folder_copy), []

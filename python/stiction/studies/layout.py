@@ -8,7 +8,7 @@ the cells of the study (fractal dimension and amplitude of generated bodies, cut
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -149,12 +149,17 @@ def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName
 
 def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
-    bodies: BodyAttributes | None = None,
+    bodies: BodyAttributes | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Build a dataset of some repetitions from the arrays of `stack_members`, after checking the array shapes."""
+    """Build a dataset of some repetitions from the arrays of `stack_members`, after checking the array shapes.
+
+    `names` lists the variables of the dataset; None stands for all.
+    """
     import xarray
 
-    variables = variable_specs(study, repetitions)
+    variables = {
+        name: spec for name, spec in variable_specs(study, repetitions).items() if names is None or name in names
+    }
     for name, spec in variables.items():
         if name not in arrays or arrays[name].shape != spec.shape:
             raise ValueError(f"{name} of the result must have the shape {spec.shape}")

@@ -18,7 +18,7 @@ import re
 import threading
 import warnings
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -212,14 +212,17 @@ class StoredResult:
         """Yield the result in consecutive pieces, with only one piece in memory at a time (see `Result.pieces`)."""
         selected, count = None if names is None else list(names), self.num_finished
         for piece_start in range(0, count, self._members_per_piece):
-            piece = self._get_member_range(piece_start, min(piece_start + self._members_per_piece, count))
+            piece = self._get_member_range(piece_start, min(piece_start + self._members_per_piece, count), selected)
             yield piece if selected is None else piece[selected]
 
-    def _get_member_range(self, first: int, last: int) -> xarray.Dataset:
-        """Return a dataset of the finished members `self.finished_members[first:last]`, from memory if possible."""
+    def _get_member_range(self, first: int, last: int, names: Collection[str] | None = None) -> xarray.Dataset:
+        """Return a dataset of the finished members `self.finished_members[first:last]`, from memory if possible.
+
+        A dataset that is read from files has only the named variables.
+        """
         if self._members_per_piece >= self.num_finished:
             return self._whole_dataset.isel(repetition=slice(first, last))
-        return self._read_member_range(first, last)
+        return self._read_member_range(first, last, names)
 
     @cached_property
     def _members_per_piece(self) -> int:
@@ -234,52 +237,82 @@ class StoredResult:
             variable.values.flags.writeable = False
         return dataset
 
-    def _read_member_range(self, first: int, last: int) -> xarray.Dataset:
-        """Return a dataset of the finished members `self.finished_members[first:last]`, in ascending order."""
+    def _read_member_range(self, first: int, last: int, names: Collection[str] | None = None) -> xarray.Dataset:
+        """Return the finished members `self.finished_members[first:last]`, in ascending order, with named variables."""
         version, numbers = self.version, self.finished_members[first:last]
         axis = len(self.study.surfaces.cell_coordinates())
         arrays: ArraysByName = {
-            name: np.empty(spec.shape, spec.dtype) for name, spec in variable_specs(self.study, numbers).items()
+            name: np.empty(spec.shape, spec.dtype)
+            for name, spec in variable_specs(self.study, numbers).items()
+            if names is None or name in names
         }
         if self.study.is_measured:
             arrays |= {name: np.empty(numbers.size, dtype) for name, dtype in MEMBER_COORDINATE_TYPES.items()}
         block_start = num_copied = 0
-        bodies = None
         for block, block_first, block_last in self._block_ranges:
             block_end = block_start + block_last - block_first
             if first < block_end and block_start < last:
                 first_in_block = max(first, block_start) - block_start + block_first
                 end_in_block = min(last, block_end) - block_start + block_first
-                content = self.first_block_content if block is self._block_ranges[0][0] else self._read_block(block)
-                if differences := find_member_differences(content.study, self.study):
-                    raise _build_damage_error(
-                        self.path, block, f"does not match {STUDY_FILE}: {format_study_differences(differences[:1])}"
-                    )
-                bodies = bodies or content.bodies
+                block_arrays = self._read_arrays(block, arrays)
                 for name, values in arrays.items():
                     leading_slices = (slice(None),) * (0 if name in MEMBER_COORDINATE_TYPES else axis)
                     source_slice = slice(first_in_block - block.first, end_in_block - block.first)
                     values[(*leading_slices, slice(num_copied, num_copied + end_in_block - first_in_block))] = (
-                        content.arrays[name][(*leading_slices, source_slice)]
+                        block_arrays[name][(*leading_slices, source_slice)]
                     )
                 num_copied += end_in_block - first_in_block
             block_start = block_end
-        return build_dataset(self.study, numbers, arrays, bodies).assign_attrs(stiction_version=version)
+        bodies = self.first_block_content.bodies
+        return build_dataset(self.study, numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
+
+    def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
+        """Return the named arrays of a block. The first time, the whole block is read and checked."""
+        is_first = block is self._block_ranges[0][0]
+        if block in self._checked_blocks and not is_first:
+            return self._read_checked_block(block, names)
+        content = self.first_block_content if is_first else self._read_block(block)
+        if differences := find_member_differences(content.study, self.study):
+            raise _build_damage_error(
+                self.path, block, f"does not match {STUDY_FILE}: {format_study_differences(differences[:1])}"
+            )
+        self._checked_blocks.add(block)
+        return content.arrays
+
+    @cached_property
+    def _checked_blocks(self) -> set[BlockFile]:
+        """Blocks that have been read and checked as a whole, so that single variables can be read from them."""
+        return set()
 
     def _read_block(self, block: BlockFile) -> BlockFileContent:
         """Read a block, compare its checksum with the checksum in the file name, and return the contents."""
-        try:
-            file_content = read_file_bytes(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
+        with self._damage_errors(block):
+            file_content = self._read_block_bytes(block)
             if zlib.crc32(file_content) != block.checksum:
                 raise DamagedFileError("does not match its checksum")
             content = decode_members(file_content)
             if not np.array_equal(content.numbers, np.arange(block.first, block.last + 1)):
                 raise DamagedFileError("does not contain the members in its file name")
+        return content
+
+    def _read_checked_block(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
+        numbers = np.arange(block.first, block.last + 1)
+        shapes = {name: spec.shape for name, spec in variable_specs(self.study, numbers).items()}
+        with self._damage_errors(block), _open_netcdf(self._read_block_bytes(block)) as file:
+            return {name: _read_variable(file, name, shapes.get(name, numbers.shape)) for name in names}
+
+    def _read_block_bytes(self, block: BlockFile) -> bytes:
+        return read_file_bytes(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
+
+    @contextmanager
+    def _damage_errors(self, block: BlockFile) -> Iterator[None]:
+        """Convert errors of reading a block to a `StoreError` that names the file."""
+        try:
+            yield
         except OSError as error:
             raise _build_damage_error(self.path, block, f"cannot be read: {describe_os_error(error)}") from None
         except (UnreadableFileError, DamagedFileError) as error:
             raise _build_damage_error(self.path, block, str(error)) from None
-        return content
 
 
 def _build_damage_error(path: Path, block: BlockFile, reason: str) -> StoreError:
