@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from stiction import pair, run, self_affine_surface
+from stiction import Study, pair, run, self_affine_surface
 from stiction.studies.assessment import CAUTION_LOAD_FRACTION_AT_EDGE
 from stiction.studies.nodes import (
     INTERVAL_TOLERANCE,
@@ -240,3 +240,67 @@ def test_values_at_nodes_of_generated_surfaces_contain_an_assessment_of_each_poi
     is_missing = np.isnan(friction[:, :, rule_index, ..., 0])
     assert [verdict == "Do not quote" for verdict in values.verdicts] == has_fault.tolist()
     assert has_fault[values.assessment_indices][is_missing].all()
+
+
+HALF_PLANE_STUDY = Study.named("figure6-half-plane").with_changes(
+    {"ensemble.repetitions": 4, "surfaces.points": 1000, "surfaces.fractal_dimension": [1.1, 1.5]}
+)
+MAP_STUDY = """
+[surfaces]
+kind = "surface"
+generator = "weierstrass-mandelbrot"
+fractal_dimension = [1.05, 1.3]
+amplitude = ["5 nm"]
+extent = ["5 um", "5 um"]
+shape = [32, 32]
+directions = 6
+frequencies = 10
+
+[contact]
+mechanics = "half-space"
+effective_modulus = "10 GPa"
+sliding = ["opposing", "all"]
+load = { start = "0.001 mN", stop = "1 mN", count = 4 }
+{extra}
+
+[friction]
+mu0 = [0.0, 0.3]
+tau0 = ["0 MPa", "50 MPa"]
+
+[ensemble]
+repetitions = 5
+"""
+ASSESSED_STUDIES = {
+    "asperities": SMALL_STUDY,
+    "half-plane": HALF_PLANE_STUDY,
+    **{
+        name: parse_study(MAP_STUDY.replace("{extra}", line), name)
+        for name, line in (("hard", 'hardness = "0.5 GPa"'), ("adhesive", 'work_of_adhesion = "50 mJ/m^2"'))
+    },
+}
+
+
+@pytest.mark.filterwarnings("ignore:adhesion_range")
+@pytest.mark.parametrize("name", ASSESSED_STUDIES)
+def test_assessments_at_nodes_of_generated_surfaces_equal_those_of_summaries(name):
+    result = run(ASSESSED_STUDIES[name])
+    nodes = result.nodes
+    values = evaluate_generated_nodes(nodes, result.num_solved)
+    cells = [nodes.values[0][each].values for each in ("fractal_dimension", "amplitude")]
+    mu0, tau0 = (axis.values[[0, 2, -1]] for axis in nodes.axes)
+    num_unloaded = 0
+    for load_index in np.linspace(0, nodes.loads.size - 1, 5).astype(int):
+        for point in result.summary(nodes.loads[[load_index]], mu0=mu0, tau0=tau0).points:
+            positions = (*cells, *(axis.values for axis in nodes.axes))
+            keys = ("fractal_dimension", "amplitude", "mu0", "tau0")
+            cell_index, amplitude_index, mu0_index, tau0_index = (
+                int(np.abs(each - point.at[key]).argmin()) for each, key in zip(positions, keys, strict=True)
+            )
+            index = int(values.assessment_indices[cell_index, amplitude_index, 0, load_index, mu0_index, tau0_index])
+            assert values.verdicts[index] == point.verdict
+            reasons, caveats = (
+                sorted(each.name or each.text for each in group) for group in (values.assessments[index], point.caveats)
+            )
+            assert reasons == caveats
+            num_unloaded += point.is_unloaded
+    assert (num_unloaded > 0) == (name == "adhesive")

@@ -365,16 +365,18 @@ def compute_checked_quantities(
     }
 
 
+def list_checked_quantities(study: Study) -> list[str]:
+    """List the names of all numbers that checks of the contacts and of their slopes compare with limits."""
+    check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
+    return list(dict.fromkeys(check.name for group in check_groups for check in group))
+
+
 def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> dict[str, Any]:
     area, count = mean_over_directions(point, "contact_area"), mean_over_directions(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
     # area of a grid cell for height maps in the half-space model, otherwise NaN
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
-    quantities = {
-        check.name: mean_over_directions(point, check.name)
-        for group in ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
-        for check in group
-    }
+    quantities = {name: mean_over_directions(point, name) for name in list_checked_quantities(study)}
     is_merged = _compute_area_fraction(point, study) > MIN_MERGED_AREA_FRACTION
     num_members = float(point["ok"].min()) if "ok" in point else mean_over_directions(point, "members")
     numbers = compute_checked_quantities(
@@ -431,36 +433,41 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
 
 
 def assess_ensemble_points(
-    study: Study, status: NDArray[Any], numbers: Mapping[str, Any]
+    study: Study, status: NDArray[Any], numbers: Mapping[str, Any], is_unloaded: NDArray[np.bool_]
 ) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
     """Assess each point of a result for generated bodies, using the status and the checks of the point.
 
-    The arrays have equal shapes. Returns the distinct lists of reasons, with faults first, and for each point the index
-    of its list. A reason is a failed check, or a caveat about a status.
+    This gives the caveats of `find_point_caveats` for many points at once. The arrays have equal shapes. Returns the
+    distinct lists of reasons, with faults first, and for each point the index of its list. A reason is a failed check,
+    or a caveat that does not depend on the numbers of the point.
     """
     reasons: list[Caveat | LimitCheck] = []
     reason_numbers = []
-    is_ok = (status == friction.STATUS_OK) & np.isfinite(numbers["deficit"])
-    for name in np.unique(np.where(is_ok, friction.STATUS_OK, status)).tolist():
-        mask = ~is_ok & (status == name)
+
+    def add_caveat(caveat: Caveat, mask: NDArray[np.bool_]) -> None:
         if mask.any():
-            reasons.append(_build_status_caveat(name, study))
+            reasons.append(caveat)
             reason_numbers.append(np.where(mask, len(reasons), 0))
-    check_groups = (
-        _build_value_checks(study),
-        *build_pressure_checks(study, float(study.contact.effective_modulus)),
-        [EQUALS_MU0_CHECK],
-        _build_contact_count_checks(study),
-        *_build_contact_checks(study),
-    )
-    for group in check_groups:
-        indices = np.zeros(status.shape, np.intp)
-        for check in (check for check in group if check.name in numbers):
-            mask = is_ok & (indices == 0) & (numbers[check.name] > check.limit)
-            if mask.any():
-                reasons.append(check)
-                indices[mask] = len(reasons)
-        reason_numbers.append(indices)
+
+    def add_failed_checks(check_groups: CheckGroups, is_checked: NDArray[np.bool_]) -> None:
+        for group in check_groups:
+            indices = np.zeros(status.shape, np.intp)
+            for check in (check for check in group if check.name in numbers):
+                mask = is_checked & (indices == 0) & (numbers[check.name] > check.limit)
+                if mask.any():
+                    reasons.append(check)
+                    indices[mask] = len(reasons)
+            reason_numbers.append(indices)
+
+    add_caveat(NO_COEFFICIENT_CAVEAT, is_unloaded)
+    has_value = (status == friction.STATUS_OK) & np.isfinite(numbers["deficit"]) & ~is_unloaded
+    has_no_value = ~has_value & ~is_unloaded
+    for name in np.unique(np.where(has_no_value, status, friction.STATUS_OK)).tolist():
+        add_caveat(_build_status_caveat(name, study), has_no_value & (status == name))
+    pressure_checks = build_pressure_checks(study, float(study.contact.effective_modulus))
+    add_failed_checks((_build_value_checks(study), *pressure_checks, [EQUALS_MU0_CHECK]), has_value)
+    add_failed_checks((_build_contact_count_checks(study),), has_value)
+    add_failed_checks(_build_contact_checks(study), has_value | is_unloaded)
     # Each combination of reasons has a code, because rows of numbers take much longer to sort.
     codes = np.zeros(status.shape, np.intp)
     for indices in reason_numbers:

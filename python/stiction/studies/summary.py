@@ -146,6 +146,11 @@ class PointSummary:
         surfaces: Any = self.study.surfaces
         return surfaces.get_scan_cut_offs(self.at["cut_off"]) if "cut_off" in self.at else None
 
+    @cached_property
+    def quoted_values(self) -> xarray.Dataset:
+        """Values for the quoted sliding rule. For generated bodies, the true area depends slightly on the rule."""
+        return select_sliding_rule(self.values, self.rules[0].rule)  # type: ignore[no-any-return]
+
     @property
     def members(self) -> float:
         """Number of members over which the values are averaged."""
@@ -169,7 +174,7 @@ class PointSummary:
     @property
     def contact_status(self) -> str:
         """Status of the true contact area: "ok", "complete" or "above-nominal"."""
-        return find_contact_status(self.values, self.study)
+        return find_contact_status(self.quoted_values, self.study)
 
     @property
     def is_unloaded(self) -> bool:
@@ -189,7 +194,7 @@ class PointSummary:
     @property
     def mean_pressure(self) -> float:
         """Mean contact pressure (GPa)."""
-        return mean_contact_pressure(self.values)
+        return mean_contact_pressure(self.quoted_values)
 
     @property
     def effective_modulus(self) -> float:
@@ -446,7 +451,9 @@ def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRul
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
     """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies."""
-    rules = tuple(_build_rule_coefficient(point, rule) for rule in list_sliding_rules_reported_first(study))
+    values_by_rule = {rule: select_sliding_rule(point, rule) for rule in list_sliding_rules_reported_first(study)}
+    rules = tuple(_build_rule_coefficient(values, rule) for rule, values in values_by_rule.items())
+    quoted_values = values_by_rule[rules[0].rule]
     # If the coefficient is missing in one direction, the mean over all directions is NaN.
     status = rules[0].status if math.isnan(rules[0].value) else friction.STATUS_OK
     quantities = read_point_quantities(point, rules[0].rule)
@@ -459,7 +466,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
         for each in input_caveats
         if study.surfaces.both_readings or cut_off < each.cut_off
     ]
-    caveats = [*kept_caveats, *find_point_caveats(point, study, rule_with_sampling_interval, status)]
+    caveats = [*kept_caveats, *find_point_caveats(quoted_values, study, rule_with_sampling_interval, status)]
     return PointSummary(
         study=study,
         values=point,
@@ -469,10 +476,10 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
         at=_get_point_coordinates(point, study),
         bracket=None
         if any(_invalidates_finer_scan_bounds(caveat) for caveat in caveats)
-        else _find_bounds_for_finer_scans(point, study, rule_with_sampling_interval),
+        else _find_bounds_for_finer_scans(quoted_values, study, rule_with_sampling_interval),
         budget=_list_budget_entries(point, rules[0]),
-        parts=_compute_friction_contributions(point, rules[0]),
-        from_roughness=_estimate_roughness_contribution(point, study, rules[0]),
+        parts=_compute_friction_contributions(quoted_values, rules[0]),
+        from_roughness=_estimate_roughness_contribution(quoted_values, study, rules[0]),
         waited=_list_dwell_time_coefficients(point, rules[0].rule),
         sticking=find_pull_off_values(point, rules[0].rule),
         quantities=quantities.estimates,
@@ -484,8 +491,8 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
 # ---- Values ----------------------------------------------------------------------------------------------------------
 
 
-def _build_rule_coefficient(point: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
-    table = select_sliding_rule(point, rule)
+def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
+    """Return the coefficient for a sliding rule, given the values of a point for this rule."""
     name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
     mean = read_estimate(table[name])
     sampling_interval = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)

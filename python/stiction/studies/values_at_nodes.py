@@ -27,10 +27,11 @@ from stiction.studies.assessment import (
     assess_ensemble_points,
     compute_checked_quantities,
     find_smallest_check_limit,
+    list_checked_quantities,
     verdict_from_caveats,
 )
 from stiction.studies.nodes import InterpolationNodes, NodeAxis
-from stiction.studies.point import list_sliding_rules_reported_first
+from stiction.studies.point import NEGLIGIBLE_LOAD_RATIO, list_sliding_rules_reported_first
 
 if TYPE_CHECKING:
     import xarray
@@ -286,8 +287,19 @@ def evaluate_generated_nodes(nodes: InterpolationNodes, num_members: int) -> Gen
         (status_codes == 0) & ~np.logical_or.reduce([np.zeros(shape, bool), *is_beyond_limit.values()]),
         np.logical_and.reduce([nodes.find_interpolated_panels(values) for values in estimates.values()]),
         checked_numbers,
-        *assess_ensemble_points(study, statuses[:, :, rule_index], checked_numbers),
+        *assess_ensemble_points(
+            study, statuses[:, :, rule_index], checked_numbers, _find_unloaded(node_values, statuses[:, :, rule_index])
+        ),
     )
+
+
+def _find_unloaded(node_values: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return a mask of the nodes whose load is negligible compared with the pull-off force."""
+    if "pull_off" not in node_values:
+        return np.zeros(statuses.shape, np.bool_)
+    pull_off = node_values["pull_off"].sel(statistic="mean", drop=True)
+    is_unloaded = _transpose(node_values["load"] < NEGLIGIBLE_LOAD_RATIO * pull_off)
+    return np.broadcast_to(is_unloaded[:, :, 0], statuses.shape)
 
 
 def _compute_checked_numbers(
@@ -302,7 +314,12 @@ def _compute_checked_numbers(
     with np.errstate(divide="ignore", invalid="ignore"):
         pressure = np.where(area > 0, contact_load / area, np.nan)
     value, lower, upper = np.moveaxis(estimates["friction"], -1, 0)
-    return compute_checked_quantities(
+    quantities = {
+        name: np.broadcast_to(_transpose(node_values[name])[..., 0], area.shape)
+        for name in list_checked_quantities(study)
+        if name in node_values and "statistic" in node_values[name].dims
+    }
+    return quantities | compute_checked_quantities(
         value, lower, upper, mu0=mu0, tau0=tau0, pressure=pressure,
         contact_count=np.broadcast_to(_transpose(node_values["contact_count"])[..., 0], area.shape),
         members=num_members, is_merged=area / nominal_area > MIN_MERGED_AREA_FRACTION,
