@@ -111,7 +111,8 @@ def compare_repeated_scans(
     ------
     ValueError
         If types or spacings differ, if points are missing, if the scans show different areas, if they are identical
-        except at outliers, if either is flat except for outliers, or if a mask does not have the shape of its scan.
+        except at outliers, if either is flat or has no points except outliers, or if a mask does not have the shape of
+        its scan.
 
     See Also
     --------
@@ -138,7 +139,8 @@ def compare_repeated_scans(
     body_class: Any = type(first)
     if _are_identical(first, second, outliers):
         raise ValueError(
-            "first and second must be different scans, got identical heights, from which the noise cannot be estimated"
+            "first and second must be different scans, got identical heights"
+            f"{'' if outliers is None else ' at all points except outliers'}, from which the noise cannot be estimated"
         )
     trend: Any = "line" if body_class is Profile else "plane"
 
@@ -228,7 +230,9 @@ def _interpolate_outliers(
         )
     bodies = with_interpolated_points(first, masks[0]), with_interpolated_points(second, masks[1])
     for name, body, mask in zip(("first", "second"), bodies, masks, strict=True):
-        if mask.all() or not np.ptp(body.heights) > MIN_HEIGHT_RANGE:
+        if mask.all():
+            raise ValueError(f"{name} must have points that are not outliers")
+        if not np.ptp(body.heights) > MIN_HEIGHT_RANGE:
             raise ValueError(f"{name} must not be flat except for outliers")
     return bodies
 
