@@ -415,10 +415,9 @@ def test_unfiltered_scans_are_drawn_to_the_left_of_the_first_cutoff(maps_at_two_
 
 
 def test_figure_over_the_cutoff_has_the_combined_intervals_of_a_result_with_several_cutoffs(maps_at_two_cutoffs):
-    result = Result.of(maps_at_two_cutoffs)
-    # For a stored result, `values_at_cutoffs` also contains the values at its cutoffs, without combined intervals.
-    summary = replace(result.summary(), values_at_cutoffs=at_load(result, result.default_loads))
-    assert "friction_combined" in summary.find_resolution_limits().points
+    limits = Result.of(maps_at_two_cutoffs).summary().find_resolution_limits()
+    assert "friction_combined" in limits.points
+    assert limits.points.sizes["cut_off"] == 2
 
 
 def test_filtered_result_that_is_quoted_does_not_change_the_resolved_wavelengths(maps_at_two_cutoffs):
