@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from stiction import Study, pair, run, self_affine_surface
+from stiction import Result, Study, pair, run, self_affine_surface
 from stiction.studies.assessment import CAUTION_LOAD_FRACTION_AT_EDGE
 from stiction.studies.nodes import (
     INTERVAL_TOLERANCE,
@@ -281,14 +281,18 @@ ASSESSED_STUDIES = {
 
 
 @pytest.mark.filterwarnings("ignore:adhesion_range")
-@pytest.mark.parametrize("name", ASSESSED_STUDIES)
+@pytest.mark.parametrize("name", [*ASSESSED_STUDIES, "lower bounds"])
 def test_assessments_at_nodes_of_generated_surfaces_equal_those_of_summaries(name):
-    result = run(ASSESSED_STUDIES[name])
+    result = run(ASSESSED_STUDIES["adhesive" if name == "lower bounds" else name])
+    if name == "lower bounds":
+        dataset = result.dataset.copy(deep=True)
+        dataset["pull_off_is_bound"][...] = 1
+        result = Result.of(dataset)
     nodes = result.nodes
     values = evaluate_generated_nodes(nodes, result.num_solved)
     cells = [nodes.values[0][each].values for each in ("fractal_dimension", "amplitude")]
     mu0, tau0 = (axis.values[[0, 2, -1]] for axis in nodes.axes)
-    num_unloaded = 0
+    num_unloaded, names_at_unloaded_points = 0, set()
     for load_index in np.linspace(0, nodes.loads.size - 1, 5).astype(int):
         for point in result.summary(nodes.loads[[load_index]], mu0=mu0, tau0=tau0).points:
             positions = (*cells, *(axis.values for axis in nodes.axes))
@@ -302,5 +306,21 @@ def test_assessments_at_nodes_of_generated_surfaces_equal_those_of_summaries(nam
                 sorted(each.name or each.text for each in group) for group in (values.assessments[index], point.caveats)
             )
             assert reasons == caveats
-            num_unloaded += point.is_unloaded
-    assert (num_unloaded > 0) == (name == "adhesive")
+            if point.is_unloaded:
+                num_unloaded += 1
+                names_at_unloaded_points |= {caveat.name for caveat in point.caveats}
+    assert (num_unloaded > 0) == (name in ("adhesive", "lower bounds"))
+    assert ("share_of_pull_off_bounds" in names_at_unloaded_points) == (name == "lower bounds")
+
+
+def test_pressure_and_caveats_of_a_point_are_those_of_the_quoted_sliding_rule():
+    result = run(HALF_PLANE_STUDY)
+    (_, point) = result.summary([0.1], mu0=[1.0], tau0=[0.2]).points
+    area = point.values["contact_area"].sel(statistic="mean")
+    assert float(area.sel(sliding="opposing")) != pytest.approx(float(area.sel(sliding="all")), rel=1e-3)
+    assert point.rules[0].rule == "opposing"
+    pressure = point.at["load"] / float(area.sel(sliding="opposing"))
+    assert point.mean_pressure == pytest.approx(pressure, rel=1e-12)
+    assert [each.value for each in point.caveats if each.name == "mean_pressure"] == pytest.approx(
+        [pressure], rel=1e-12
+    )

@@ -8,7 +8,7 @@ from dataclasses import astuple
 
 import numpy as np
 import pytest
-from stiction import Result, Study, open_result, run, self_affine_surface, write_surface
+from stiction import Result, Study, open_result, pair, run, self_affine_surface, write_surface
 from stiction.cli import application
 from stiction.studies import budget, input_caveats, summary
 from support.generated_studies import TINY_STUDY, empty_dataset
@@ -74,6 +74,18 @@ def test_result_caches_its_summary_including_onset_and_resolution(surface_folder
     assert first_summary.points is second_summary.points
     assert first_summary.onset is second_summary.onset is not None
     assert first_summary.values_at_cutoffs.sizes["cut_off"] > 1
+
+
+def test_summary_of_steep_scans_contains_their_gradient():
+    surfaces = (
+        self_affine_surface(seed, hurst_exponent=0.8, rms=1.0, shape=(32, 32), spacing=0.1, side=side)
+        for seed, side in enumerate(("upper", "lower"))
+    )
+    result = pair(*surfaces, effective_modulus="80 GPa", mu0=0.2, load="10 MPa", shifts=2)
+    point = result.summary().first
+    (caveat,) = (each for each in point.caveats if each.name == "rms_gradient")
+    assert caveat.value == pytest.approx(point.quantities["rms_gradient"].value)
+    assert caveat.value > 1
 
 
 def test_result_without_contact_caches_the_error_that_states_the_reason():

@@ -437,9 +437,9 @@ def assess_ensemble_points(
 ) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
     """Assess each point of a result for generated bodies, using the status and the checks of the point.
 
-    This gives the caveats of `find_point_caveats` for many points at once. The arrays have equal shapes. Returns the
-    distinct lists of reasons, with faults first, and for each point the index of its list. A reason is a failed check,
-    or a caveat that does not depend on the numbers of the point.
+    For a single direction, the reasons equal the caveats of `find_point_caveats`; several directions are assessed one
+    by one. The arrays have equal shapes. Returns the distinct lists of reasons, with faults first, and for each point
+    the index of its list. A reason is a failed check, or a caveat that does not depend on the numbers of the point.
     """
     reasons: list[Caveat | LimitCheck] = []
     reason_numbers = []

@@ -59,7 +59,6 @@ NUM_ASPERITY_LOADS = 25
 # It ends above the largest load by the same factor.
 HALF_PLANE_LOAD_MARGIN_FACTOR = 10.0
 NUM_HALF_PLANE_LOADS = 7
-DEFAULT_UNLOADING_MEMBERS = 4  # the unloading stiffness takes a third of the time of a member
 MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads in the contact solutions of height maps
 
 
@@ -384,7 +383,6 @@ class AsperityModelSettings(CommonContactSettings):
     """Keys of the contact table for the asperity model, which neglects interaction between contacts."""
 
     place: ClassVar[str] = "asperities"
-    num_unloading_members: ClassVar[int] = 0
     hardness: ClassVar[None] = None
     junction_growth: ClassVar[None] = None
     work_of_adhesion: ClassVar[None] = None
@@ -496,31 +494,13 @@ class GeneratedMapHalfSpaceSettings(HalfSpaceSettings, GeneratedSurfaceLoadSetti
     place: ClassVar[str] = "the half-space of generated areas"
 
 
-class MeasuredHalfSpaceSettings(HalfSpaceSettings):
-    """Keys of the contact table for the half-space model of measured bodies."""
-
-    place: ClassVar[str] = "the half-space of measured bodies"
-
-    unloading_members: int | None = Field(
-        default=None,
-        ge=0,
-        description="Number of members for which the stiffness of plastic bodies during unloading is computed; "
-        f"{DEFAULT_UNLOADING_MEMBERS} by default.",
-    )
-
-    @property
-    def num_unloading_members(self) -> int:
-        """Number of members for which the stiffness of plastic bodies during unloading is computed."""
-        return DEFAULT_UNLOADING_MEMBERS if self.unloading_members is None else self.unloading_members
-
-
-class MeasuredLineHalfSpaceSettings(MeasuredHalfSpaceSettings, MeasuredLinesContactSettings):
+class MeasuredLineHalfSpaceSettings(HalfSpaceSettings, MeasuredLinesContactSettings):
     """Contact table of the half-plane model for measured lines."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
 
-class MeasuredMapHalfSpaceSettings(MeasuredHalfSpaceSettings, MeasuredMapContactSettings):
+class MeasuredMapHalfSpaceSettings(HalfSpaceSettings, MeasuredMapContactSettings):
     """Contact table of the half-space model for measured height maps."""
 
     place: ClassVar[str] = "the half-space of measured areas"
@@ -551,8 +531,7 @@ CONTACT_SETTINGS_CLASSES: dict[str, dict[str, type[ContactSettings]]] = {
 
 SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
     AsperityModelSettings, GeneratedSurfaceAsperitySettings, MeasuredSurfaceContactSettings,
-    GeneratedSurfaceContactSettings, MeasuredMapContactSettings, HalfSpaceSettings, MeasuredHalfSpaceSettings,
-    GeneratedSurfaceLoadSettings,
+    GeneratedSurfaceContactSettings, MeasuredMapContactSettings, HalfSpaceSettings, GeneratedSurfaceLoadSettings,
 )  # fmt: skip
 """Base classes whose keys several tables share; error messages about misplaced keys name these classes."""
 

@@ -69,7 +69,9 @@ LOAD_JUMP_DISTANCE = 1e-11
 The distance exceeds the tolerance of `find_approaches_at_loads`.
 """
 
-NUM_UNLOADING_CUT_OFFS = 2  # number of cutoffs for which the unloading stiffness of plastic bodies is computed
+
+NUM_UNLOADING_MEMBERS, NUM_UNLOADING_CUT_OFFS = 4, 2
+"""Numbers of members and of cutoffs per member for which the unloading stiffness of plastic bodies is computed."""
 
 
 def solve_at_loads(
@@ -580,8 +582,7 @@ def _get_reused_array(shape: tuple[int, ...]) -> Floats:
 
 def _solve_measured_member(study: Study, index: int, arrays: ArraysByName) -> Iterator[tuple[int, ArraysByName]]:
     """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
-    contact: Any = study.contact
-    computes_unloading = index - study.surfaces.first_scan_member_index < contact.num_unloading_members
+    computes_unloading = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
     for cell_index, wavelength in enumerate(study.surfaces.cell_coordinates()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}

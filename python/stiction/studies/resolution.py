@@ -41,22 +41,20 @@ if TYPE_CHECKING:
     from stiction.studies.measured_surfaces import ScanCutoffs
 
 CUTOFF_STUDY_FOLDER = "resolution"  # name of the folder of the cutoff study in a result folder
-# number of members in a cutoff study of height maps (the first members of the result)
+# number of members in a cutoff study of height maps (the first members of the result that are pieces of the scans)
 NUM_AREAL_MEMBERS = 4
 NUM_LINE_MEMBERS = 16  # number of members in a cutoff study of profiles
-# Maximum number of cutoffs.
-# The first cutoff is the shortest resolved wavelength, and each further cutoff is twice as long as the previous cutoff.
-MAX_CUTOFFS = 4
+MAX_CUTOFFS = 4  # maximum number of cutoffs of unfiltered scans; each is twice as long as the previous cutoff
 FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number rounded to four digits
 MAX_RELATIVE_CUTOFF = 1 / 30  # maximum ratio of a cutoff to the shortest side of the scans
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Create a cutoff study. It has longer cutoffs, fewer members, and only the requested loads of the original study.
+    """Create a cutoff study. It has several cutoffs, fewer members, and the loads of the original study.
 
-    The cutoffs start at the shortest resolved wavelength and double successively; the original study has results at its
-    own cutoff. Returns None for generated bodies, for the asperity model, if the original study has several cutoffs, or
-    if the scans are too short.
+    The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength of
+    unfiltered scans, or twice the first cutoff of filtered scans, and each further cutoff doubles. Returns None for
+    generated bodies, for the asperity model, if the original study has several cutoffs, or if the scans are too short.
     """
     if not study.is_measured or not study.uses_half_space:
         return None
@@ -73,22 +71,22 @@ def build_cutoff_study(study: Study) -> Study | None:
     )
     # Lengths are rounded up, because a grid cannot represent wavelengths shorter than two points.
     rounded_cutoffs = [
-        float(f"{cutoff * (1 + FOUR_DIGIT_ROUNDING_ERROR):.4g}")
-        for cutoff in candidate_cutoffs
-        if cutoff <= MAX_RELATIVE_CUTOFF * side
+        cutoffs[0],
+        *(
+            float(f"{cutoff * (1 + FOUR_DIGIT_ROUNDING_ERROR):.4g}")
+            for cutoff in candidate_cutoffs
+            if cutoff <= MAX_RELATIVE_CUTOFF * side
+        ),
     ]
-    if not rounded_cutoffs:
+    if len(rounded_cutoffs) < 2:
         return None
     first_member = _find_first_scan_member(study)
     num_members = min(
         study.ensemble.repetitions - first_member, NUM_AREAL_MEMBERS if study.is_areal else NUM_LINE_MEMBERS
     )
-    # Junction growth depends on how the true area changes with the load, so it needs all computed loads.
-    loads = study.contact.loading_steps() if study.contact.junction_growth else np.array(study.friction.load, float)
     changes: dict[str, Any] = {
         "surfaces.cut_off": [exact_quantity_text(cutoff, "um") for cutoff in rounded_cutoffs],
-        "contact.load": [exact_quantity_text(load, "mN") for load in loads.tolist()],
-        "contact.unloading_members": 0,
+        "contact.load": [load.text for load in study.friction.load],
         "ensemble.repetitions": num_members,
     }
     if study.surfaces.first_scan_member_index:
@@ -103,41 +101,33 @@ def _find_first_scan_member(study: Study) -> int:
 
 
 def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
-    """Evaluate a measured pair at its own cutoff and at the cutoffs of the cutoff study in its folder.
+    """Evaluate the cutoff study that is stored with a measured pair, for the loads, mu0 and tau0 of the pair.
 
-    The loads are those of the study, and the members are those of the cutoff study at all cutoffs. Returns None if no
-    cutoff study is stored.
+    Returns None if no cutoff study is stored.
     """
-    import xarray
-
-    study, folder = result.study, Path(result.path) / CUTOFF_STUDY_FOLDER
-    if not study.is_measured or not (folder / STUDY_FILE).exists():
+    study = result.study
+    if not study.is_measured:
+        return None
+    folder = Path(result.path) / CUTOFF_STUDY_FOLDER
+    if not (folder / STUDY_FILE).exists():
         return None
     try:
         stored_result = open_stored_result(folder)
         expected_study = build_cutoff_study(study)
-        if (
-            not stored_result.finished_members.size
-            or expected_study is None
-            or find_member_differences(stored_result.study, expected_study)
-        ):
-            return None
-        members = result.read_members(stored_result.finished_members + _find_first_scan_member(study))
     except (StoreError, ValueError):
         return None
-    values = [
-        at_load(
-            each,
-            [float(load) for load in study.friction.load],
-            mu0=list(study.friction.mu0),
-            tau0=[float(strength) for strength in study.friction.tau0],
-        )
-        for each in (Result(members), Result(stored_result))
-    ]
-    return xarray.concat(
-        values, "cut_off", data_vars="minimal", coords="minimal", compat="override", join="override",
-        combine_attrs="override",
-    )  # fmt: skip
+    if (
+        not stored_result.finished_members.size
+        or expected_study is None
+        or find_member_differences(stored_result.study, expected_study)
+    ):
+        return None
+    return at_load(
+        Result(stored_result),
+        [float(load) for load in study.friction.load],
+        mu0=list(study.friction.mu0),
+        tau0=[float(strength) for strength in study.friction.tau0],
+    )
 
 
 # ---- Resolved roughness ---------------------------------------------------------------------------------------------

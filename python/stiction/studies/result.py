@@ -201,7 +201,7 @@ class Result:
 
     @property
     def values_at_cutoffs(self) -> xarray.Dataset | None:
-        """Values of a few members at the cutoff of the result and at longer cutoffs, if a cutoff study is stored."""
+        """Values of the cutoff study: a few members at several cutoffs. None if no cutoff study is stored."""
         from stiction.studies.resolution import evaluate_at_cutoffs
 
         return self.load_companion(evaluate_at_cutoffs)

@@ -200,14 +200,6 @@ class StoredResult:
         """Return a dataset that contains only the first finished member. The result must have a finished member."""
         return self._read_member_range(0, 1)
 
-    def read_members(self, indices: NDArray[np.intp]) -> xarray.Dataset:
-        """Return a dataset that contains the members with the given indices, which must be finished."""
-        positions = np.searchsorted(self.finished_members, indices)
-        if not np.array_equal(self.finished_members[positions[positions < self.num_finished]], indices):
-            raise StoreError(f"{printable_path(self.path)}: some of the requested members are not finished yet")
-        first, last = int(positions.min()), int(positions.max()) + 1
-        return self._get_member_range(first, last).isel(repetition=positions - first)
-
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
         """Yield the result in consecutive pieces, with only one piece in memory at a time (see `Result.pieces`)."""
         selected, count = None if names is None else list(names), self.num_finished
@@ -238,7 +230,7 @@ class StoredResult:
         return dataset
 
     def _read_member_range(self, first: int, last: int, names: Collection[str] | None = None) -> xarray.Dataset:
-        """Return the finished members `self.finished_members[first:last]`, in ascending order, with named variables."""
+        """Return named variables of the finished members `self.finished_members[first:last]`, in ascending order."""
         version, numbers = self.version, self.finished_members[first:last]
         axis = len(self.study.surfaces.cell_coordinates())
         arrays: ArraysByName = {
@@ -267,7 +259,7 @@ class StoredResult:
         return build_dataset(self.study, numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
 
     def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
-        """Return the named arrays of a block. The first time, the whole block is read and checked."""
+        """Return the named arrays of a block. The first call for a block reads and checks the whole block."""
         is_first = block is self._block_ranges[0][0]
         if block in self._checked_blocks and not is_first:
             return self._read_checked_block(block, names)

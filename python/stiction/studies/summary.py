@@ -288,7 +288,7 @@ class Summary:
     onset : xarray.Dataset, optional
         Onset of sliding at the first load, mu0 and tau0 of the study.
     values_at_cutoffs : xarray.Dataset, optional
-        Values of a few members at the cutoff of the result and at those of its cutoff study.
+        Values of the cutoff study, which has a few members at several cutoffs.
     no_points_reason : str
         Reason why there are no points, as in "the surfaces do not touch"; empty if there are points.
     """

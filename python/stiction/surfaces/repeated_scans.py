@@ -111,8 +111,8 @@ def compare_repeated_scans(
     ------
     ValueError
         If types or spacings differ, if points are missing, if the scans show different areas, if they are identical
-        except at outliers, if either is flat or has no points except outliers, or if a mask does not have the shape of
-        its scan.
+        except at outliers, if either is flat or empty without its outliers, or if a mask does not have the shape of its
+        scan.
 
     See Also
     --------
@@ -139,8 +139,8 @@ def compare_repeated_scans(
     body_class: Any = type(first)
     if _are_identical(first, second, outliers):
         raise ValueError(
-            "first and second must be different scans, got identical heights"
-            f"{'' if outliers is None else ' at all points except outliers'}, from which the noise cannot be estimated"
+            "first and second must be different scans, got scans that are identical"
+            f"{'' if outliers is None else ' except at outliers'}, from which the noise cannot be estimated"
         )
     trend: Any = "line" if body_class is Profile else "plane"
 
