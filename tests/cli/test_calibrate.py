@@ -161,6 +161,18 @@ def test_calibrate_command_accepts_columns_separated_by_semicolons_and_a_test_wi
     assert np.isclose(json.loads(completed.stdout)["fits"][0]["freedom"], 3)
 
 
+def test_record_of_a_calibration_has_no_chi_squared_if_no_errors_are_given(tmp_path):
+    for header, rows in (
+        ("load (mN),coefficient,uncertainty", ball_test_rows()),
+        ("load (mN),coefficient", [row[:2] for row in ball_test_rows()]),
+    ):
+        write_table(tmp_path / "forces.csv", rows, header)
+        completed = check_stiction("calibrate", "forces.csv", *BALL_OPTIONS, "--json", cwd=tmp_path)
+        (fit, *_) = json.loads(completed.stdout)["fits"]
+        has_errors = "uncertainty" in header
+        assert (fit["chi_squared"] is not None, fit["probability"] is not None) == (has_errors, has_errors)
+
+
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-16-le"])
 def test_friction_tests_are_read_from_files_with_semicolons_and_decimal_commas_in_any_encoding(tmp_path, encoding):
     rows = [

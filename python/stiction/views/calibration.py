@@ -128,7 +128,7 @@ def calibration_json(interface: Interface) -> str:
     fits = [
         {
             "sliding": fit.sliding,
-            "chi_squared": fit.chi_squared,
+            "chi_squared": None if math.isnan(fit.probability) else fit.chi_squared,
             "freedom": fit.freedom,
             "probability": fit.probability,
             "errors_multiplied_by": fit.scale,
