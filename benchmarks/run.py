@@ -10,11 +10,20 @@ BENCHMARK_NAMES = (
 )  # fmt: skip
 
 
-def main() -> None:
+def parse_names(arguments: list[str] | None = None) -> list[str]:
+    """Return the names of benchmarks on the command line, or an empty list for all benchmarks."""
     parser = argparse.ArgumentParser(prog="./dev bench", description=__doc__)
-    parser.add_argument("name", nargs="*", choices=BENCHMARK_NAMES, help="benchmark to run; by default all of them")
-    names = parser.parse_args().name
-    lines = []
+    known_names = ", ".join(BENCHMARK_NAMES)
+    parser.add_argument("name", nargs="*", help=f"benchmark to run, by default all of them: {known_names}")
+    names: list[str] = parser.parse_args(arguments).name
+    # With `choices`, argparse of Python 3.11 rejects an empty list.
+    if unknown_names := [name for name in names if name not in BENCHMARK_NAMES]:
+        parser.error(f"{unknown_names[0]!r} is not among {known_names}")
+    return names
+
+
+def main() -> None:
+    names, lines = parse_names(), []
     for name in names or BENCHMARK_NAMES:
         module = import_module(name)
         lines += [f"**{(module.__doc__ or '').splitlines()[0]}**", "", "| quantity | result |", "|---|---|"]
