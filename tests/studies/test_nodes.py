@@ -290,15 +290,15 @@ def test_assessments_at_nodes_of_generated_surfaces_equal_those_of_summaries(nam
         result = Result.of(dataset)
     nodes = result.nodes
     values = evaluate_generated_nodes(nodes, result.num_solved)
-    cells = [nodes.values[0][each].values for each in ("fractal_dimension", "amplitude")]
+    cell_coordinates = [nodes.values[0][each].values for each in ("fractal_dimension", "amplitude")]
     mu0, tau0 = (axis.values[[0, 2, -1]] for axis in nodes.axes)
-    num_unloaded, names_at_unloaded_points = 0, set()
+    num_unloaded, unloaded_caveat_names = 0, set()
     for load_index in np.linspace(0, nodes.loads.size - 1, 5).astype(int):
         for point in result.summary(nodes.loads[[load_index]], mu0=mu0, tau0=tau0).points:
-            positions = (*cells, *(axis.values for axis in nodes.axes))
+            coordinates = (*cell_coordinates, *(axis.values for axis in nodes.axes))
             keys = ("fractal_dimension", "amplitude", "mu0", "tau0")
             cell_index, amplitude_index, mu0_index, tau0_index = (
-                int(np.abs(each - point.at[key]).argmin()) for each, key in zip(positions, keys, strict=True)
+                int(np.abs(each - point.at[key]).argmin()) for each, key in zip(coordinates, keys, strict=True)
             )
             index = int(values.assessment_indices[cell_index, amplitude_index, 0, load_index, mu0_index, tau0_index])
             assert values.verdicts[index] == point.verdict
@@ -308,9 +308,9 @@ def test_assessments_at_nodes_of_generated_surfaces_equal_those_of_summaries(nam
             assert reasons == caveats
             if point.is_unloaded:
                 num_unloaded += 1
-                names_at_unloaded_points |= {caveat.name for caveat in point.caveats}
+                unloaded_caveat_names |= {caveat.name for caveat in point.caveats}
     assert (num_unloaded > 0) == (name in ("adhesive", "lower bounds"))
-    assert ("share_of_pull_off_bounds" in names_at_unloaded_points) == (name == "lower bounds")
+    assert ("share_of_pull_off_bounds" in unloaded_caveat_names) == (name == "lower bounds")
 
 
 def test_pressure_and_caveats_of_a_point_are_those_of_the_quoted_sliding_rule():

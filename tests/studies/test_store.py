@@ -143,7 +143,7 @@ def test_stored_result_read_in_pieces_equals_the_computed_dataset(folder_copy, u
     assert list(piece.data_vars) == ["contact_area"]
 
 
-def test_blocks_of_a_large_result_are_checked_once_and_later_only_the_named_variables_are_read(
+def test_large_result_checks_each_block_once_and_then_decodes_only_named_variables(
     folder_copy, uninterrupted_dataset, monkeypatch
 ):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
@@ -164,7 +164,7 @@ def test_blocks_of_a_large_result_are_checked_once_and_later_only_the_named_vari
     for first, second, expected in zip(first_pieces, second_pieces, expected_pieces, strict=True):
         assert_same_bits(second, expected)
         assert_same_bits(first, expected[["normal_elastic"]])
-    # A block that is removed or overwritten in the meantime leads to an error that names the file.
+    # A block that is removed, or replaced by a block of another shape, leads to an error that names the file.
     path = find_block_file(folder_copy, 8)
     path.write_bytes(find_block_file(folder_copy, 20).read_bytes())
     with pytest.raises(StoreError, match=rf"{path.name}: has normal_elastic with the shape .* instead of"):

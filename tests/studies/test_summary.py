@@ -76,7 +76,7 @@ def test_result_caches_its_summary_including_onset_and_resolution(surface_folder
     assert first_summary.values_at_cutoffs.sizes["cut_off"] > 1
 
 
-def test_summary_of_steep_scans_contains_their_gradient():
+def test_caveat_about_steep_scans_contains_the_rms_gradient_of_the_summary():
     surfaces = (
         self_affine_surface(seed, hurst_exponent=0.8, rms=1.0, shape=(32, 32), spacing=0.1, side=side)
         for seed, side in enumerate(("upper", "lower"))

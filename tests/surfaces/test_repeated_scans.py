@@ -82,7 +82,7 @@ def test_comparison_of_repeated_scans_rejects_unrelated_scans():
     surface = Surface(np.eye(40), spacing=0.1)
     profile_with_gap = Profile(first_profile.heights, spacing=0.1, missing=np.arange(2000) == 7)
     for first_scan, second_scan, message in (
-        (first_profile, first_profile, "got scans that are identical, from"),
+        (first_profile, first_profile, "got identical scans$"),
         (first_profile, other_profile, "of the same area"),
         (first_profile, surface, "two profiles or two surfaces"),
         (first_profile, Profile(first_profile.heights, spacing=0.2), "equal spacings"),
@@ -137,7 +137,7 @@ def test_comparison_of_repeated_scans_rejects_invalid_outliers():
     with pytest.raises(ValueError, match="first must have points that are not outliers"):
         compare_repeated_scans(*profiles, outliers=[~masks[0], masks[1]])
     scan_with_spike = Profile(heights + 5 * (np.arange(200) == 100), spacing=0.1)
-    with pytest.raises(ValueError, match="got scans that are identical except at outliers, from"):
+    with pytest.raises(ValueError, match=r"got identical scans \(except at outliers\)"):
         compare_repeated_scans(profiles[0], scan_with_spike, outliers=[masks[0], np.arange(200) == 100])
 
 

@@ -414,7 +414,7 @@ def test_unfiltered_scans_are_drawn_to_the_left_of_the_first_cutoff(maps_at_two_
         assert unresolved.get_x() + unresolved.get_width() < position
 
 
-def test_figure_over_the_cutoff_has_the_combined_intervals_of_a_result_with_several_cutoffs(maps_at_two_cutoffs):
+def test_resolution_limits_of_a_result_with_several_cutoffs_have_combined_intervals(maps_at_two_cutoffs):
     limits = Result.of(maps_at_two_cutoffs).summary().find_resolution_limits()
     assert "friction_combined" in limits.points
     assert limits.points.sizes["cut_off"] == 2

@@ -365,8 +365,8 @@ def compute_checked_quantities(
     }
 
 
-def list_checked_quantities(study: Study) -> list[str]:
-    """List the names of all numbers that checks of the contacts and of their slopes compare with limits."""
+def list_contact_check_names(study: Study) -> list[str]:
+    """List the names of the numbers in the checks of the contacts, of the pull-off force and of the rms gradient."""
     check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
     return list(dict.fromkeys(check.name for group in check_groups for check in group))
 
@@ -376,7 +376,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: Sliding
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
     # area of a grid cell for height maps in the half-space model, otherwise NaN
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
-    quantities = {name: mean_over_directions(point, name) for name in list_checked_quantities(study)}
+    quantities = {name: mean_over_directions(point, name) for name in list_contact_check_names(study)}
     is_merged = _compute_area_fraction(point, study) > MIN_MERGED_AREA_FRACTION
     num_members = float(point["ok"].min()) if "ok" in point else mean_over_directions(point, "members")
     numbers = compute_checked_quantities(
@@ -433,13 +433,15 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
 
 
 def assess_ensemble_points(
-    study: Study, status: NDArray[Any], numbers: Mapping[str, Any], is_unloaded: NDArray[np.bool_]
+    study: Study, status: NDArray[Any], numbers: Mapping[str, Any], unloaded_mask: NDArray[np.bool_]
 ) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
     """Assess each point of a result for generated bodies, using the status and the checks of the point.
 
-    For a single direction, the reasons equal the caveats of `find_point_caveats`; several directions are assessed one
-    by one. The arrays have equal shapes. Returns the distinct lists of reasons, with faults first, and for each point
-    the index of its list. A reason is a failed check, or a caveat that does not depend on the numbers of the point.
+    For a single direction of motion, the reasons are the caveats of `find_point_caveats`. For several directions, each
+    direction is assessed, whereas `find_point_caveats` assesses their mean. The arrays have equal shapes;
+    `unloaded_mask` is True at points whose load is negligible compared with the pull-off force. Returns the distinct
+    lists of reasons, with faults first, and for each point the index of its list. A reason is a failed check, or a
+    caveat that does not depend on the numbers of the point.
     """
     reasons: list[Caveat | LimitCheck] = []
     reason_numbers = []
@@ -459,15 +461,15 @@ def assess_ensemble_points(
                     indices[mask] = len(reasons)
             reason_numbers.append(indices)
 
-    add_caveat(NO_COEFFICIENT_CAVEAT, is_unloaded)
-    has_value = (status == friction.STATUS_OK) & np.isfinite(numbers["deficit"]) & ~is_unloaded
-    has_no_value = ~has_value & ~is_unloaded
+    add_caveat(NO_COEFFICIENT_CAVEAT, unloaded_mask)
+    has_value = (status == friction.STATUS_OK) & np.isfinite(numbers["deficit"]) & ~unloaded_mask
+    has_no_value = ~has_value & ~unloaded_mask
     for name in np.unique(np.where(has_no_value, status, friction.STATUS_OK)).tolist():
         add_caveat(_build_status_caveat(name, study), has_no_value & (status == name))
     pressure_checks = build_pressure_checks(study, float(study.contact.effective_modulus))
     add_failed_checks((_build_value_checks(study), *pressure_checks, [EQUALS_MU0_CHECK]), has_value)
     add_failed_checks((_build_contact_count_checks(study),), has_value)
-    add_failed_checks(_build_contact_checks(study), has_value | is_unloaded)
+    add_failed_checks(_build_contact_checks(study), has_value | unloaded_mask)
     # Each combination of reasons has a code, because rows of numbers take much longer to sort.
     codes = np.zeros(status.shape, np.intp)
     for indices in reason_numbers:

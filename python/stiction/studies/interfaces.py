@@ -402,7 +402,7 @@ class StrengthFit:
     """Joint distribution of mu0 and tau0 fitted with one sliding rule, and the quality of the fit."""
 
     sliding: SlidingRule
-    chi_squared: float  # chi-squared of the best fit; without given errors, the number of tests
+    chi_squared: float  # chi-squared of the best fit; without given errors, it has no meaning
     freedom: int  # number of tests with sliding minus number of fitted parameters
     probability: float  # probability of a larger chi_squared; NaN if there are no errors or no degrees of freedom
     scale: float  # factor by which the errors were multiplied

@@ -153,7 +153,7 @@ def build_dataset(
 ) -> xarray.Dataset:  # fmt: skip
     """Build a dataset of some repetitions from the arrays of `stack_members`, after checking the array shapes.
 
-    `names` lists the variables of the dataset; by default, it has all variables.
+    The dataset has the variables in `names`, by default all.
     """
     import xarray
 

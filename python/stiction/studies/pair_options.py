@@ -663,7 +663,8 @@ class ContactOptions(OptionGroup):
     )] = False  # fmt: skip
     mechanics: Annotated[Mechanics | None, PairOption(
         "half-space|asperities", "The elastic half-space (half-plane for lines), or isolated asperities (fast).",
-        usual="asperities for lines, except two profiles of materials with a hardness", key="contact.mechanics",
+        usual="asperities for lines, except two profiles whose softer body is a material with a hardness",
+        key="contact.mechanics",
         applies=(has_complete_scans_for_asperities, uses_one_contact_model),
         field=FormField(
             label="contact model", empty="the usual one",

@@ -41,20 +41,21 @@ if TYPE_CHECKING:
     from stiction.studies.measured_surfaces import ScanCutoffs
 
 CUTOFF_STUDY_FOLDER = "resolution"  # name of the folder of the cutoff study in a result folder
-# number of members in a cutoff study of height maps (the first members of the result that are pieces of the scans)
-NUM_AREAL_MEMBERS = 4
-NUM_LINE_MEMBERS = 16  # number of members in a cutoff study of profiles
-MAX_CUTOFFS = 4  # maximum number of cutoffs of unfiltered scans; each is twice as long as the previous cutoff
+NUM_AREAL_MEMBERS = 4  # maximum number of members in a cutoff study of height maps
+NUM_LINE_MEMBERS = 16  # maximum number of members in a cutoff study of profiles
+MAX_CUTOFFS = 4  # maximum number of cutoffs above 0; each is twice as long as the previous cutoff
 FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number rounded to four digits
 MAX_RELATIVE_CUTOFF = 1 / 30  # maximum ratio of a cutoff to the shortest side of the scans
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Create a cutoff study. It has several cutoffs, fewer members, and the loads of the original study.
+    """Create a cutoff study. It has several cutoffs, fewer members, and only the requested loads of the original study.
 
-    The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength of
-    unfiltered scans, or twice the first cutoff of filtered scans, and each further cutoff doubles. Returns None for
-    generated bodies, for the asperity model, if the original study has several cutoffs, or if the scans are too short.
+    The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength if the
+    scans are unfiltered, or twice the first cutoff if they are filtered. Each further cutoff is twice the previous one.
+    The members are the first members that consist of scans or, if there are none, surrogates. Returns None for
+    generated bodies, for the asperity model, if the original study has several cutoffs, or if the scans are too short
+    for a second cutoff.
     """
     if not study.is_measured or not study.uses_half_space:
         return None
@@ -103,7 +104,7 @@ def _find_first_scan_member(study: Study) -> int:
 def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
     """Evaluate the cutoff study that is stored with a measured pair, for the loads, mu0 and tau0 of the pair.
 
-    Returns None if no cutoff study is stored.
+    Returns None if no cutoff study that matches the pair is stored.
     """
     study = result.study
     if not study.is_measured:

@@ -210,7 +210,7 @@ class StoredResult:
     def _get_member_range(self, first: int, last: int, names: Collection[str] | None = None) -> xarray.Dataset:
         """Return a dataset of the finished members `self.finished_members[first:last]`, from memory if possible.
 
-        A dataset that is read from files has only the named variables.
+        If the whole result is in memory, the dataset has all variables. Otherwise, it has only the named variables.
         """
         if self._members_per_piece >= self.num_finished:
             return self._whole_dataset.isel(repetition=slice(first, last))
@@ -230,7 +230,10 @@ class StoredResult:
         return dataset
 
     def _read_member_range(self, first: int, last: int, names: Collection[str] | None = None) -> xarray.Dataset:
-        """Return named variables of the finished members `self.finished_members[first:last]`, in ascending order."""
+        """Return a dataset of the finished members `self.finished_members[first:last]`, in ascending order.
+
+        `names` lists the variables of the dataset; by default, the dataset has all variables.
+        """
         version, numbers = self.version, self.finished_members[first:last]
         axis = len(self.study.surfaces.cell_coordinates())
         arrays: ArraysByName = {
@@ -259,7 +262,11 @@ class StoredResult:
         return build_dataset(self.study, numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
 
     def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
-        """Return the named arrays of a block. The first call for a block reads and checks the whole block."""
+        """Return at least the named arrays of a block.
+
+        The first call for a block checks the whole block. Later calls decode only the named arrays, unless the block
+        is in memory.
+        """
         is_first = block is self._block_ranges[0][0]
         if block in self._checked_blocks and not is_first:
             return self._read_checked_block(block, names)
@@ -273,12 +280,12 @@ class StoredResult:
 
     @cached_property
     def _checked_blocks(self) -> set[BlockFile]:
-        """Blocks that have been read and checked as a whole, so that single variables can be read from them."""
+        """Blocks that have been checked as a whole. Their variables can be decoded individually."""
         return set()
 
     def _read_block(self, block: BlockFile) -> BlockFileContent:
         """Read a block, compare its checksum with the checksum in the file name, and return the contents."""
-        with self._damage_errors(block):
+        with self._convert_read_errors(block):
             file_content = self._read_block_bytes(block)
             if zlib.crc32(file_content) != block.checksum:
                 raise DamagedFileError("does not match its checksum")
@@ -290,15 +297,15 @@ class StoredResult:
     def _read_checked_block(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
         numbers = np.arange(block.first, block.last + 1)
         shapes = {name: spec.shape for name, spec in variable_specs(self.study, numbers).items()}
-        with self._damage_errors(block), _open_netcdf(self._read_block_bytes(block)) as file:
+        with self._convert_read_errors(block), _open_netcdf(self._read_block_bytes(block)) as file:
             return {name: _read_variable(file, name, shapes.get(name, numbers.shape)) for name in names}
 
     def _read_block_bytes(self, block: BlockFile) -> bytes:
         return read_file_bytes(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
 
     @contextmanager
-    def _damage_errors(self, block: BlockFile) -> Iterator[None]:
-        """Convert errors of reading a block to a `StoreError` that names the file."""
+    def _convert_read_errors(self, block: BlockFile) -> Iterator[None]:
+        """Convert errors that occur while a block is read into a `StoreError` that names the file."""
         try:
             yield
         except OSError as error:

@@ -148,7 +148,7 @@ class PointSummary:
 
     @cached_property
     def quoted_values(self) -> xarray.Dataset:
-        """Values for the quoted sliding rule. For generated bodies, the true area depends slightly on the rule."""
+        """Values for the quoted sliding rule, on which the true area of generated bodies depends slightly."""
         return select_sliding_rule(self.values, self.rules[0].rule)  # type: ignore[no-any-return]
 
     @property

@@ -27,7 +27,7 @@ from stiction.studies.assessment import (
     assess_ensemble_points,
     compute_checked_quantities,
     find_smallest_check_limit,
-    list_checked_quantities,
+    list_contact_check_names,
     verdict_from_caveats,
 )
 from stiction.studies.nodes import InterpolationNodes, NodeAxis
@@ -316,7 +316,7 @@ def _compute_checked_numbers(
     value, lower, upper = np.moveaxis(estimates["friction"], -1, 0)
     quantities = {
         name: np.broadcast_to(_transpose(node_values[name])[..., 0], area.shape)
-        for name in list_checked_quantities(study)
+        for name in list_contact_check_names(study)
         if name in node_values and "statistic" in node_values[name].dims
     }
     return quantities | compute_checked_quantities(

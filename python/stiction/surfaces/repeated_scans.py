@@ -111,8 +111,8 @@ def compare_repeated_scans(
     ------
     ValueError
         If types or spacings differ, if points are missing, if the scans show different areas, if they are identical
-        except at outliers, if either is flat or empty without its outliers, or if a mask does not have the shape of its
-        scan.
+        except at outliers, if a scan is flat except for outliers, if all its points are outliers, or if a mask does not
+        have the shape of its scan.
 
     See Also
     --------
@@ -139,8 +139,8 @@ def compare_repeated_scans(
     body_class: Any = type(first)
     if _are_identical(first, second, outliers):
         raise ValueError(
-            "first and second must be different scans, got scans that are identical"
-            f"{'' if outliers is None else ' except at outliers'}, from which the noise cannot be estimated"
+            "first and second must be different scans to estimate noise, got identical scans"
+            f"{'' if outliers is None else ' (except at outliers)'}"
         )
     trend: Any = "line" if body_class is Profile else "plane"
 
@@ -231,7 +231,7 @@ def _interpolate_outliers(
     bodies = with_interpolated_points(first, masks[0]), with_interpolated_points(second, masks[1])
     for name, body, mask in zip(("first", "second"), bodies, masks, strict=True):
         if mask.all():
-            raise ValueError(f"{name} must have points that are not outliers")
+            raise ValueError(f"{name} must have points that are not outliers, got a mask of all points")
         if not np.ptp(body.heights) > MIN_HEIGHT_RANGE:
             raise ValueError(f"{name} must not be flat except for outliers")
     return bodies

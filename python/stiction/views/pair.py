@@ -150,7 +150,7 @@ def pair(
         Gap over which the attraction decays to 1/e. By default 0.5 nm.
     mechanics : {"half-space", "asperities"}, optional
         The elastic half-space (half-plane for lines), or isolated asperities (fast). By default asperities for lines,
-        except two profiles of materials with a hardness.
+        except two profiles whose softer body is a material with a hardness.
     tilt : {"fixed", "free"}, optional
         Orientation of the slider: fixed, or tilted until the load is centred, as on a ball joint. By default fixed.
     law : {"hertz-sphere", "hertz-cylinder", "jackson-green"}, optional
