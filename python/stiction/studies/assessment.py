@@ -467,8 +467,8 @@ def assess_ensemble_points(
     for name in np.unique(np.where(has_no_value, status, friction.STATUS_OK)).tolist():
         add_caveat(_build_status_caveat(name, study), has_no_value & (status == name))
     pressure_checks = build_pressure_checks(study, float(study.contact.effective_modulus))
-    add_failed_checks((_build_value_checks(study), *pressure_checks, [EQUALS_MU0_CHECK]), has_value)
-    add_failed_checks((_build_contact_count_checks(study),), has_value)
+    value_checks = (_build_value_checks(study), *pressure_checks, [EQUALS_MU0_CHECK])
+    add_failed_checks((*value_checks, _build_contact_count_checks(study)), has_value)
     add_failed_checks(_build_contact_checks(study), has_value | unloaded_mask)
     # Each combination of reasons has a code, because rows of numbers take much longer to sort.
     codes = np.zeros(status.shape, np.intp)

@@ -90,11 +90,18 @@ def coordinate_specs_and_values(
     }
 
 
-def variable_specs(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None) -> dict[str, ArraySpec]:
-    """Return the array specifications of all variables of a result, for all or some repetitions."""
+def variable_specs(
+    study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None, names: Collection[str] | None = None
+) -> dict[str, ArraySpec]:
+    """Return the array specifications of the variables of a result, for all or some repetitions.
+
+    `names` lists the variables, by default all. Other names are ignored.
+    """
     sizes = {name: values.size for name, (_, values) in coordinate_specs_and_values(study, repetitions).items()}
     variables = {}
     for name in list_variable_names(study):
+        if names is not None and name not in names:
+            continue
         dims = _list_dims(study, name)
         dtype = np.dtype(QUANTITIES[name].dtype)
         attributes: dict[str, Any] = dict(quantity_attributes(name))
@@ -157,9 +164,7 @@ def build_dataset(
     """
     import xarray
 
-    variables = {
-        name: spec for name, spec in variable_specs(study, repetitions).items() if names is None or name in names
-    }
+    variables = variable_specs(study, repetitions, names)
     for name, spec in variables.items():
         if name not in arrays or arrays[name].shape != spec.shape:
             raise ValueError(f"{name} of the result must have the shape {spec.shape}")

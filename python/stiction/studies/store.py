@@ -204,17 +204,12 @@ class StoredResult:
         """Yield the result in consecutive pieces, with only one piece in memory at a time (see `Result.pieces`)."""
         selected, count = None if names is None else list(names), self.num_finished
         for piece_start in range(0, count, self._members_per_piece):
-            piece = self._get_member_range(piece_start, min(piece_start + self._members_per_piece, count), selected)
-            yield piece if selected is None else piece[selected]
-
-    def _get_member_range(self, first: int, last: int, names: Collection[str] | None = None) -> xarray.Dataset:
-        """Return a dataset of the finished members `self.finished_members[first:last]`, from memory if possible.
-
-        If the whole result is in memory, the dataset has all variables. Otherwise, it has only the named variables.
-        """
-        if self._members_per_piece >= self.num_finished:
-            return self._whole_dataset.isel(repetition=slice(first, last))
-        return self._read_member_range(first, last, names)
+            piece = (
+                self._whole_dataset
+                if self._members_per_piece >= count
+                else self._read_member_range(piece_start, min(piece_start + self._members_per_piece, count), selected)
+            )
+            yield piece.copy() if selected is None else piece[selected]
 
     @cached_property
     def _members_per_piece(self) -> int:
@@ -237,9 +232,7 @@ class StoredResult:
         version, numbers = self.version, self.finished_members[first:last]
         axis = len(self.study.surfaces.cell_coordinates())
         arrays: ArraysByName = {
-            name: np.empty(spec.shape, spec.dtype)
-            for name, spec in variable_specs(self.study, numbers).items()
-            if names is None or name in names
+            name: np.empty(spec.shape, spec.dtype) for name, spec in variable_specs(self.study, numbers, names).items()
         }
         if self.study.is_measured:
             arrays |= {name: np.empty(numbers.size, dtype) for name, dtype in MEMBER_COORDINATE_TYPES.items()}
@@ -295,8 +288,9 @@ class StoredResult:
         return content
 
     def _read_checked_block(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
+        """Return the named arrays of a block that has been checked before."""
         numbers = np.arange(block.first, block.last + 1)
-        shapes = {name: spec.shape for name, spec in variable_specs(self.study, numbers).items()}
+        shapes = {name: spec.shape for name, spec in variable_specs(self.study, numbers, names).items()}
         with self._convert_read_errors(block), _open_netcdf(self._read_block_bytes(block)) as file:
             return {name: _read_variable(file, name, shapes.get(name, numbers.shape)) for name in names}
 
