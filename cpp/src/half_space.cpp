@@ -1,6 +1,7 @@
 #include "stiction/half_space.hpp"
 
 #include "multiversion.hpp"
+#include "stiction/dense_kernel.hpp"
 #include "stiction/preconditioner.hpp"
 #include "stiction/projected_cg.hpp"
 
@@ -8,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -38,9 +40,18 @@ constexpr double compliance_tolerance = 1e-3;
 // Factor by which the accepted difference is reduced in problems that define only differences of displacements.
 // In such problems, the compliance is not an energy.
 constexpr double difference_tolerance = 0.03;
-// Maximum number of contact points whose dense matrix is solved directly.
-// Up to this number, the direct solution is faster than transforms of the grid.
+// Maximum number of contact points whose linear response is computed with a dense matrix.
+// Up to this number, products with the matrix are faster than transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
+// Limits for computing displacements with a dense matrix, only at points that can come into contact.
+// `max_matrix_ratio` is the largest ratio of matrix elements to grid points.
+// Up to this ratio, products with the matrix are faster than transforms of the grid.
+// `max_selected_points` limits the matrix to 16 MiB.
+constexpr std::size_t max_matrix_ratio = 16;
+constexpr std::size_t max_selected_points = 2048;
+// Points are selected if their gap is below this multiple of the current approach.
+// Both are measured from the lowest gap.
+constexpr double selection_approach_ratio = 1.1;
 // A deviation of displacements below this limit counts as round-off.
 // The limit is a fraction of the displacement that a single cell would have under the same pressure.
 constexpr double round_off = 1e-9;
@@ -150,13 +161,27 @@ std::vector<double> interpolate(std::vector<double> values, const Grid& from, co
   return values;
 }
 
+bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
+  return num_points <= max_selected_points && num_points * num_points <= max_matrix_ratio * grid.size();
+}
+
 // Solver on one level of the grid hierarchy, with the elastic kernel and the preconditioner of this level.
 // The starting pressure is scaled to the given mean [GPa].
+//
+// On a free area, pressures displace every point away from the other body.
+// So a point whose initial gap exceeds the approach cannot come into contact.
+// If few points remain, they are selected, and displacements are computed only at them, with a dense matrix.
+// At all other points, the potential is replaced by its lower bound, the initial gap.
+// The displacements due to a pressure on the first point of the grid are given by `influence`.
+// If `influence` is empty, no points are selected.
 class LevelSolver {
  public:
-  LevelSolver(const HalfSpaceGrids::Kernels& kernels, std::vector<double> start, double mean, Values bound,
-              Workspace& workspace, const ThreadPool& pool)
-      : kernel_(*kernels.points),
+  LevelSolver(const HalfSpaceGrids::Kernels& kernels, Values gap, std::vector<double> start, double mean, Values bound,
+              Values influence, Workspace& workspace, const ThreadPool& pool)
+      : gap_(gap),
+        bound_(bound),
+        influence_(influence),
+        kernel_(*kernels.points),
         workspace_(workspace),
         pool_(pool),
         cg_(std::move(start), mean * static_cast<double>(kernel_.grid().size()), bound, kernel_.grid().line),
@@ -164,27 +189,46 @@ class LevelSolver {
     if (kernels.blocks) {
       preconditioner_.emplace(kernel_.grid(), kernel_.stencil(), *kernels.blocks);
     }
+    if (!influence.empty()) {
+      select_points(estimate_approach());
+    }
   }
 
   ProjectedCgSolver& cg() { return cg_; }
-  double update_free_points() { return cg_.update_free_points(pool_); }
+  // Return whether the potential was recomputed exactly and no step was taken since then.
+  bool is_exact() const { return is_exact_; }
+
+  // Update the free points, and select more points if the approach has become too large for the selection.
+  double update_free_points() {
+    double error = cg_.update_free_points(pool_);
+    while (selected_points_ && cg_.approach() > max_approach_) {
+      select_points(cg_.approach());
+      recompute_potential(false);
+      error = cg_.update_free_points(pool_);
+    }
+    return error;
+  }
 
   // Recompute the potential.
   // Single precision is enough if the potential is recomputed later or need not be exact.
-  void recompute_potential(Values gap, bool exact) {
+  void recompute_potential(bool exact) {
     const Values pressure = cg_.pressure();
     std::vector<double> potential = cg_.take_potential();
     potential.resize(pressure.size());
-    if (exact) {
+    if (selected_points_) {
+      std::fill(potential.begin(), potential.end(), 0.0);
+      selected_points_->displacement(pressure, potential);
+    } else if (exact) {
       kernel_.displacement(pressure, potential, workspace_, pool_);
-      std::transform(potential.begin(), potential.end(), gap.begin(), potential.begin(), std::plus<>());
     } else {
       const std::vector<float> single(pressure.begin(), pressure.end());
       kernel_.displacement(single, response_, workspace_, pool_);
-      std::transform(response_.begin(), response_.end(), gap.begin(), potential.begin(), std::plus<>());
+      std::copy(response_.begin(), response_.end(), potential.begin());
     }
+    std::transform(potential.begin(), potential.end(), gap_.begin(), potential.begin(), std::plus<>());
     cg_.restart(std::move(potential));
     has_response_ = false;
+    is_exact_ = exact;
   }
 
   // Take one step. The caller must call `update_free_points` before each step.
@@ -200,11 +244,71 @@ class LevelSolver {
       }
     }
     const auto before = has_response_ ? std::span<const float>(response_) : std::span<const float>();
-    kernel_.displacement(cg_.step(residual, before, pool_), response_, workspace_, pool_);
+    const std::span<const float> step = cg_.step(residual, before, pool_);
+    if (selected_points_) {
+      pool_.check_cancellation();
+      selected_points_->displacement(step, response_);
+    } else {
+      kernel_.displacement(step, response_, workspace_, pool_);
+    }
     has_response_ = cg_.advance(response_, pool_);
+    is_exact_ = false;
   }
 
  private:
+  double bound_at(std::size_t i) const { return bound_[bound_.size() == 1 ? 0 : i]; }
+
+  // Return the points that meet a condition. Stop as soon as there are too many for a dense kernel.
+  template <class Condition>
+  std::vector<std::size_t> find_points(Condition condition) const {
+    std::vector<std::size_t> points;
+    for (std::size_t i = 0; i < gap_.size() && is_dense_kernel_faster(points.size(), kernel_.grid()); ++i) {
+      if (condition(i)) {
+        points.push_back(i);
+      }
+    }
+    return points;
+  }
+
+  // Return the approach [µm] of the starting pressures, which is the mean potential of the points below their bound.
+  // Returns infinity if there are too many points under pressure, or if all of them are at their bound.
+  double estimate_approach() const {
+    const Values pressure = cg_.pressure();
+    const std::vector<std::size_t> loaded = find_points([&](std::size_t i) { return pressure[i] > 0.0; });
+    if (!is_dense_kernel_faster(loaded.size(), kernel_.grid())) {
+      return std::numeric_limits<double>::infinity();
+    }
+    std::vector<double> displacements(gap_.size());
+    DenseKernel(influence_, kernel_.grid(), loaded).displacement(pressure, displacements);
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (const std::size_t i : loaded) {
+      if (pressure[i] < bound_at(i)) {
+        sum += displacements[i] + gap_[i];
+        ++count;
+      }
+    }
+    return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::infinity();
+  }
+
+  // Select the points that can come into contact up to an approach somewhat above the given one.
+  // If there are too many, select none.
+  void select_points(double approach) {
+    const double lowest_gap = *std::min_element(gap_.begin(), gap_.end());
+    max_approach_ = std::max(approach, lowest_gap + selection_approach_ratio * (approach - lowest_gap));
+    const Values pressure = cg_.pressure();
+    std::vector<std::size_t> points =
+        find_points([&](std::size_t i) { return pressure[i] > 0.0 || (gap_[i] < max_approach_ && bound_at(i) > 0.0); });
+    selected_points_.reset();
+    if (is_dense_kernel_faster(points.size(), kernel_.grid())) {
+      selected_points_ = std::make_unique<DenseKernel>(influence_, kernel_.grid(), std::move(points));
+    }
+    std::fill(response_.begin(), response_.end(), 0.0F);  // no response at points that are not selected
+  }
+
+  Values gap_;
+  Values bound_;
+  Values influence_;
   const ElasticKernel& kernel_;
   Workspace& workspace_;
   const ThreadPool& pool_;
@@ -212,7 +316,10 @@ class LevelSolver {
   std::vector<float> response_;
   std::vector<float> preconditioned_;             // preconditioned residual on lines
   std::optional<Preconditioner> preconditioner_;  // preconditioner of areas
+  std::unique_ptr<DenseKernel> selected_points_;  // kernel of the points that can come into contact, if they are few
+  double max_approach_ = 0.0;                     // largest approach for which the selection is complete
   bool has_response_ = false;
+  bool is_exact_ = false;
 };
 
 // Return ln(approach / target) - ln((full_contact - approach) / (full_contact - target)).
@@ -247,15 +354,7 @@ double product(const double* left, const double* right, std::size_t size) {
 std::vector<double> solve_dense(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
                                 const ThreadPool& pool) {
   const std::size_t size = points.size();
-  std::vector<double> matrix(size * size);
-  for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) {
-      const auto distance = [](std::size_t a, std::size_t b) { return a > b ? a - b : b - a; };
-      const std::size_t rows = distance(points[i] / grid.columns, points[j] / grid.columns);
-      const std::size_t columns = distance(points[i] % grid.columns, points[j] % grid.columns);
-      matrix[i * size + j] = matrix[j * size + i] = influence[rows * grid.columns + columns];
-    }
-  }
+  const std::vector<double> matrix = DenseKernel(influence, grid, points).matrix<double>();
   std::vector<double> pressure(size, 0.0);
   std::vector<double> residual(size, 1.0);
   std::vector<double> direction = residual;
@@ -497,29 +596,32 @@ HalfSpaceSolution HalfSpaceSolver::solve_level(std::size_t level, std::vector<do
   for (double& pressure : start) {
     pressure *= factor;
   }
-  LevelSolver solver(kernels, std::move(start), mean_pressure, bound_, workspace, pool);
-  solver.recompute_potential(gap(level), false);
+  // On the coarser grids, transforms are as fast as dense matrices.
+  const Grid& grid = grids_->levels()[level];
+  const auto num_loaded = std::count_if(start.begin(), start.end(), [](double value) { return value > 0.0; });
+  const bool selects_points =
+      level == 0 && !grid.line && !grid.periodic && is_dense_kernel_faster(static_cast<std::size_t>(num_loaded), grid);
+  const Values influence = selects_points ? grids_->influence(pool) : Values();
+  LevelSolver solver(kernels, gap(level), std::move(start), mean_pressure, bound_, influence, workspace, pool);
+  solver.recompute_potential(false);
   const std::int64_t max_steps = level == 0 ? max_iterations : max_coarse_iterations;
-  bool exact = false;
   int exact_evaluations = 0;
   double error = 0.0;
   std::int64_t iterations = 0;
   while (true) {
     error = solver.update_free_points();
     if (error <= tolerance || !std::isfinite(error)) {
-      if (++exact_evaluations > max_exact_evaluations || exact || level > 0) {
+      if (++exact_evaluations > max_exact_evaluations || solver.is_exact() || level > 0) {
         break;
       }
       solver.cg().rescale_to_total();
-      solver.recompute_potential(gap(level), true);
-      exact = true;
+      solver.recompute_potential(true);
       continue;
     }
     if (iterations == max_steps) {
       break;
     }
     solver.iterate();
-    exact = false;
     ++iterations;
     if (progress) {
       progress(iterations, error / (tolerance / tolerance_));
@@ -574,9 +676,10 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   }
   const double mean = 1.0 / static_cast<double>(in_contact.size());
   Workspace workspace;
-  LevelSolver solver(kernels, std::move(start), mean, bound, workspace, pool);
+  const std::vector<double> gap(in_contact.size(), 0.0);
+  LevelSolver solver(kernels, gap, std::move(start), mean, bound, {}, workspace, pool);
   // Single precision resolves 1e-7 of a displacement. Small differences of displacements on lines need more digits.
-  solver.recompute_potential(std::vector<double>(in_contact.size(), 0.0), grid.line);
+  solver.recompute_potential(grid.line);
   for (std::int64_t i = 0; i < max_iterations; ++i) {
     const double error = solver.update_free_points();
     const double length_unit = only_differences ? difference_tolerance * mean * grids.uniform_pressure_deviation()

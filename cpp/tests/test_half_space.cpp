@@ -42,6 +42,22 @@ std::vector<double> sinusoids(const Grid& grid) {
   return heights;
 }
 
+// Return heights with waves of many lengths.
+std::vector<double> rough_surface(const Grid& grid) {
+  std::vector<double> heights(grid.size(), 0.0);
+  for (int wave = 1; wave <= 60; ++wave) {
+    const double frequency = 6.28 * (1.5 + 0.6 * wave);
+    const double direction = 2.4 * wave;
+    for (std::size_t i = 0; i < heights.size(); ++i) {
+      const double x = static_cast<double>(i % grid.columns) / static_cast<double>(grid.columns);
+      const double y = static_cast<double>(i / grid.columns) / static_cast<double>(grid.rows);
+      heights[i] += 1.0 / (frequency * std::sqrt(frequency)) *
+                    std::cos(frequency * (x * std::cos(direction) + y * std::sin(direction)) + wave * wave);
+    }
+  }
+  return heights;
+}
+
 // Check the mean pressure and, to within a tolerance, the contact conditions.
 // No point under pressure may have a gap. Only points whose pressure equals the bound may overlap.
 void check_contact_conditions(const HalfSpaceGrids& grids, const std::vector<double>& gap,
@@ -89,6 +105,68 @@ TEST_CASE("HalfSpaceSolver: satisfies the contact conditions on lines and areas 
       }
     }
   }
+}
+
+TEST_CASE("HalfSpaceGrids: pressures on a free area displace all points in the direction of the load") {
+  for (const Grid& grid : {Grid{64, 64, 0.05, 0.05, false, false}, Grid{3, 200, 0.5, 0.01, false, false}}) {
+    const HalfSpaceGrids grids(grid, modulus);
+    const auto influence = grids.influence();
+    CHECK(*std::min_element(influence.begin(), influence.end()) > 0.0);
+  }
+}
+
+// At all but the highest loads, few points can come into contact, and the solver computes only their displacements.
+TEST_CASE("HalfSpaceSolver: satisfies the contact conditions on the whole grid if few points can come into contact") {
+  const Grid grid{96, 80, 0.05, 0.06, false, false};
+  const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);
+  const std::vector<double> gap = rough_surface(grid);
+  std::vector<double> uneven(grid.size());
+  std::vector<double> misplaced(grid.size(), 0.0);  // pressures on points that stay out of contact
+  for (std::size_t i = 0; i < gap.size(); ++i) {
+    uneven[i] = i % 5 == 0 ? 0.0 : 0.4 + 0.1 * static_cast<double>(i % 3);
+    misplaced[i] = i % 97 == 0 ? 0.01 : 0.0;
+  }
+  std::ptrdiff_t max_loaded = 0;
+  // The solver always starts from given pressures if each point has its own bound.
+  for (const std::vector<double>& bound :
+       {unbounded, std::vector<double>{0.5}, std::vector<double>(grid.size(), 0.5), uneven}) {
+    const HalfSpaceSolver solver(gap, grids, bound, tolerance);
+    for (const double mean : {3e-4, 1e-3, 3e-3, 0.01, 0.02, 0.05}) {
+      const std::vector<double> from_coarse_grids;
+      for (const std::vector<double>& near : {from_coarse_grids, solver.at(0.8 * mean).pressure, misplaced}) {
+        const HalfSpaceSolution solution = solver.at(mean, near);
+        REQUIRE(solution.error <= tolerance);
+        check_contact_conditions(*grids, gap, bound, mean, solver.scale(mean), solution);
+        max_loaded = std::max(max_loaded, std::count_if(solution.pressure.begin(), solution.pressure.end(),
+                                                        [](double pressure) { return pressure > 0.0; }));
+      }
+    }
+  }
+  CHECK(max_loaded > 400);  // at the highest loads, too many points come into contact for a selection
+}
+
+TEST_CASE("HalfSpaceSolver: finds points that come into contact only at a larger approach than at the start") {
+  const Grid grid{64, 64, 0.05, 0.05, false, false};
+  const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);
+  std::vector<double> gap(grid.size(), 1.0);
+  std::vector<double> bound(grid.size(), 10.0);
+  std::vector<double> start(grid.size(), 0.0);
+  for (std::size_t i = 0; i < 20; ++i) {
+    gap[211 * i] = 0.0;  // summits, which carry little load at the start
+    start[211 * i] = 0.001;
+    gap[211 * i + 20] = 0.0005;  // summits that come into contact later
+    for (const std::size_t high : {211 * i + 50, 211 * i + 60}) {
+      gap[high] = 0.003;  // points that stay out of contact, but carry most of the load at the start
+      start[high] = bound[high] = 0.1;
+    }
+  }
+  const double mean = 1.01 * std::accumulate(start.begin(), start.end(), 0.0) / static_cast<double>(grid.size());
+  const HalfSpaceSolver solver(gap, grids, bound, tolerance);
+  const HalfSpaceSolution solution = solver.at(mean, start);
+  REQUIRE(solution.error <= tolerance);
+  check_contact_conditions(*grids, gap, bound, mean, solver.scale(mean), solution);
+  CHECK(std::count_if(solution.pressure.begin(), solution.pressure.end(), [](double p) { return p > 0.0; }) == 40);
+  CHECK(solution.iterations < 10);  // old potentials, or old responses of points that are dropped, require more
 }
 
 TEST_CASE("HalfSpaceSolver: solutions are bit-identical for any number of threads") {

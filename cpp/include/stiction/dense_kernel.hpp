@@ -1,0 +1,49 @@
+// Elastic half-space: displacements of a few points of a grid, from the matrix of their influence coefficients.
+#pragma once
+
+#include "stiction/array.hpp"
+#include "stiction/elastic_kernel.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace stiction {
+
+/// Displacement [µm] of a few points of an area due to pressures [GPa] on the same points.
+/// The cost increases with the square of the number of points, but does not depend on the size of the grid.
+class DenseKernel {
+ public:
+  /// `influence` contains the displacement [µm/GPa] of each grid point due to a pressure on the first grid point.
+  /// It must outlive this object. `points` contains the indices of the points on the grid, which are not checked.
+  /// Throws std::invalid_argument for 2³¹ grid points or more, and if `influence` has another number of values.
+  DenseKernel(Values influence, const Grid& grid, std::vector<std::size_t> points);
+
+  /// Return the symmetric matrix of the displacements [µm/GPa], row by row.
+  template <class Real>
+  std::vector<Real> matrix() const;
+
+  /// Compute the displacements of the points in double precision.
+  /// Both arrays have one value for each grid point. The values of other grid points are neither read nor changed.
+  void displacement(Values pressure, std::span<double> displacements) const;
+
+  /// Compute the displacements of the points in single precision.
+  /// The first call computes the matrix, and later calls reuse it.
+  void displacement(std::span<const float> pressure, std::span<float> displacements);
+
+ private:
+  template <class Real>
+  void write_row(std::size_t i, Real* row) const;
+  template <class Real, class Row>
+  void add_rows(std::span<const Real> pressure, Row row, std::span<Real> displacements) const;
+
+  Values influence_;
+  std::size_t columns_;
+  std::vector<std::size_t> points_;
+  std::vector<std::int32_t> point_rows_;
+  std::vector<std::int32_t> point_columns_;
+  std::vector<float> matrix_;
+};
+
+}  // namespace stiction
