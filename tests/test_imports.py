@@ -122,6 +122,17 @@ def test_module_for_exported_files_loads_no_matplotlib():
     assert "matplotlib" not in loaded_dependencies("import stiction.views.files")
 
 
+def test_style_sheet_of_the_app_loads_neither_matplotlib_nor_pandas():
+    """Check this because the page of the app is not drawn until its style sheet has arrived."""
+    code = (
+        "import asyncio, pathlib, starlette.requests, stiction.app.server; "
+        "server = stiction.app.server.Server(pathlib.Path(), pathlib.Path(), 0); "
+        "request = starlette.requests.Request({'type': 'http', 'path_params': {'kind': 'css'}}); "
+        "assert asyncio.run(server.get_asset(request)).body"
+    )
+    assert not {"matplotlib", "pandas"} & loaded_dependencies(code)
+
+
 def test_stub_of_the_package_lists_public_names_with_their_modules():
     tree = ast.parse((PACKAGE_FOLDER / "__init__.pyi").read_text("utf-8"))
     assert {name.name: node.module for node in tree.body for name in node.names} == stiction._MODULES_BY_PUBLIC_NAME

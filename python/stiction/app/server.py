@@ -193,7 +193,7 @@ class Server:
             for material in sorted(materials(), key=lambda material: material.name)
         )
         demo_attribute, menu_attribute = "demo" if self.has_demo else "", "" if sys.platform == "linux" else "hidden"
-        text = Template(_read_package_file("app.html")).substitute(
+        text = Template(_read_package_file("app/app.html")).substitute(
             materials=material_options, demo=demo_attribute, menu=menu_attribute, max_bytes=MAX_SCAN_BYTES,
             reading=fields_html("scan"), more=fields_html("more"), facts=page_data_json(),
         )  # fmt: skip
@@ -203,12 +203,11 @@ class Server:
         """Return the script, or the style sheets of the report and the app."""
         file_type = request.path_params["kind"]
         if file_type == "js":
-            return Response(_read_package_file("app.js"), media_type="text/javascript")
+            return Response(_read_package_file("app/app.js"), media_type="text/javascript")
         if file_type != "css":
             _raise_not_found()
         return Response(
-            _read_package_file("page.css", "stiction.views.report") + _read_package_file("app.css"),
-            media_type="text/css",
+            _read_package_file("views/report/page.css") + _read_package_file("app/app.css"), media_type="text/css"
         )
 
     async def add_menu_entry(self, _: Request) -> Response:
@@ -396,8 +395,9 @@ def _stored_result_list_entry(name: str, folder: Path) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _read_package_file(name: str, package: str = "stiction.app") -> str:
-    return (resources.files(package) / name).read_text("utf-8")
+def _read_package_file(name: str) -> str:
+    # `resources.files` imports the given package. Importing `stiction.views.report` would load Matplotlib and pandas.
+    return (resources.files("stiction") / name).read_text("utf-8")
 
 
 def _are_secrets_equal(first: str, second: str) -> bool:
