@@ -11,8 +11,10 @@ from stiction.app.form import (
     fields_html,
     find_first_option_name,
     page_data_json,
+    parse_reading_options,
     replace_option_names,
     replace_option_names_in_caveats,
+    replace_option_names_in_preview,
 )
 from stiction.app.preview import preview_scan
 from stiction.studies.pair_options import PAIR_OPTIONS, FileReadingOptions, list_option_choices
@@ -73,16 +75,23 @@ def test_option_names_in_caveats_are_replaced_with_form_labels():
     }
 
 
+def test_reading_options_are_named_like_arguments_and_split_at_commas():
+    texts = {"spacing": "1 um,2 um", "missing-value": "-9999", "unit": "", "load": "1 mN"}
+    assert parse_reading_options(texts) == {"spacing": ("1 um", "2 um"), "missing_value": "-9999"}
+
+
 def test_preview_refers_to_form_fields_and_choices_by_their_labels(tmp_path):
     heights = np.random.default_rng(1).standard_normal((16, 16))
-    reading_options = {"unit": "um", "spacing": "1 um"}
+    reading_options = parse_reading_options({"unit": "um", "spacing": "1 um", "missing": ""})
     np.save(tmp_path / "missing.npy", np.where(heights > 2, np.nan, heights))
-    error = preview_scan(f"{tmp_path / 'missing.npy'}", reading_options)["error"]
+    preview = preview_scan(f"{tmp_path / 'missing.npy'}", reading_options)
+    error = replace_option_names_in_preview(preview)["error"]
     labels = dict(FORM_FIELDS_BY_FLAG["missing"].choices)
     assert f'"missing points": {labels["mask"]}' in error
     assert f'"missing points": {labels["interpolate"]}' in error
     np.save(tmp_path / "code.npy", np.where(heights > 1.5, -999, heights))
-    warning = preview_scan(f"{tmp_path / 'code.npy'}", reading_options)["warning"]
+    preview = preview_scan(f"{tmp_path / 'code.npy'}", reading_options)
+    warning = replace_option_names_in_preview(preview)["warning"]
     assert '"missing value" -999' in warning
     assert "--" not in error + warning
 
@@ -92,5 +101,6 @@ def test_preview_accepts_every_choice_for_missing_points_in_the_form(choice, tmp
     heights = np.random.default_rng(1).standard_normal((16, 16))
     heights[5, 5:8] = np.nan
     np.save(tmp_path / "missing.npy", heights)
-    record = preview_scan(f"{tmp_path / 'missing.npy'}", {"unit": "um", "spacing": "1 um", "missing": choice})
+    reading_options = parse_reading_options({"unit": "um", "spacing": "1 um", "missing": choice})
+    record = preview_scan(f"{tmp_path / 'missing.npy'}", reading_options)
     assert record["points"] == 256

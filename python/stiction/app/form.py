@@ -5,9 +5,10 @@ from __future__ import annotations
 import html
 import json
 import re
+from collections.abc import Mapping
 from typing import Any, Literal
 
-from stiction.studies.pair_options import PAIR_OPTIONS, FormField, format_command_line_name
+from stiction.studies.pair_options import PAIR_OPTIONS, FormField, format_command_line_name, split_option_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 
 FORM_FIELDS_BY_FLAG: dict[str, FormField] = {
@@ -52,6 +53,12 @@ def page_data_json() -> str:
     return html.escape(json.dumps(page_data, ensure_ascii=False))
 
 
+def parse_reading_options(texts_by_flag: Mapping[str, str]) -> dict[str, str | tuple[str, ...]]:
+    """Convert the texts of form fields to keyword arguments of `read_measurement`. Empty fields are omitted."""
+    texts = {flag.replace("-", "_"): texts_by_flag.get(flag) for flag in FILE_READING_FLAGS}
+    return {name: split_option_text(name, text) for name, text in texts.items() if text}
+
+
 _OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")
 """Pattern of an option name and the word after it, which may be the value of the option."""
 
@@ -80,3 +87,8 @@ def replace_option_names_in_caveats(record: dict[str, Any]) -> dict[str, Any]:
     """Return the record of a point after replacing the option names in its caveats with field labels."""
     caveats = [{name: replace_option_names(text) for name, text in caveat.items()} for caveat in record["caveats"]]
     return record | {"caveats": caveats}
+
+
+def replace_option_names_in_preview(preview: dict[str, Any]) -> dict[str, Any]:
+    """Return the preview of a scan after replacing the option names in its messages with field labels."""
+    return preview | {name: replace_option_names(preview[name]) for name in ("error", "warning") if name in preview}

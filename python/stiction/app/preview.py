@@ -1,6 +1,7 @@
-"""Command `python -m stiction.app.preview FILE READING`. It prints the contents of a scan as JSON, with a small image.
+"""Command `python -m stiction.app.preview FILE OPTIONS`. It prints the contents of a scan as JSON, with a small image.
 
-READING is JSON text with the options of `read_measurement` by name, whose values are texts.
+OPTIONS is JSON text with options of `read_measurement` by name. Imports take most of the run time, so this module does
+not use the declarations of the form fields.
 """
 
 from __future__ import annotations
@@ -17,8 +18,6 @@ import numpy as np
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_COLOUR_MAP
 from stiction._number_format import format_with_unit
-from stiction.app.form import replace_option_names
-from stiction.studies.pair_options import split_option_text
 from stiction.surfaces.measured.reading import read_with_interpretation
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -30,10 +29,8 @@ MAX_PREVIEW_SIDE_POINTS = 160
 LINE_COLOURS = ("#7a8490", "#8a63c7")
 
 
-def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
+def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
     """Return a summary of a scan with a small image, or the reason why the scan cannot be read."""
-    option_texts = {name.replace("-", "_"): text for name, text in reading.items() if text}
-    options: dict[str, Any] = {name: split_option_text(name, text) for name, text in option_texts.items()}
     with warnings.catch_warnings(record=True) as caught_warnings:
         warnings.simplefilter("always")
         try:
@@ -47,7 +44,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
                 reject_flat_or_small_surface(levelled_body)
                 height, slope = float(levelled_body.heights.std()), rms_gradient(levelled_body, "seven-point")
         except (ValueError, ImportError, MemoryError) as error:
-            return {"error": replace_option_names(str(error)) or "not enough memory for this scan"}
+            return {"error": str(error) or "not enough memory for this scan"}
     is_profile = isinstance(levelled_body, Profile)
     names = ("Pq", "Pdq") if is_profile else ("Sq", "Sdq")
     extent_text = " × ".join(format_with_unit(item, "um") for item in np.atleast_1d(body.extent)[::-1])
@@ -65,7 +62,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
         "words": f"{extent_text}, {points} points; "
         f"{names[0]} {format_with_unit(height, 'um')}, slope {names[1]} {slope:.3g}",
         "points": int(np.size(body.heights)), "reading": str(scan),
-        "warning": replace_option_names("; ".join(map(str, warning_texts))),
+        "warning": "; ".join(map(str, warning_texts)),
         "picture": f"data:image/{image_type};base64,{base64.b64encode(image).decode()}",
     }  # fmt: skip
 
@@ -95,5 +92,13 @@ def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes
     return file.getvalue()
 
 
+def main() -> None:
+    """Print the preview of a scan as JSON."""
+    file, options = sys.argv[1], json.loads(sys.argv[2])
+    # `read_measurement` requires tuples, which JSON stores as lists.
+    options = {name: tuple(value) if isinstance(value, list) else value for name, value in options.items()}
+    print(json.dumps(preview_scan(file, options)))
+
+
 if __name__ == "__main__":
-    print(json.dumps(preview_scan(sys.argv[1], json.loads(sys.argv[2]))))
+    main()

@@ -31,7 +31,9 @@ from stiction.app.form import (
     FORM_FIELDS_BY_FLAG,
     fields_html,
     page_data_json,
+    parse_reading_options,
     replace_option_names_in_caveats,
+    replace_option_names_in_preview,
 )
 from stiction.app.jobs import Job, JobQueue, RejectedRequestError, hide_private_paths
 from stiction.mechanics.materials import materials
@@ -284,12 +286,13 @@ class Server:
     async def preview_scan(self, request: Request) -> Response:
         """Return the preview of a scan."""
         scan, query = request.path_params["scan"], request.query_params
-        reading_options = json.dumps({name: query.get(name, "")[:80] for name in FILE_READING_FLAGS})
+        reading_options = parse_reading_options({flag: query.get(flag, "")[:80] for flag in FILE_READING_FLAGS})
         output = await self.jobs.run_short_module(
-            ["stiction.app.preview", str(self._find_scan_path(scan)), reading_options]
+            ["stiction.app.preview", str(self._find_scan_path(scan)), json.dumps(reading_options)]
         )
-        self.points[scan] = json.loads(output).get("points", 0)
-        return Response(output, media_type="application/json")
+        preview = replace_option_names_in_preview(json.loads(output))
+        self.points[scan] = preview.get("points", 0)
+        return Response(json.dumps(preview), media_type="application/json")
 
     # ---- Jobs ------------------------------------------------------------------------------------------------------
 
