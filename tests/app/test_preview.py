@@ -1,10 +1,45 @@
 """Tests of the previews of scans in the app."""
 
+import io
 import json
 import subprocess
 import sys
 
 import numpy as np
+import pytest
+from matplotlib.image import imread, imsave
+from stiction._drawing import HEIGHT_COLOUR_MAP
+from stiction.app.preview import MAX_PREVIEW_SIDE_POINTS, render_height_map_png
+
+MAX_LEVEL_DIFFERENCE = 1
+"""Maximum difference of grey levels, because Matplotlib rounds some of its 256 levels down to the level below."""
+
+
+def read_grey_levels(png):
+    """Return the grey levels of an image as an array of rows and columns."""
+    pixels = np.round(imread(io.BytesIO(png)) * 255)
+    return pixels if pixels.ndim == 2 else pixels[..., 0]
+
+
+@pytest.mark.parametrize(
+    "heights",
+    [
+        np.random.default_rng(1).standard_normal((MAX_PREVIEW_SIDE_POINTS, MAX_PREVIEW_SIDE_POINTS)),
+        np.random.default_rng(2).standard_normal((MAX_PREVIEW_SIDE_POINTS // 2, MAX_PREVIEW_SIDE_POINTS)),
+        np.zeros((MAX_PREVIEW_SIDE_POINTS, 20)),
+    ],
+    ids=["square", "wide", "flat"],
+)
+def test_preview_image_has_the_grey_levels_that_matplotlib_draws(heights):
+    expected_file = io.BytesIO()
+    imsave(expected_file, heights, cmap=HEIGHT_COLOUR_MAP, origin="lower")
+    levels = read_grey_levels(render_height_map_png(heights, heights.shape))
+    np.testing.assert_allclose(levels, read_grey_levels(expected_file.getvalue()), rtol=0, atol=MAX_LEVEL_DIFFERENCE)
+
+
+def test_preview_image_of_a_large_map_has_a_limited_size_and_square_pixels():
+    levels = read_grey_levels(render_height_map_png(np.ones((1000, 500)), (10.0, 20.0)))
+    assert levels.shape == (MAX_PREVIEW_SIDE_POINTS // 2, MAX_PREVIEW_SIDE_POINTS)
 
 
 def test_preview_command_accepts_spacings_along_both_axes(tmp_path):

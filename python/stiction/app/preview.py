@@ -1,7 +1,7 @@
 """Command `python -m stiction.app.preview FILE OPTIONS`. It prints the contents of a scan as JSON, with a small image.
 
-OPTIONS is JSON text with options of `read_measurement` by name. Imports take most of the run time, so this module does
-not use the declarations of the form fields.
+OPTIONS is JSON text with options of `read_measurement` by name. Imports take most of the run time, so this module uses
+neither Matplotlib nor the declarations of the form fields.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import warnings
 from typing import Any
 
 import numpy as np
+import PIL.Image
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_COLOUR_MAP
 from stiction._number_format import format_with_unit
 from stiction.surfaces.measured.reading import read_with_interpretation
 from stiction.surfaces.preparation import levelled
@@ -79,16 +79,19 @@ def draw_lines_svg(*lines: Floats) -> str:
 
 
 def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes:
-    """Render a height map as a PNG image with square pixels and the first row at the bottom."""
-    from matplotlib.image import imsave
+    """Render a height map as a grey PNG image with square pixels and the first row at the bottom.
 
+    The grey levels equal those of the colour map of heights in other figures to within one level.
+    """
     pixel_counts = [max(2, round(MAX_PREVIEW_SIDE_POINTS * length / max(extent))) for length in extent]
     rows, columns = (
         np.linspace(0, count - 1, pixel_count).round().astype(int)
         for count, pixel_count in zip(heights.shape, pixel_counts, strict=True)
     )
+    pixels = heights[np.ix_(rows[::-1], columns)]
+    levels = 256 * ((pixels - pixels.min()) / (np.ptp(pixels) or 1.0))
     file = io.BytesIO()
-    imsave(file, heights[np.ix_(rows, columns)], cmap=HEIGHT_COLOUR_MAP, origin="lower")
+    PIL.Image.fromarray(np.minimum(levels, 255).astype(np.uint8)).save(file, "png")
     return file.getvalue()
 
 
