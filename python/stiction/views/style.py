@@ -87,6 +87,16 @@ def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "con
     return Figure(figsize=(width, height * INCHES_PER_MILLIMETRE), layout=layout)
 
 
+def place_axes(figure: Figure) -> None:
+    """Place the axes with the layout engine of the figure, and remove the engine, so that the axes stay in place.
+
+    With an engine, even the placeholder "none", `savefig` would draw the figure twice.
+    """
+    if (layout_engine := figure.get_layout_engine()) is not None:
+        layout_engine.execute(figure)
+        figure.set_layout_engine(None)
+
+
 def axis_label(name: str) -> str:
     """Return the axis label of a quantity, with its symbol and unit."""
     if name in _AXIS_LABELS:

@@ -27,6 +27,7 @@ from stiction.views.style import (
     axis_label,
     direction_text,
     new_figure,
+    place_axes,
 )
 
 _MIN_ZOOM_SPACINGS = 40  # minimum distance, in grid spacings, that is shown on each side of the magnified contact
@@ -88,8 +89,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
         loc="outside lower center",
         ncols=len(handles),
     )
-    figure.draw_without_rendering()  # the arrow lengths depend on the final position of the axes
-    figure.set_layout_engine("none")
+    place_axes(figure)  # the arrow lengths depend on the final position of the axes
     if contact_force.size:
         max_arrow_length = _make_room_for_arrows(zoomed_axes, unit_factor * float(centre_z[is_in_zoom].max()))
         (unit_x, _), (_, unit_y), (origin_x, origin_y) = zoomed_axes.transData.transform(

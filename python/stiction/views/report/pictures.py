@@ -27,7 +27,7 @@ from stiction.views.figures.standard import format_print_title
 from stiction.views.height_scale import HEIGHT_SCALE_NOTE, SCALED_SURFACE_TEXTS
 from stiction.views.point import motion_direction_text
 from stiction.views.report.page import format_count
-from stiction.views.style import MATPLOTLIB_STYLE
+from stiction.views.style import MATPLOTLIB_STYLE, place_axes
 
 if TYPE_CHECKING:
     from stiction.studies.height_scale import ScaledBodies
@@ -237,10 +237,7 @@ def inline_svg(figure: Figure, description: str) -> str:
         for artist in artists:
             paths = artist.get_paths() if hasattr(artist, "get_paths") else [artist.get_path()]
             artist.set_rasterized(sum(len(path.vertices) for path in paths) > MAX_SVG_VERTICES)
-    if (layout_engine := figure.get_layout_engine()) is not None:
-        layout_engine.execute(figure)
-        # With a layout engine, `savefig` would draw twice. The placeholder engine "none" would have the same effect.
-        figure.set_layout_engine(None)
+    place_axes(figure)
     text = io.StringIO()
     figure.savefig(text, format="svg", dpi=RASTER_DPI, transparent=True, metadata={"Date": None, "Creator": None})
     svg_text = text.getvalue()
