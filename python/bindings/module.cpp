@@ -6,6 +6,7 @@ void bind_amplitude(pybind11::module_& module);
 void bind_areal(pybind11::module_& module);
 void bind_profile_batch(pybind11::module_& module);
 void bind_harmonics(pybind11::module_& module);
+void bind_jackknife(pybind11::module_& module);
 void bind_asperity(pybind11::module_& module);
 void bind_law(pybind11::module_& module);
 void bind_build(pybind11::module_& module);
@@ -23,6 +24,7 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_build(module);
   stiction::python::bind_amplitude(module);
   stiction::python::bind_harmonics(module);
+  stiction::python::bind_jackknife(module);
   stiction::python::bind_asperity(module);
   stiction::python::bind_law(module);
   stiction::python::bind_candidates(module);

@@ -214,6 +214,20 @@ def harmonic_surface(
 ) -> None:
     """Write the areal form of Eq. 1 to `heights` (rows, columns) [µm]."""
 
+def jackknife_sums(
+    loads: NDArray[float64],
+    values: NDArray[float64],
+    *,
+    curve: NDArray[numpy.int64],
+    step: NDArray[numpy.int64],
+    fraction: NDArray[float64],
+    load: NDArray[float64],
+    mean: NDArray[float64],
+    slope: NDArray[float64],
+    total_repetitions: int,
+) -> NDArray[float64]:
+    """Compute the table of `jackknife_sums` (10, points) from curves of loads and values (curves, steps, repetitions)."""
+
 def natural_slopes(
     heights: NDArray[float64], *, spacing: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]
 ) -> typing.Annotated[list[NDArray[float64]], "FixedSize(2)"]:

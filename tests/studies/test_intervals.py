@@ -2,9 +2,12 @@ import numpy as np
 import pytest
 import scipy.special
 import scipy.stats
+from reference.jackknife import interval_at_load
 from reference.neighbours import coverage_and_width, estimate_true_mean, simulate_correlated_positions
+from stiction import _core
 from stiction.studies.intervals import (
     MIN_NEIGHBOURING_VALUES,
+    MeansAtLoads,
     average_correlated_values,
     average_independent_values,
     average_line_means,
@@ -173,3 +176,66 @@ def test_mean_of_a_column_over_positions_is_independent_of_other_columns(lines):
     all_columns = np.stack(average_line_means(values, lines_of_positions))
     single_columns = [average_line_means(np.ascontiguousarray(column), lines_of_positions) for column in values.T]
     assert np.array_equal(all_columns, np.array(single_columns).T)
+
+
+# Round-off of the logarithms of ratios near 1, relative to their differences.
+JACKKNIFE_TOLERANCE = 1e-10
+
+
+@pytest.mark.parametrize("repetitions", [3, 8, 60])
+@pytest.mark.parametrize("dominates", [False, True])
+def test_intervals_of_means_at_loads_agree_with_a_jackknife_in_loops(repetitions, dominates):
+    random = np.random.default_rng(repetitions)
+    steps, num_curves, load = np.arange(1.0, 13.0)[:, np.newaxis], 2, 4.3
+    normal = steps * random.gamma(2.0, 0.5, (num_curves, 1, repetitions))
+    values = np.sqrt(steps) * random.gamma(1.0, 1.0, (num_curves, 1, repetitions))
+    if dominates:  # All other repetitions are zero, so the interval is symmetric.
+        values[..., 1:] = 0.0
+    means = MeansAtLoads(normal.mean(axis=2), [values.mean(axis=2), normal.mean(axis=2)], repetitions, np.array([load]))
+    for members in (slice(0, 2), slice(2, None)):
+        means.add(normal[..., members], [values[..., members], normal[..., members]])
+    expected = [interval_at_load(normal[curve], values[curve], load) for curve in range(num_curves)]
+    computed = np.stack([means.mean(0), *means.interval(0)], axis=-1)[:, 0]
+    assert computed == pytest.approx(np.array(expected), rel=JACKKNIFE_TOLERANCE)
+    assert np.stack([means.mean(1), *means.interval(1)]) == pytest.approx(load, rel=JACKKNIFE_TOLERANCE)
+
+
+def test_interval_of_a_mean_at_a_load_is_missing_if_one_repetition_carries_the_load():
+    normal = np.zeros((1, 5, 4))
+    normal[..., 2] = np.arange(1.0, 6.0)
+    means = MeansAtLoads(normal.mean(axis=2), [normal.mean(axis=2)], 4, np.array([0.8]))
+    means.add(normal, [normal])
+    assert means.mean(0) == pytest.approx(0.8)
+    assert np.isnan(means.interval(0)).all()
+
+
+def test_interval_of_a_mean_of_zero_is_zero_if_the_loads_differ_only_by_round_off():
+    # The values increase after the crossing, so the slope is not zero.
+    round_off = np.array([-1.0, 0.0, 1.0]) * np.finfo(float).eps
+    normal = np.geomspace(0.01, 0.3, 5)[np.newaxis, :, np.newaxis] * (1 + round_off)
+    values = np.where(normal > 0.05, normal, 0.0)
+    means = MeansAtLoads(normal.mean(axis=2), [values.mean(axis=2)], 3, np.linspace(0.0101, 0.02, 50))
+    means.add(normal, [values])
+    assert (means.mean(0) == 0).all()
+    assert (np.stack(means.interval(0)) == 0).all()
+
+
+def test_jackknife_sums_do_not_depend_on_the_memory_layout_of_curves():
+    curves = np.random.default_rng(1).random((2, 3, 4))
+    points = {"curve": np.array([1]), "step": np.array([2]), "slope": np.ones(1)}
+    points |= {"fraction": np.array([0.5]), "load": curves[1, 1:].mean(keepdims=True).ravel(), "mean": np.ones(1)}
+    expected, computed = (
+        _core.jackknife_sums(curves, np.asarray(curves, order=order), **points, total_repetitions=4) for order in "CF"
+    )
+    assert np.array_equal(computed, expected)
+
+
+def test_jackknife_sums_rejects_points_outside_the_curves_and_arrays_of_unequal_shape():
+    curves, indices, numbers = np.ones((2, 3, 4)), np.array([1]), np.ones(1)
+    points = {"curve": indices, "step": indices, **dict.fromkeys(("fraction", "load", "mean", "slope"), numbers)}
+    for wrong_values, wrong_point in (
+        (curves, {"step": np.array([3])}), (curves, {"curve": np.array([-1])}), (curves, {"mean": np.ones(2)}),
+        (curves[:, :2], {}), (curves[0], {}),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=r"must"):
+            _core.jackknife_sums(curves, wrong_values, **(points | wrong_point), total_repetitions=4)

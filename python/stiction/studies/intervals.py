@@ -7,13 +7,15 @@ possible interval.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import stiction._core as _core
 from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
@@ -24,6 +26,13 @@ MAX_INTERPOLATED_LOAD_RATIO = 10.01
 NUM_BATCH_VALUES = 2**17  # maximum number of values in a batch; larger batches are no faster
 MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is computed
 MIN_NEIGHBOURING_VALUES = 8  # minimum number of values at neighbouring positions for which an interval is computed
+MIN_RELATIVE_CHANGE = -1 + 1e-12
+"""Smallest relative change of a mean, due to omitting a repetition, after which the mean keeps its sign.
+
+The change is -1 if all other repetitions are zero. The distance from -1 exceeds the round-off.
+"""
+MAX_RELATIVE_ROUND_OFF = 1e-12
+"""Largest half width of an interval that counts as round-off, relative to the numbers of which it is a difference."""
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
 _MIN_SKEWNESS = 1e-9  # an interval is computed as symmetric if the skewness is below this limit
@@ -147,41 +156,23 @@ class MeansAtLoads:
     def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
         self.crossing = LoadCrossings.from_curves(normal, loads)
         # Each point (p,) is a pair of a curve and a load that the curve reaches.
-        self._curve, load = np.nonzero(self.crossing.reached)
+        self._curve, load = map(np.ascontiguousarray, np.nonzero(self.crossing.reached))
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
         self._load = loads[load]
-        self._mean_load, *means = (
-            self._interpolate_at_crossings(each[..., np.newaxis])[:, 0] for each in (normal, *quantities)
-        )
-        normal_of_points = normal[self._curve]
+        slopes = _fit_slopes([values[self._curve] for values in quantities], normal[self._curve], self._index)
         self._quantities = [
-            _QuantityAtLoads(mean, _fit_slopes(values[self._curve], normal_of_points, self._index), normal.shape[0])
-            for values, mean in zip(quantities, means, strict=True)
+            _QuantityAtLoads(self._interpolate_at_crossings(values), slope, self._load, normal.shape[0])
+            for values, slope in zip(quantities, slopes, strict=True)
         ]
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
-        self._loads = _RunningExtremes(self._load.size)
 
     def add(self, normal: Floats, quantities: Sequence[Floats]) -> None:
         """Add repetitions. The normal loads and quantities of these repetitions are arrays of shape (c, k, r)."""
         self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
+        points = {"curve": self._curve, "step": self._index, "fraction": self._fraction, "load": self._load}
         for quantity, values in zip(self._quantities, quantities, strict=True):
-            quantity.has_negative_values |= (values < 0).any(axis=(1, 2))
-        batch_size, num_others = max(1, NUM_BATCH_VALUES // max(1, self._load.size)), self._repetitions - 1
-        mean_load, load = (each[:, np.newaxis] for each in (self._mean_load, self._load))
-        for batch_start in range(0, normal.shape[2], batch_size):
-            # Loads and values of each repetition have the shape (p, r).
-            # `load_change` is the change of the mean load due to omitting a repetition.
-            batch = slice(batch_start, batch_start + batch_size)
-            repetition_load, *repetition_values = (
-                self._interpolate_at_crossings(each[..., batch]) for each in (normal, *quantities)
-            )
-            self._loads.add(repetition_load)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                load_change = (mean_load - repetition_load) / num_others
-                log_load_change = np.log1p((mean_load - load + load_change) / load)
-                for quantity, values in zip(self._quantities, repetition_values, strict=True):
-                    quantity.add(values, load, load_change, log_load_change, num_others)
+            quantity.add(normal, values, points, self._repetitions)
 
     def mean(self, quantity: int) -> Floats:
         """Return the means of the quantity with the given index, with shape (c, l)."""
@@ -193,16 +184,14 @@ class MeansAtLoads:
         All repetitions must have been added before.
         """
         lower, upper = self._quantities[quantity].interval(self._curve)
-        is_undetermined = (
-            ~self._loads.keeps_sign_if_one_value_is_omitted(self._load) | (self._num_carrying < 2)[self._curve]
-        )
+        is_undetermined = ~self._quantities[quantity].keeps_load | (self._num_carrying < 2)[self._curve]
         lower, upper = (np.where(is_undetermined, np.nan, limit) for limit in (lower, upper))
         return self._arrange_over_loads(lower), self._arrange_over_loads(upper)
 
-    def _interpolate_at_crossings(self, values: Floats) -> Floats:
-        """Interpolate values of shape (c, k, r) at the crossings, and return an array of shape (p, r)."""
-        after, before = values[self._curve, self._index], values[self._curve, np.maximum(self._index - 1, 0)]
-        return np.asarray(before + self._fraction[:, np.newaxis] * (after - before))
+    def _interpolate_at_crossings(self, curves: Floats) -> Floats:
+        """Interpolate curves of shape (c, k) at the crossings, and return an array of shape (p,)."""
+        after, before = curves[self._curve, self._index], curves[self._curve, np.maximum(self._index - 1, 0)]
+        return np.asarray(before + self._fraction * (after - before))
 
     def _arrange_over_loads(self, of_points: Floats) -> Floats:
         """Arrange the values at the crossings in an array of shape (c, l), with NaN at loads that are not reached."""
@@ -214,19 +203,22 @@ class MeansAtLoads:
 class _QuantityAtLoads:
     """Mean of a quantity at the crossings (p,), the slope of its mean curve, and running sums of jackknife values."""
 
-    def __init__(self, mean: Floats, slope: Floats, num_curves: int) -> None:
-        self.mean, self._slope = mean, slope
+    def __init__(self, mean: Floats, slope: Floats, load: Floats, num_curves: int) -> None:
+        self.mean, self._slope, self._load = mean, slope, load
         self.has_negative_values = np.zeros(num_curves, np.bool_)
         self._logarithms, self._differences = PowerSums(mean.shape), PowerSums(mean.shape)
-        self._values = _RunningExtremes(mean.size)
+        self.keeps_sign, self.keeps_load = np.ones((2, mean.size), np.bool_)
 
-    def add(self, values: Floats, load: Floats, load_change: Floats, log_load_change: Floats, num_others: int) -> None:
-        """Add the values (p, r) of repetitions, given the changes of the mean load due to omitting a repetition."""
-        self._values.add(values)
-        mean, slope = self.mean[:, np.newaxis], self._slope[:, np.newaxis]
-        mean_change = (mean - values) / num_others
-        self._logarithms.add(np.log1p(mean_change / mean) - slope * load / mean * log_load_change)
-        self._differences.add(mean_change - slope * load_change)
+    def add(self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int) -> None:
+        """Add repetitions, given their normal loads and values (c, k, r)."""
+        self.has_negative_values |= (values < 0).any(axis=(1, 2))
+        sums = _core.jackknife_sums(
+            normal, values, **points, mean=self.mean, slope=self._slope, total_repetitions=total_repetitions
+        )
+        self._logarithms.add_sums(values.shape[2], sums[:4])
+        self._differences.add_sums(values.shape[2], sums[4:8])
+        self.keeps_sign &= sums[8] > MIN_RELATIVE_CHANGE
+        self.keeps_load &= sums[9] > MIN_RELATIVE_CHANGE
 
     def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
         """Return the limits of the intervals at the crossings, whose curves have the given indices."""
@@ -234,30 +226,16 @@ class _QuantityAtLoads:
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
             lower, upper = np.sort([mean * np.exp(-half_width), mean * np.exp(half_width)], axis=0)
-        is_symmetric = ~self._values.keeps_sign_if_one_value_is_omitted(mean) | ~self._logarithms.is_finite()
+        is_symmetric = ~self.keeps_sign | ~self._logarithms.is_finite()
         if is_symmetric.any():
             half_width = self._differences.half_width()
+            # If all repetitions have the same load, a difference contains the round-off of the load.
+            round_off = MAX_RELATIVE_ROUND_OFF * (np.abs(mean) + np.abs(self._slope) * self._load)
+            half_width = np.where(half_width <= round_off, 0.0, half_width)
             lower_bound = np.where(self.has_negative_values, -np.inf, 0.0)[curve]
             lower = np.where(is_symmetric, np.maximum(mean - half_width, lower_bound), lower)
             upper = np.where(is_symmetric, mean + half_width, upper)
         return lower, upper
-
-
-class _RunningExtremes:
-    """Running sum, minimum and maximum over the second axis of arrays of shape (p, r)."""
-
-    def __init__(self, size: int) -> None:
-        self._sum = np.zeros(size)
-        self._least, self._most = np.full(size, np.inf), np.full(size, -np.inf)
-
-    def add(self, values: Floats) -> None:
-        self._sum += values.sum(axis=1)
-        self._least = np.minimum(self._least, values.min(axis=1, initial=np.inf))
-        self._most = np.maximum(self._most, values.max(axis=1, initial=-np.inf))
-
-    def keeps_sign_if_one_value_is_omitted(self, mean: Floats) -> NDArray[np.bool_]:
-        """Return whether the sum keeps the sign of the mean no matter which single value is omitted."""
-        return np.asarray(np.where(mean > 0, self._sum - self._most > 0, (mean < 0) & (self._sum - self._least < 0)))
 
 
 class PowerSums:
@@ -275,6 +253,11 @@ class PowerSums:
         # np.einsum adds products without storing them.
         for index, factors in enumerate(((values, values), (square, values), (square, square)), start=1):
             self._sums[index] += np.einsum("...r,...r", *factors)
+
+    def add_sums(self, count: int, sums: Floats) -> None:
+        """Add the sums of the first four powers (4, ...) of jackknife values to the running sums."""
+        self._count += count
+        self._sums += sums
 
     def is_finite(self) -> NDArray[np.bool_]:
         """Return whether all added values were finite."""
@@ -296,10 +279,11 @@ class PowerSums:
         return np.asarray(student_quantile(freedom) * error)
 
 
-def _fit_slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
+def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.intp]) -> list[Floats]:
     """Fit straight lines to mean values against mean normal loads near the given loading steps. Return the slopes.
 
-    The values and the loads have the shape (p, k), and the indices of the loading steps have the shape (p,).
+    The values of each quantity and the loads have the shape (p, k), and the indices of the loading steps have the shape
+    (p,).
     """
     first = np.maximum(index - 1 - NUM_SLOPE_FIT_STEPS, 0)[:, np.newaxis]
     last = np.minimum(index + NUM_SLOPE_FIT_STEPS, normal.shape[1] - 1)[:, np.newaxis]
@@ -307,10 +291,18 @@ def _fit_slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floa
     is_inside = window_indices <= last
     window_indices = np.minimum(window_indices, last)
     count = is_inside.sum(axis=1, keepdims=True)
-    x, y = (np.where(is_inside, np.take_along_axis(each, window_indices, axis=1), 0.0) for each in (normal, values))
-    x, y = (np.where(is_inside, each - each.sum(axis=1, keepdims=True) / count, 0.0) for each in (x, y))
+
+    def compute_deviations(curves: Floats) -> Floats:
+        """Return deviations from the mean in each window, and 0 outside the window."""
+        values = np.where(is_inside, np.take_along_axis(curves, window_indices, axis=1), 0.0)
+        return np.where(is_inside, values - values.sum(axis=1, keepdims=True) / count, 0.0)
+
+    x = compute_deviations(normal)
     squares = (x * x).sum(axis=1)
-    return np.asarray(np.divide((x * y).sum(axis=1), squares, out=np.zeros_like(squares), where=squares > 0))
+    return [
+        np.divide((x * compute_deviations(values)).sum(axis=1), squares, out=np.zeros_like(squares), where=squares > 0)
+        for values in quantities
+    ]
 
 
 # ---- Means over a sample ---------------------------------------------------------------------------------------------

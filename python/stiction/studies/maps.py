@@ -404,7 +404,7 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
         if name not in dataset:
             return np.broadcast_to(np.nan, shape)
         own_dims = [dim for dim in dims if dim in dataset[name].dims]
-        values = move_repetitions_last(dataset[name], own_dims[:-1])
+        values = move_repetitions_last(dataset[name], own_dims[:-1]).astype(float, copy=False)
         return np.broadcast_to(values.reshape([dataset.sizes[dim] if dim in own_dims else 1 for dim in dims]), shape)
 
     columns = {name: get_values_or_nan(name) for name in SUM_QUANTITIES}
