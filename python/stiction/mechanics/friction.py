@@ -144,6 +144,12 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 """Numerator and denominator of each validity indicator, as names of sums."""
 
 
+def list_validity_sums(name: str) -> list[str]:
+    """List the sums from which a validity indicator is computed."""
+    numerator, denominator = VALIDITY_RATIOS[name]
+    return [numerator, *denominator]
+
+
 def validity_ratio(name: str, sums: Any) -> Floats:
     """Compute a validity indicator from contact sums. The result is NaN where numerator and denominator are zero.
 

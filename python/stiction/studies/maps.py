@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 import operator
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -40,6 +41,11 @@ _VARIABLES_BY_QUANTITY = {
     "normal_stiffness": _LOAD_VARIABLES,
 }
 """Contact sums that each derived quantity requires. All other quantities are stored directly."""
+
+_VALIDITY_SUM_NAMES = sorted(
+    {sum_name for name in COMMON_VALIDITY_QUANTITIES for sum_name in friction.list_validity_sums(name)}
+)
+"""Contact sums from which the quantities of `Validity` are computed."""
 
 
 def _list_required_variables(quantity: str) -> tuple[str, ...]:
@@ -256,13 +262,16 @@ def evaluate_ensemble_quantities(
     )
     if not count:
         raise ValueError("no member of the result could be computed at all loads")
-    means_by_cell = {}
-    for cell_index in np.ndindex(quantities.cells):
-        normal, *values = (each[..., 0] for each in quantities.compute_curves(cell_index, averages))
-        means_by_cell[cell_index] = intervals.MeansAtLoads(normal, values, count, load_values)
+    cells = list(np.ndindex(quantities.cells))
     num_curve_values = quantities.mu0.size * quantities.tau0.size * dataset.sizes[quantities.step_dimension]
     batch_size = max(1, MAX_VALUES_IN_MEMORY // max(1, num_curve_values))
     with executor_or_thread_pool(None) as pool:
+
+        def average_cell(cell_index: tuple[int, ...]) -> intervals.MeansAtLoads:
+            normal, *values = (each[..., 0] for each in quantities.compute_curves(cell_index, averages))
+            return intervals.MeansAtLoads(normal, values, count, load_values)
+
+        means_by_cell = dict(zip(cells, pool.map(average_cell, cells), strict=True))
         for piece in iterate_solved_pieces(result, quantities.required_variables(), transform):
             piece_sums = _compute_sums(piece, names, quantities.step_dimension)
 
@@ -273,9 +282,9 @@ def evaluate_ensemble_quantities(
                     )
                     means_by_cell[cell_index].add(normal, values)
 
-            list(pool.map(add_members_to_cell, means_by_cell, itertools.repeat(piece_sums)))
+            list(pool.map(add_members_to_cell, cells, itertools.repeat(piece_sums)))
             del piece, piece_sums  # Release memory before the next piece is read.
-    return quantities.build_datasets(means_by_cell, averages)
+        return quantities.build_datasets(means_by_cell, averages, pool)
 
 
 class _EnsembleQuantities:
@@ -320,9 +329,10 @@ class _EnsembleQuantities:
         return [array.reshape(-1, *normal.shape[2:]) for array in (normal, *values)]
 
     def build_datasets(
-        self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sequence[ContactSums]
-    ) -> dict[str, xarray.Dataset]:
-        """Build the dataset of each quantity from the means and intervals computed for all cells."""
+        self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sequence[ContactSums],
+        pool: Executor,
+    ) -> dict[str, xarray.Dataset]:  # fmt: skip
+        """Build the dataset of each quantity from the means and intervals of all cells, which `pool` evaluates."""
         import xarray
 
         estimates = np.full((len(self.names), 3, *self.shape), np.nan)
@@ -330,7 +340,8 @@ class _EnsembleQuantities:
             name: np.full(self.shape, np.nan) for name in (COMMON_VALIDITY_QUANTITIES if self.includes_validity else ())
         }
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
-        for cell, means in means_by_cell.items():
+
+        def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> None:
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
@@ -345,13 +356,15 @@ class _EnsembleQuantities:
             status[cell] = _reshape_curves(cell_status, self.shape)
             if self.assesses_validity:
                 sums_at_loads = {
-                    name: means.crossing.interpolate(np.tile(getattr(cell_averages, name), (normal.shape[0], 1)))
-                    for name in SUM_QUANTITIES
+                    name: means.crossing.interpolate(np.broadcast_to(getattr(cell_averages, name), normal.shape))
+                    for name in _VALIDITY_SUM_NAMES
                 }
-                for name, validity_value in vars(Validity.from_sums(ContactSums(**sums_at_loads))).items():
+                for name, validity_value in vars(Validity.from_sums(sums_at_loads)).items():
                     validity[name][cell] = _reshape_curves(
                         np.where(means.crossing.reached, validity_value, np.nan), self.shape
                     )
+
+        list(pool.map(evaluate_cell, means_by_cell.keys(), means_by_cell.values()))
         coordinates: dict[str, Any] = {name: self.head[name].variable for name in self.dims}
         dimensions = (("load", self.loads), ("mu0", self.mu0), ("tau0", self.tau0))
         coordinates |= {name: (name, axis, quantity_attributes(name)) for name, axis in dimensions}
