@@ -202,7 +202,9 @@ def _count_significant_decimals(value: Floats, digits: int) -> Floats:
     with np.errstate(invalid="ignore", over="ignore"):
         # the rounded digits as a whole number, such as 123 for 0.01234
         digit_values = np.round(np.abs(value) / 10.0 ** (exponents - digits + 1))
-    trailing_zeros = sum((digit_values % 10**count == 0).astype(float) for count in range(1, digits + 1))
+        quotients = [digit_values / 10**count for count in range(1, digits + 1)]
+        # The remainder of a division takes ten times as long to compute.
+        trailing_zeros = sum((quotient - np.floor(quotient) == 0).astype(float) for quotient in quotients)
     return np.asarray(np.where(value == 0, 0.0, digits - 1 - exponents - trailing_zeros))
 
 

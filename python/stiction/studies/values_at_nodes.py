@@ -30,6 +30,7 @@ from stiction.studies.assessment import (
     list_contact_check_names,
     verdict_from_caveats,
 )
+from stiction.studies.executors import thread_pool_executor
 from stiction.studies.nodes import InterpolationNodes, NodeAxis
 from stiction.studies.point import NEGLIGIBLE_LOAD_RATIO, list_sliding_rules_reported_first
 
@@ -278,6 +279,8 @@ def evaluate_generated_nodes(nodes: InterpolationNodes, num_members: int) -> Gen
     for code, (name, _) in enumerate(GENERATED_STATUSES):
         if name != friction.STATUS_OK:
             status_codes[statuses == name] = code
+    with thread_pool_executor() as pool:
+        is_interpolated = np.logical_and.reduce(list(pool.map(nodes.find_interpolated_panels, estimates.values())))
     return GeneratedValuesAtNodes(
         nodes.axes,
         nodes.interpolation_errors,
@@ -285,7 +288,7 @@ def evaluate_generated_nodes(nodes: InterpolationNodes, num_members: int) -> Gen
         validity,
         status_codes,
         (status_codes == 0) & ~np.logical_or.reduce([np.zeros(shape, bool), *is_beyond_limit.values()]),
-        np.logical_and.reduce([nodes.find_interpolated_panels(values) for values in estimates.values()]),
+        is_interpolated,
         checked_numbers,
         *assess_ensemble_points(
             study, statuses[:, :, rule_index], checked_numbers, _find_unloaded(node_values, statuses[:, :, rule_index])

@@ -12,6 +12,7 @@ from string import Template
 
 import xarray
 
+from stiction.studies.executors import thread_pool_executor
 from stiction.studies.intervals import CONFIDENCE_LEVEL
 from stiction.studies.report_data import GeneratedReportData, MeasuredReportData, ReportData, collect_report_data
 from stiction.studies.result import Result
@@ -121,14 +122,17 @@ def _check_size(result: Result) -> None:
 def _render_page(data: MeasuredReportData | GeneratedReportData, content: ReportContent) -> HtmlPage:
     """Draw the figures of the page, encode its numbers, and insert them into the template."""
     notices_markup = _incompleteness_notices(data, content.name)
-    packed_arrays = pack_arrays(content.arrays)
+    panels = list_panels(data)
+    with thread_pool_executor() as pool:  # NumPy and zlib release the interpreter lock while figures are drawn.
+        packing = pool.submit(pack_arrays, content.arrays)
+        panel_markup = {
+            is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main)
+            for is_main in (True, False)
+        }
+        packed_arrays = packing.result()
     facts = common_facts(data) | content.facts
     facts |= {"quantities": [table.record() for table in content.quantities]}
     facts |= {"tables": packed_arrays.offsets, "formats": packed_arrays.formats, "leading": STORED_FLOAT_BYTES}
-    panels = list_panels(data)
-    panel_markup = {
-        is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main) for is_main in (True, False)
-    }
     main_plots = MAIN_PLOTS[data.study.is_measured]
     plot_panels = {
         name: plot_panel_markup(name, title, description, **options)
