@@ -41,7 +41,7 @@ constexpr double compliance_tolerance = 1e-3;
 // In such problems, the compliance is not an energy.
 constexpr double difference_tolerance = 0.03;
 // Maximum number of contact points whose linear response is computed with a dense matrix.
-// Up to this number, products with the matrix are faster than transforms of the grid.
+// Up to this number, the solution with the matrix is faster than the solution with transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
 // Limits for computing displacements with a dense matrix, only at points that can come into contact.
 // `max_matrix_ratio` is the largest ratio of matrix elements to grid points.
@@ -210,6 +210,7 @@ class LevelSolver {
   }
 
   // Recompute the potential.
+  // `exact` selects double precision for transforms. Potentials of selected points always have double precision.
   // Single precision is enough if the potential is recomputed later or need not be exact.
   void recompute_potential(bool exact) {
     const Values pressure = cg_.pressure();
@@ -270,7 +271,7 @@ class LevelSolver {
     return points;
   }
 
-  // Return the approach [µm] of the starting pressures, which is the mean potential of the points below their bound.
+  // Return the approach [µm] of the starting pressures, the mean potential of points between 0 and their bound.
   // Returns infinity if there are too many points under pressure, or if all of them are at their bound.
   double estimate_approach() const {
     const Values pressure = cg_.pressure();
@@ -292,7 +293,7 @@ class LevelSolver {
   }
 
   // Select the points that can come into contact up to an approach somewhat above the given one.
-  // If there are too many, select none.
+  // If there are too many, select none; displacements are then computed at all points.
   void select_points(double approach) {
     const double lowest_gap = *std::min_element(gap_.begin(), gap_.end());
     max_approach_ = std::max(approach, lowest_gap + selection_approach_ratio * (approach - lowest_gap));

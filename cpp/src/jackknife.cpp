@@ -13,7 +13,8 @@ namespace {
 
 // Number of repetitions that are processed together. Their intermediate values fit into the first-level cache.
 constexpr std::size_t repetitions_per_chunk = 256;
-// Each SIMD lane has separate sums. The result therefore does not depend on the width of the SIMD registers.
+// Number of partial sums, a multiple of the lanes of every SIMD register.
+// The order of additions therefore does not depend on the width of the registers.
 constexpr std::size_t sum_lanes = 32;
 using RepetitionChunk = std::array<double, repetitions_per_chunk>;
 using LaneValues = std::array<double, sum_lanes>;
@@ -96,7 +97,7 @@ STICTION_INLINE double find_min(const RepetitionChunk& values, std::size_t size,
   return *std::min_element(lane_min.begin(), lane_min.end());
 }
 
-// StepRows of a curve at the steps before and after a point.
+// Values of all repetitions of a curve at the steps before and after a point.
 struct StepRows {
   const double* before;
   const double* after;

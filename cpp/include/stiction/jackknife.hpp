@@ -1,7 +1,8 @@
 // Power sums of jackknife values, from which the interval of an ensemble mean at a given mean load is computed.
 //
 // Let v and n be the value and the normal load of a repetition where the mean load of R repetitions reaches the load F.
-// Without this repetition, the mean values change by dv = (mean(v) - v) / (R - 1) and dn = (F - n) / (R - 1).
+// Without this repetition, the mean value changes by dv = (mean(v) - v) / (R - 1).
+// The mean load changes by dn = (F - n) / (R - 1).
 // With the slope s = d mean(v) / d mean(n), the mean value at the load F changes by the difference dv - s dn.
 // The logarithm of the mean value changes by ln(1 + dv / mean(v)) - s F / mean(v) ln(1 + dn / F).
 #pragma once
@@ -15,8 +16,8 @@ namespace stiction {
 /// Values of several curves at successive steps, for several repetitions that are contiguous in memory.
 struct CurveView {
   const double* values;
-  Index curve_stride;  ///< distance in memory between successive curves; 0 if all curves share their values
-  Index step_stride;   ///< distance in memory between successive steps
+  Index curve_stride;  ///< number of values from one curve to the next; 0 if all curves share their values
+  Index step_stride;   ///< number of values from one step to the next
 };
 
 /// Points on curves at which the mean load reaches a given load. All members have the same length.
@@ -32,7 +33,7 @@ struct CurvePoints {
 /// Number of rows of the table that `jackknife_sums` fills.
 inline constexpr Index jackknife_sum_rows = 10;
 
-/// Write sums over the repetitions to `sums` (`jackknife_sum_rows`, points).
+/// Write power sums and minima over the repetitions to `sums` (`jackknife_sum_rows`, points).
 /// Rows 0 to 3 contain the sums of the first four powers of the logarithms, and rows 4 to 7 those of the differences.
 /// Rows 8 and 9 contain the smallest relative changes of the mean value, dv / mean(v), and of the mean load, dn / F.
 /// Values and loads are interpolated between steps. `total_repetitions` is R, the number of repetitions in the mean.

@@ -30,7 +30,10 @@ LINE_COLOURS = ("#7a8490", "#8a63c7")
 
 
 def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
-    """Return a summary of a scan with a small image, or the reason why the scan cannot be read."""
+    """Return a summary of a scan with a small image, or the reason why the scan cannot be read.
+
+    Messages contain names of command-line options, which the server replaces with the labels of form fields.
+    """
     with warnings.catch_warnings(record=True) as caught_warnings:
         warnings.simplefilter("always")
         try:

@@ -27,12 +27,12 @@ NUM_BATCH_VALUES = 2**17  # maximum number of values in a batch; larger batches 
 MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is computed
 MIN_NEIGHBOURING_VALUES = 8  # minimum number of values at neighbouring positions for which an interval is computed
 MIN_RELATIVE_CHANGE = -1 + 1e-12
-"""Smallest relative change of a mean, due to omitting a repetition, after which the mean keeps its sign.
+"""A mean keeps its sign without a repetition if its relative change is above this limit.
 
 The change is -1 if all other repetitions are zero. The distance from -1 exceeds the round-off.
 """
 MAX_RELATIVE_ROUND_OFF = 1e-12
-"""Largest half width of an interval that counts as round-off, relative to the numbers of which it is a difference."""
+"""Half widths of symmetric intervals up to this fraction of |mean| + |slope| · load count as 0, as round-off."""
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
 _MIN_SKEWNESS = 1e-9  # an interval is computed as symmetric if the skewness is below this limit
@@ -229,7 +229,7 @@ class _QuantityAtLoads:
         is_symmetric = ~self.keeps_sign | ~self._logarithms.is_finite()
         if is_symmetric.any():
             half_width = self._differences.half_width()
-            # If all repetitions have the same load, a difference contains the round-off of the load.
+            # If all repetitions have the same load and value, their differences are only the round-off of the load.
             round_off = MAX_RELATIVE_ROUND_OFF * (np.abs(mean) + np.abs(self._slope) * self._load)
             half_width = np.where(half_width <= round_off, 0.0, half_width)
             lower_bound = np.where(self.has_negative_values, -np.inf, 0.0)[curve]

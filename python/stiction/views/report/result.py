@@ -123,7 +123,7 @@ def _render_page(data: MeasuredReportData | GeneratedReportData, content: Report
     """Draw the figures of the page, encode its numbers, and insert them into the template."""
     notices_markup = _incompleteness_notices(data, content.name)
     panels = list_panels(data)
-    with thread_pool_executor() as pool:  # NumPy and zlib release the interpreter lock while figures are drawn.
+    with thread_pool_executor() as pool:  # A thread encodes numbers while figures are drawn.
         packing = pool.submit(pack_arrays, content.arrays)
         panel_markup = {
             is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main)
