@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
-from stiction import Profile, Surface, half_space
+from scipy.spatial import ConvexHull
+from stiction import Profile, Surface, half_space, self_affine_surface
 from support.rough_surfaces import rough_maps
 
 MAX_FORCE_OFFSET = 1e-4  # residual distance of the resultant force from the centre, relative to the length
@@ -104,6 +105,50 @@ def test_free_tilt_balances_a_single_contact_point():
     ball = Surface(-((x - 1.3) ** 2) / 40 - x[:, np.newaxis] ** 2 / 40, spacing=0.1)
     curve = half_space(Surface(0 * ball.heights, spacing=0.1), ball, [1e-9], tilt="free")
     assert np.abs(resultant_offset(curve, 0)).max() < MAX_FORCE_OFFSET
+
+
+def find_rigid_contact(gap):
+    """Return the indices of the points at which rigid surfaces with free tilt touch, and their fractions of the load.
+
+    The points are the corners of the lower facet of the convex hull that lies under the centre.
+    """
+    positions = np.stack([axis.ravel() - axis.mean() for axis in np.indices(gap.shape)], axis=-1)
+    hull = ConvexHull(np.column_stack([positions, gap.ravel()]))
+    for corners, normal in zip(hull.simplices, hull.equations[:, :-1], strict=True):
+        if normal[-1] < 0:
+            fractions = np.linalg.solve(
+                np.vstack([positions[corners].T, np.ones(corners.size)]), [0.0] * gap.ndim + [1]
+            )
+            if (fractions > 0).all():
+                return corners, fractions
+    raise AssertionError("the centre is below no facet")
+
+
+@pytest.mark.parametrize("is_areal", [True, False])
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_free_tilt_at_vanishing_load_touches_at_the_facet_of_the_convex_hull_under_the_centre(seed, is_areal):
+    rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (48, 48), "spacing": 0.1}
+    upper, lower = (self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower"))
+    upper, lower = (upper, lower) if is_areal else (upper.row(0), lower.row(0))
+    curve = half_space(upper, lower, [1e-7], tilt="free")
+    corners, fractions = find_rigid_contact(upper.heights - lower.heights)
+    pressure = curve.contact(0).pressure.ravel()
+    assert set(np.flatnonzero(pressure)) == set(corners)
+    np.testing.assert_allclose(pressure[corners] / pressure.sum(), fractions, atol=2 * MAX_FORCE_OFFSET)
+
+
+@pytest.mark.parametrize("hardness", [None, 0.05])
+@pytest.mark.parametrize("relative_pressure", [1e-6, 1e-5, 1e-4])
+def test_free_tilt_balances_low_loads(relative_pressure, hardness):
+    rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (48, 48), "spacing": 0.1}
+    for seed in range(6):
+        upper, lower = (self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower"))
+        load = relative_pressure * 50 * 0.1 * 4.8**2  # the rms gradient of the gap is about 0.1
+        curve = half_space(upper, lower, [load], effective_modulus=50.0, tilt="free", hardness=hardness)
+        contact = curve.contact(0)
+        assert contact.pressure.sum() * 0.1**2 == pytest.approx(load)
+        assert np.abs(resultant_offset(curve, 0)).max() < MAX_FORCE_OFFSET
+        assert contact.gap.min() > (-1e-6 * 0.02 if hardness is None else -1)  # points at the hardness yield
 
 
 @pytest.mark.parametrize(

@@ -461,8 +461,8 @@ def half_space(
         hardness, and if all points of periodic surfaces would touch. A free tilt requires loads of free bodies without
         adhesion.
     RuntimeError
-        If the error at a load exceeds the tolerance, no tilt balances the surfaces, or adhering surfaces separate
-        before a load is reached.
+        If the error at a load exceeds the tolerance, the search for a free tilt does not converge, or adhering surfaces
+        separate before a load is reached.
 
     See Also
     --------

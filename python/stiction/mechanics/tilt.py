@@ -2,7 +2,8 @@
 
 The solution minimises the energy at the given load. The slopes of the rotation are Lagrange multipliers of the moments,
 which decrease as the slopes increase. This is a concave problem with two unknowns. It is solved by Newton steps with
-the linear response of the contact points.
+the linear response of the contact points. If these fail, they start again from the tilt at which rigid surfaces would
+balance. A balanced tilt always exists, because a uniform pressure on the measured points acts at their centre.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from stiction.mechanics.half_space_problem import (
     TiltResponse,
     lever_arms,
     mean_moments,
+    solver_thread_count,
     to_contact_solution,
 )
 
@@ -31,6 +33,10 @@ MAX_EDGE_DISPLACEMENT_STEP = 0.5
 # Smallest change of the moment per unit slope for which the tilt is defined.
 # The change is divided by (mean pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
+# tolerance of displacements in the search from the tilt of rigid surfaces, relative to the largest displacement
+INDENTATION_TOLERANCE = 1e-6
+MAX_CUTTING_PLANES = 200  # maximum number of cutting planes for the tilt of rigid surfaces
+RIGID_TILT_TOLERANCE = 1e-12  # accepted error of the energy of rigid surfaces, relative to load and range of the gap
 
 
 def apply_tilt(problem: HalfSpaceProblem, slopes: Floats) -> HalfSpaceProblem:
@@ -50,22 +56,24 @@ def solve_with_balanced_tilt(
     gap_deviation = float(problem.gap[problem.measured_point_mask > 0].std()) or 1.0
 
     def solve_contact_and_moments(
-        rotated_problem: HalfSpaceProblem, load: float, near: Floats | None
+        rotated_problem: HalfSpaceProblem, load: float, near: Floats | None, tolerance: float
     ) -> tuple[ContactSolution, Floats]:
         solver = ContactSolver(rotated_problem, "loads", load, tolerance=tolerance, report=report)
         solution = solver.at(load, near)
         contact_solution = to_contact_solution(rotated_problem, solution, load, scale=solver.scale)
         return contact_solution, mean_moments(solution.pressure.reshape(shape), arms)
 
-    near = None
-    for load in loads.tolist():
+    def search_balance(
+        start: HalfSpaceProblem, load: float, near: Floats | None, tolerance: float
+    ) -> ContactSolution | None:
+        """Search the balanced tilt by Newton steps from the tilt of a problem. Return None if the search fails."""
         mean_pressure = load / (problem.cell_area * problem.gap.size)
-        contact_solution, moments = solve_contact_and_moments(problem, load, near)
+        contact_solution, moments = solve_contact_and_moments(start, load, near, tolerance)
         num_tried = 0
         while float(np.abs(moments / (mean_pressure * side_lengths)).max()) > MAX_RELATIVE_FORCE_OFFSET:
             near = contact_solution.on_grid(contact_solution.values).ravel()
             moments_per_slope = TiltResponse.solve(
-                problem, contact_solution.on_grid(contact_solution.below_hardness)
+                start, contact_solution.on_grid(contact_solution.below_hardness)
             ).moments_per_slope
             slope_step = np.linalg.solve(
                 np.diag(MIN_MOMENT_RESPONSE * mean_pressure * side_lengths**2 / gap_deviation) - moments_per_slope,
@@ -79,14 +87,65 @@ def solve_with_balanced_tilt(
             while num_tried < MAX_TILT_SOLVES_PER_LOAD:
                 num_tried += 1
                 candidate = solve_contact_and_moments(
-                    apply_tilt(contact_solution.problem, np.asarray(slope_step, np.float64)), load, near
+                    apply_tilt(contact_solution.problem, np.asarray(slope_step, np.float64)), load, near, tolerance
                 )
                 if float(candidate[1] @ slope_step) >= -MAX_EDGE_DISPLACEMENT_STEP * float(moments @ slope_step):
                     break
                 slope_step = slope_step / 2
             else:
-                raise RuntimeError(f"no solution at {load:g} mN: no tilt balances the surfaces")
+                return None
             contact_solution, moments = candidate
+        return contact_solution
+
+    near = None
+    for load in loads.tolist():
+        contact_solution = search_balance(problem, load, near, tolerance)
+        if contact_solution is None:
+            # At low loads the surfaces touch at few points, and the moments change abruptly with the slopes.
+            # The search then needs a good start, and displacements that are accurate relative to the small indentation.
+            rigid_problem = apply_tilt(problem, find_rigid_tilt(problem, load / problem.cell_area))
+            touching = solve_contact_and_moments(rigid_problem, load, None, tolerance)[0]
+            displacement = problem.grids.displacement(touching.on_grid(touching.values), threads=solver_thread_count())
+            fine_tolerance = INDENTATION_TOLERANCE * float(np.ptp(displacement)) / gap_deviation
+            contact_solution = search_balance(rigid_problem, load, None, min(tolerance, fine_tolerance))
+        if contact_solution is None:
+            raise RuntimeError(f"no solution at {load:g} mN: the search for the tilt did not converge")
         problem, near = contact_solution.problem, contact_solution.on_grid(contact_solution.values).ravel()
         contact_solutions.append(contact_solution)
     return contact_solutions
+
+
+def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
+    """Return the slopes at which rigid surfaces balance a load, given as the sum of all pressures (GPa).
+
+    Without a hardness, rigid surfaces then touch at three points (two points of profiles) around the centre. The slopes
+    maximise the energy, a concave and piecewise linear function, by Kelley's cutting planes.
+    """
+    from scipy.optimize import linprog
+
+    arms = [np.broadcast_to(arm / np.ptp(arm), problem.gap.shape).ravel() for arm in lever_arms(problem)]
+    is_measured = problem.measured_point_mask.ravel() > 0
+    height = float(np.ptp(problem.gap.ravel()[is_measured])) or 1.0
+    gap = np.where(is_measured, problem.gap.ravel() / height, np.inf)
+    max_fraction = 1.0 if problem.hardness is None else min(1.0, problem.hardness / total_pressure)
+    num_points = int(np.ceil(1 / max_fraction))
+    fractions = np.append(np.full(num_points - 1, max_fraction), 1 - (num_points - 1) * max_fraction)
+    bounds = [*((-gap.size, gap.size) for _ in arms), (None, None)]
+    slopes, upper_bound = np.zeros(len(arms)), np.inf
+    planes: list[list[float]] = []
+    offsets: list[float] = []
+    for _ in range(MAX_CUTTING_PLANES):
+        tilted_gap = gap + sum(slope * arm for slope, arm in zip(slopes, arms, strict=True))
+        lowest = np.argpartition(tilted_gap, num_points - 1)[:num_points]
+        energy, moments = float(fractions @ tilted_gap[lowest]), np.array([fractions @ arm[lowest] for arm in arms])
+        if upper_bound - energy <= RIGID_TILT_TOLERANCE:
+            break
+        planes.append([*-moments, 1.0])
+        offsets.append(energy - float(moments @ slopes))
+        solution = linprog([*np.zeros(len(arms)), -1.0], A_ub=planes, b_ub=offsets, bounds=bounds)
+        # The simplex solution has a coarse tolerance; the planes through it determine the vertex to round-off.
+        vertex, active = solution.x, np.argsort(solution.slack)[: len(arms) + 1]
+        if len(planes) > len(arms) and np.linalg.matrix_rank(np.array(planes)[active]) == len(arms) + 1:
+            vertex = np.linalg.solve(np.array(planes)[active], np.array(offsets)[active])
+        slopes, upper_bound = vertex[:-1], vertex[-1]
+    return np.asarray(slopes * height / np.array([float(np.ptp(arm)) for arm in lever_arms(problem)]))
