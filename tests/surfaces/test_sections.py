@@ -10,6 +10,8 @@ from stiction import Profile, levelled, section_parameters, self_affine
 from stiction.surfaces.parameters import PROFILE_PARAMETERS
 from stiction.surfaces.profile_elements import mean_profile_element
 
+ROUND_OFF = 1e-10  # relative error of parameters
+
 
 def sinusoid(wavelength, amplitude=1.0, *, waves=40, points=100, phase=0.3):
     """Return whole periods of a sinusoid with any phase. Heights and lengths are in µm."""
@@ -179,6 +181,17 @@ class TestSettingClass:
         assert abs(robust_parameters.Rp - parameters_without_groove.Rp) < 0.2 * abs(
             linear_parameters.Rp - parameters_without_groove.Rp
         )
+
+    @pytest.mark.parametrize("points_per_cutoff", [4, 5, 5.84])
+    def test_short_s_filter_of_a_profile_with_spikes_uses_the_weighting_function(self, points_per_cutoff):
+        heights = ground_profile(points=900).heights.copy()
+        heights[::61] -= 2.0
+        ls = 0.5 * points_per_cutoff
+        computed_parameters = section_parameters(Profile(heights, spacing=0.5), lc=80, ls=ls)
+        primary = mean_line(heights, 0.5, ls)
+        z = (primary - mean_line(primary, 0.5, 80.0))[50:850]
+        assert computed_parameters.Rt == pytest.approx(np.ptp(z), rel=ROUND_OFF)
+        assert computed_parameters.Rsk == pytest.approx(np.mean(z**3) / np.mean(z**2) ** 1.5, rel=ROUND_OFF)
 
     def test_missing_points_do_not_affect_the_waviness(self):
         profile, missing = ground_profile(points=3000), np.zeros(3000, bool)

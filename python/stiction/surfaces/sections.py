@@ -315,8 +315,14 @@ def _compute_with_cutoff(
         ls = ls if ls >= 2 * spacing else 0.0
     elif ls and not 2 * spacing <= ls * ROUND_OFF_FACTOR <= lc:
         raise ValueError(f"ls must be 0, or between {2 * spacing:g} µm (two points) and {lc:g} µm (lc), got {ls:g} µm")
-    primary_profile = profile if not ls else profile.changed(gaussian_low_pass(profile, ls), "S-filter")
-    waviness = robust_gaussian_low_pass(primary_profile, lc) if robust else gaussian_low_pass(primary_profile, lc)
+    primary_profile = (
+        profile.changed(gaussian_low_pass(profile, ls, samples_weights=True), "S-filter") if ls else profile
+    )
+    waviness = (
+        robust_gaussian_low_pass(primary_profile, lc)
+        if robust
+        else gaussian_low_pass(primary_profile, lc, samples_weights=True)
+    )
     section_count = min(sections, math.floor(profile.extent / lc * ROUND_OFF_FACTOR))
     points = min(round(section_count * lc / spacing), len(profile))
     start = (len(profile) - points) // 2
