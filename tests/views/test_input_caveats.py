@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, instrument_limit, pair, self_affine
+from stiction import Profile, Surface, instrument_limit, levelled, pair, self_affine
 from stiction.studies.input_caveats import (
     MAX_FORM_FRACTION,
     MAX_PLAUSIBLE_MU0,
@@ -16,7 +16,7 @@ from stiction.studies.input_caveats import (
 from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.surfaces.hidden_noise import find_hidden_noise
 from support.machined_surfaces import MACHINED_SURFACES, scale_to_unit_rms
-from support.rough_surfaces import rough_maps
+from support.rough_surfaces import rough_maps, self_affine_map
 from support.studies_of_files import pair_study
 from support.synthetic_results import measured_study
 
@@ -273,3 +273,64 @@ def test_caveats_of_a_gap_do_not_mention_two_scans(tmp_path):
     assert any("1 point is more than 6 rms heights from its neighbours" in text for text in texts)
     for word in ("neighbours", "interpolated"):
         assert [text.partition(":")[0] for text in texts if word in text] == ["gap"]
+
+
+# ---- Form and steps of maps ------------------------------------------------------------------------------------------
+
+
+def short_wave_map(seed, points=256):
+    """Return heights with rms 1 whose longest wavelength is a twelfth of the map."""
+    return self_affine_map(seed, 0.8, (points, points), longest=points / 12, spacing=(1.0, 1.0)).heights
+
+
+def form_texts(body, **options):
+    return [
+        caveat.text for caveat in find_scan_caveats(body, **options) if "form (" in caveat.text or "step" in caveat.text
+    ]
+
+
+def test_spherical_cap_of_a_map_adds_a_caveat_unless_the_form_is_removed():
+    y, x = np.indices((256, 256)) / 255 - 0.5
+    capped_map = Surface(0.5 * short_wave_map(1) - 4 * 2 * (x**2 + y**2), spacing=0.5)
+    assert [text.split(" contributes")[0] for text in form_texts(capped_map)] == ["form (a parabola)"]
+    assert form_texts(levelled(capped_map, "quadratic")) == []
+    plain_map = Surface(0.5 * short_wave_map(1), spacing=0.5)
+    assert "upper: form (a parabola)" in " ".join(caveat_texts(capped_map, plain_map))
+    study = measured_study().with_changes({"surfaces.level": "quadratic"})
+    assert not any("form (" in caveat.text for caveat in find_input_caveats(capped_map, plain_map, study))
+
+
+@pytest.mark.parametrize("angle", [0, 37, 90, 141])
+@pytest.mark.parametrize("tilt", [0, 0.01])
+def test_step_of_a_map_adds_a_caveat_with_its_height_unless_the_map_is_cropped(angle, tilt):
+    y, x = np.indices((256, 256)) - 128
+    across = x * np.cos(np.radians(angle)) + y * np.sin(np.radians(angle))
+    heights = 0.025 * short_wave_map(2) + 2.0 * (across > 20) + tilt * x
+    (text,) = form_texts(Surface(heights, spacing=0.5))
+    height = float(text.removeprefix("a step of ").split(" µm")[0])
+    assert height == pytest.approx(2.0, rel=0.01)
+    one_side = heights[: heights.shape[0] // 4, :64] if angle != 141 else heights[:64, -64:]
+    assert form_texts(Surface(one_side, spacing=0.5)) == []
+
+
+def test_step_of_a_profile_adds_a_caveat_with_its_height():
+    heights = 0.025 * short_wave_map(3)[7]
+    (text,) = form_texts(Profile(heights + 2.0 * (np.arange(heights.size) > 90), spacing=0.5))
+    assert text.startswith("a step of 2")
+
+
+def test_step_of_a_map_with_missing_points_adds_a_caveat():
+    missing = np.random.default_rng(1).random((256, 256)) < 0.3
+    missing[:30, :30] = True
+    heights = 0.025 * short_wave_map(4) + 2.0 * (np.arange(256) > 100)
+    (text,) = form_texts(Surface(heights, spacing=0.5, missing=missing))
+    assert float(text.removeprefix("a step of ").split(" µm")[0]) == pytest.approx(2.0, rel=0.01)
+
+
+@pytest.mark.parametrize("kind", ["Gaussian", "turned", "turned roughly", "milled", "ground", "honed"])
+def test_clean_maps_have_no_caveat_about_form_or_steps(kind):
+    for seed in range(10):
+        heights = (
+            short_wave_map(seed, 128) if kind == "Gaussian" else MACHINED_SURFACES[kind](np.random.default_rng(seed), 2)
+        )
+        assert form_texts(Surface(0.02 * scale_to_unit_rms(heights), spacing=0.1)) == []

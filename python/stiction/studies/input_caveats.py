@@ -22,6 +22,7 @@ from stiction.studies.scan_defects import (
     find_scan_defects,
 )
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
+from stiction.surfaces.dominant_form import find_dominant_step, measure_parabola_fraction
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import levelled
@@ -53,6 +54,12 @@ MAX_FORM_FRACTION = 0.6
 The fraction is about one half if the longest wavelengths dominate the heights of a surface without form error.
 """
 
+MAX_STEP_FRACTION = 0.65
+"""Fraction of the mean square height due to a straight step, above which a caveat is issued.
+
+The largest fraction of 540 simulated profiles and 540 simulated maps without a step was 0.62.
+"""
+
 # A caveat is issued if a peak contributes at least this fraction of the fourth spectral moment.
 MAX_SPECTRAL_PEAK_FRACTION = 0.1
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
@@ -73,7 +80,7 @@ def find_input_caveats(
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
-    # No caveat about form error is issued if the form is subtracted.
+    # No caveat about form error is issued if the form is subtracted, or for the gap between two faces.
     is_form_subtracted = study.surfaces.level == "quadratic"
     is_vouched = bool(study.surfaces.vouched)
 
@@ -86,7 +93,8 @@ def find_input_caveats(
                 scan_caveats += _find_spectrum_caveats(scan)
             else:
                 scan_caveats += find_scan_caveats(
-                    scan, form=not is_form_subtracted, instrument=not is_vouched, tip_radius=file.tip,
+                    scan, form=not (is_form_subtracted or study.is_gap), step=not study.is_gap,
+                    instrument=not is_vouched, tip_radius=file.tip,
                     textured=file.texture is not None, has_second_cutoff=bool(study.surfaces.both_readings),
                     elastic=not has_limited_pressure(study), alternatives=alternatives,
                 )  # fmt: skip
@@ -170,6 +178,7 @@ def find_scan_caveats(
     body: Profile | Surface,
     *,
     form: bool = True,
+    step: bool = True,
     instrument: bool = True,
     tip_radius: float | None = None,
     textured: bool = False,
@@ -178,16 +187,17 @@ def find_scan_caveats(
     alternatives: Collection[str] = (),
     periodic: bool = False,
 ) -> list[Caveat]:
-    """Return caveats about heights, form and spikes of a scan, and about wavelengths not attributed to the surface.
+    """Return caveats about heights, form, steps and spikes of a scan, and about wavelengths not due to the surface.
 
-    If `textured` is true, the spectrum may have lines and humps. `has_second_cutoff` is true if the study also has the
-    filtered scan, and `elastic` is true if the study has no hardness. `alternatives` contains the names of the
-    alternative preparations that the interval includes. `power_spectrum` explains `periodic`.
+    If `form` or `step` is false, this caveat is left out. If `textured` is true, the spectrum may have lines and
+    humps. `has_second_cutoff` is true if the study also has the filtered scan, and `elastic` is true if the study has
+    no hardness. `alternatives` contains the names of the alternative preparations that the interval includes.
+    `power_spectrum` explains `periodic`.
     """
     defects = find_scan_defects(body, tip_radius, textured=textured, periodic=periodic)
     instrument_caveats = _find_instrument_caveats(defects, has_second_cutoff, elastic, TIP_ALTERNATIVE in alternatives)
     return [
-        *_find_form_caveats(defects, form=form, has_masked_result=SPIKES_ALTERNATIVE in alternatives),
+        *_find_form_caveats(defects, form=form, step=step, has_masked_result=SPIKES_ALTERNATIVE in alternatives),
         *(instrument_caveats if instrument else ()),
     ]
 
@@ -317,7 +327,7 @@ def _describe_slope_fraction(limit: InstrumentLimit) -> str:
     return f"{fraction_text} of the mean square slope comes from wavelengths below {wavelength_text}{axis_text}"
 
 
-def _find_form_caveats(defects: ScanDefects, *, form: bool, has_masked_result: bool) -> Iterator[Caveat]:
+def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_masked_result: bool) -> Iterator[Caveat]:
     body = defects.body
     height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
     if height > extent / 2:
@@ -325,17 +335,17 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, has_masked_result: b
         yield Caveat(
             text, "check the unit of heights", "fault" if height > MAX_HEIGHT_OVER_EXTENT * extent else "caution"
         )
-    if form and isinstance(body, Profile):
-        levelled_heights = levelled(body, "line").heights
-        parabola_fraction = (
-            1 - levelled(body, "quadratic").heights.var() / levelled_heights.var()
-            if np.ptp(levelled_heights) > 0
-            else 0.0
+    dominant_step = find_dominant_step(body) if step else None
+    if dominant_step is not None and dominant_step.fraction > MAX_STEP_FRACTION:
+        text = (
+            f"a step of {format_with_unit(dominant_step.height, 'um')} contributes "
+            f"{100 * dominant_step.fraction:.0f} % of the mean square height, and one side of it carries the load"
         )
-        if parabola_fraction > MAX_FORM_FRACTION:
-            percentage = f"{100 * parabola_fraction:.0f} %"
-            text = f"form (a parabola) contributes {percentage} of the mean square height, and carries the load"
-            yield Caveat(text, "try --level quadratic", "caution")
+        yield Caveat(text, "press one side of the step only (--crop)", "caution")
+    elif form and (parabola_fraction := _compute_parabola_fraction(body)) > MAX_FORM_FRACTION:
+        percentage = f"{100 * parabola_fraction:.0f} %"
+        text = f"form (a parabola) contributes {percentage} of the mean square height, and carries the load"
+        yield Caveat(text, "try --level quadratic", "caution")
     if num_spikes := defects.num_spikes:
         points_text, possessive = ("1 point is", "its") if num_spikes == 1 else (f"{num_spikes} points are", "their")
         description = (
@@ -351,3 +361,13 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, has_masked_result: b
             else "if they are instrument spikes, remove them (--outliers mask)"
         )
         yield Caveat(text, remedy, "caution", interval_note=note)
+
+
+def _compute_parabola_fraction(body: Profile | Surface) -> float:
+    """Return the fraction of the mean square height due to a parabola; for a map, 0 unless the parabola dominates."""
+    if not isinstance(body, Profile):
+        return measure_parabola_fraction(body)
+    levelled_heights = levelled(body, "line").heights
+    if np.ptp(levelled_heights) == 0:
+        return 0.0
+    return float(1 - levelled(body, "quadratic").heights.var() / levelled_heights.var())

@@ -1,0 +1,134 @@
+"""Form of a scan that dominates its roughness: a parabola of a map, or a straight step of a map or a profile."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.surfaces.measured.writing import heights_with_nan
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+MAX_BLOCKS = 64
+"""Largest number of blocks along an axis of a map. The blocks are averaged, because form is a matter of large scales.
+
+A profile has the square of this number.
+"""
+
+MIN_BLOCKS = 16  # minimum number of blocks along an axis; fewer blocks do not distinguish form from roughness
+MIN_PARABOLA_DOMINANCE = 5.0
+"""Smallest ratio of the mean square heights of the fitted parabola and of the cubic and quartic terms.
+
+For a rough map without form, the ratio is about 2 if the longest wavelengths dominate, and rarely above 5. If the
+parabola is the form of the part, roughness contributes little to the higher terms, and the ratio is larger.
+"""
+
+MIN_STEP_SHARPNESS = 0.8
+"""Smallest fraction of the height of a step that must lie within a few blocks. It excludes smooth forms."""
+
+_STEP_ANGLE_COUNT = 72  # directions across a step: 0°, 2.5°, ... 177.5°
+_STEP_MARGIN = 0.02  # minimum fraction of the points on either side of a step
+_STEP_BAND_BLOCKS = (0.75, 3.75)  # distances from a step between which the heights on either side are compared
+
+
+class DominantStep(NamedTuple):
+    """Straight step of a scan."""
+
+    height: float
+    """Height of the step (µm)."""
+    fraction: float
+    """Fraction of the mean square height that the step contributes."""
+
+
+def measure_parabola_fraction(body: Surface) -> float:
+    """Return the fraction of the mean square height due to a parabola, or 0 unless the parabola dominates other terms.
+
+    The heights are measured from the least-squares plane. Cubic and quartic terms are compared with the parabola.
+    """
+    blocks = _average_blocks(body)
+    if blocks is None:
+        return 0.0
+    coordinates, heights, mean_square = blocks
+    x, y = coordinates
+    powers = [(i, degree - i) for degree in range(5) for i in range(degree + 1)]
+    design = np.stack([x**i * y**j for i, j in powers], axis=1)
+    # The orthogonal basis has three columns for the plane, three for the parabola, and the higher terms.
+    basis, _ = np.linalg.qr(design)
+    energies = np.square(basis.T @ heights) / heights.size
+    parabola, higher_terms = energies[3:6].sum(), energies[6:].sum()
+    is_dominant = parabola > MIN_PARABOLA_DOMINANCE * higher_terms
+    return float(min(parabola / mean_square, 1.0)) if is_dominant else 0.0
+
+
+def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
+    """Find the straight step that contributes most to the mean square height, or None if no sharp step is found.
+
+    A step and a plane are fitted together, because levelling by a plane tilts the two sides of a step.
+    """
+    blocks = _average_blocks(body)
+    if blocks is None:
+        return None
+    coordinates, heights, mean_square = blocks
+    trend_basis, _ = np.linalg.qr(np.stack([np.ones_like(heights), *coordinates], axis=1))
+    count, is_map = heights.size, len(coordinates) == 2
+    sizes, margin = np.arange(1, count + 1), max(1, round(_STEP_MARGIN * count))
+    candidates = slice(margin - 1, count - margin)
+    best_gain, best_height, best_edge, best_across = 0.0, 0.0, 0.0, coordinates[0]
+    for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
+        across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
+        order = np.argsort(across, kind="stable")
+        # For each number of points below the step: projection onto the heights, and square norm without the trend.
+        projections = np.cumsum(heights[order])[candidates]
+        square_norms = (sizes - np.square(np.cumsum(trend_basis[order], axis=0)).sum(axis=1))[candidates]
+        gains = np.square(projections) / square_norms
+        index = int(np.argmax(gains))
+        if gains[index] > best_gain:
+            best_gain, best_height = float(gains[index]), -float(projections[index] / square_norms[index])
+            best_edge = float(across[order][margin - 1 + index : margin + 1 + index].mean())
+            best_across = across
+    distances = best_across - best_edge
+    nearest, farthest = (2 / min(MAX_BLOCKS, count) * limit for limit in _STEP_BAND_BLOCKS)
+    below, above = (heights[(sign * distances > nearest) & (sign * distances < farthest)] for sign in (-1, 1))
+    if not (best_gain > 0 and below.size and above.size):
+        return None
+    if (above.mean() - below.mean()) / best_height < MIN_STEP_SHARPNESS:
+        return None
+    # Blocks that the step divides have heights between those of the two sides.
+    is_undivided = np.abs(distances) > nearest
+    design = np.stack([np.ones_like(heights), *coordinates, distances > 0], axis=1)[is_undivided]
+    *_, height = np.linalg.lstsq(design, heights[is_undivided], rcond=None)[0]
+    return DominantStep(abs(float(height)), min(best_gain / count / mean_square, 1.0))
+
+
+def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, float] | None:
+    """Level a body, and average the heights in blocks of equal size. Blocks without a measured point are left out.
+
+    Returns the coordinates of the blocks (from -1 to 1 along x, and along y for a map), their mean heights above the
+    least-squares plane of the blocks, and the mean square height of all points. Returns None for a flat or small body.
+    """
+    heights = heights_with_nan(body)
+    max_blocks = MAX_BLOCKS if heights.ndim == 2 else MAX_BLOCKS**2
+    sizes = [-(-points // max_blocks) for points in heights.shape]
+    counts = [points // size for points, size in zip(heights.shape, sizes, strict=True)]
+    if min(counts) < MIN_BLOCKS:
+        return None
+    heights = heights[tuple(slice(count * size) for count, size in zip(counts, sizes, strict=True))]
+    is_measured = np.isfinite(heights)
+
+    def average(values: Floats) -> Floats:
+        split_shape = [length for pair in zip(counts, sizes, strict=True) for length in pair]
+        axes = tuple(range(1, 2 * heights.ndim, 2))
+        sums, numbers = (
+            each.reshape(split_shape).sum(axis=axes) for each in (np.where(is_measured, values, 0.0), is_measured)
+        )
+        return np.asarray((sums / np.maximum(numbers, 1))[numbers > 0])
+
+    axes = [np.linspace(1 / points - 1, 1 - 1 / points, points) for points in heights.shape]
+    grid = [np.broadcast_to(axis, heights.shape) for axis in np.ix_(*axes)][::-1]
+    coordinates, means = [average(axis) for axis in grid], average(heights)
+    trend, *_ = np.linalg.lstsq(np.stack([np.ones_like(means), *coordinates], axis=1), means, rcond=None)
+    levelled_heights = heights - trend[0] - sum(slope * axis for slope, axis in zip(trend[1:], grid, strict=True))
+    mean_square = float(np.nanmean(np.square(levelled_heights)))
+    return (coordinates, average(levelled_heights), mean_square) if mean_square > 0 else None
