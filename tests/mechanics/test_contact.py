@@ -1,4 +1,5 @@
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from stiction import (
     JacksonGreen,
     Profile,
     contacts,
+    gentle_friction,
     press,
     random_phases,
     slope_friction,
@@ -435,6 +437,22 @@ class TestProfileContactArguments:
         curve = press(*create_rough_profiles(1.2), [0.01])
         with pytest.warns(UserWarning, match="meant in MPa"):
             curve.normal_load(mu0=0.4, tau0=200)
+
+    @pytest.mark.parametrize(
+        ("effective_modulus", "tau0", "words"),
+        [
+            (1.5e-3, 0.3e-3, None),  # rubber on glass: 0.3 MPa and E* = 1.5 MPa
+            (1.5e-3, 1.4e-3, None),
+            (1.5e-3, 0.3, "tau0 = 300 MPa is above the effective modulus 1.5 MPa; was it meant in kPa?"),
+            (100.0, 9.0, None),
+            (100.0, 20.0, "tau0 = 20 GPa is above a tenth of the effective modulus 100 GPa; was it meant in MPa?"),
+        ],
+    )
+    def test_warning_about_tau0_distinguishes_rubber_and_names_prefixed_units(self, effective_modulus, tau0, words):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            gentle_friction(0.1, rms_gradient=0.1, tau0=tau0, effective_modulus=effective_modulus)
+        assert [str(each.message) for each in caught] == ([words] if words else [])
 
     @pytest.mark.parametrize(
         "invalid_arguments", [{"mu0": -0.1}, {"mu0": math.nan}, {"mu0": "x"}, {"mu0": 0.1, "tau0": -1}]

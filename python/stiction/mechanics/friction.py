@@ -15,8 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, validate_number
 from stiction._drawing import draw_contact_area, draw_friction
+from stiction._number_format import format_with_unit
 from stiction._repr import PlotReprMixin, TextReprMixin, axes_or_new_axes
 from stiction._units import short_repr
+from stiction.mechanics.materials import MAX_RUBBER_MODULUS
 from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES
 
 if TYPE_CHECKING:
@@ -40,8 +42,11 @@ _LOAD_CONTRIBUTIONS = ("elastic", "frictional", "adhesive")
 LOAD_SUM_NAMES = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _LOAD_CONTRIBUTIONS)
 """Names of the contact sums that determine the normal and the tangential load for every mu0 and tau0."""
 
-# If the ratio tau0/E* is above this limit, tau0 was probably meant in MPa instead of GPa.
-MAX_SHEAR_STRENGTH_RATIO = 0.1
+MAX_SHEAR_STRENGTH_RATIO, MAX_RUBBER_SHEAR_STRENGTH_RATIO = 0.1, 1.0
+"""Ratios tau0/E* above which the unit of tau0 is probably wrong: for stiff bodies, and for rubber and gels.
+
+The ratio of rubber on glass is usually 0.1 to 0.3. A unit that is wrong by a factor of 1000 gives more than 100.
+"""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -296,12 +301,13 @@ def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
 
 
 def warn_if_tau0_is_large(tau0: Floats, effective_modulus: float) -> None:
-    """Warn if tau0 was probably meant in MPa instead of GPa."""
-    max_tau0 = float(np.max(tau0, initial=0))
-    if max_tau0 > MAX_SHEAR_STRENGTH_RATIO * effective_modulus:
+    """Warn if tau0 (GPa) is so large compared with E* that its unit is probably wrong by a factor of 1000."""
+    max_tau0, is_rubber = float(np.max(tau0, initial=0)), effective_modulus < MAX_RUBBER_MODULUS
+    if max_tau0 > (MAX_RUBBER_SHEAR_STRENGTH_RATIO if is_rubber else MAX_SHEAR_STRENGTH_RATIO) * effective_modulus:
+        smaller_unit = format_with_unit(max_tau0 / 1000, "GPa").split()[-1]
         warnings.warn(
-            f"tau0 = {max_tau0:g} GPa is above a tenth of the effective modulus {effective_modulus:g} GPa; was it "
-            "meant in MPa?",
+            f"tau0 = {format_with_unit(max_tau0, 'GPa')} is above {'' if is_rubber else 'a tenth of '}the effective "
+            f"modulus {format_with_unit(effective_modulus, 'GPa')}; was it meant in {smaller_unit}?",
             stacklevel=3,
         )
 

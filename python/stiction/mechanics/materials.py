@@ -14,6 +14,9 @@ from stiction._units import short_repr
 
 MaterialKind = Literal["metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"]
 
+# Bodies with an E* (GPa) below this limit are assumed to consist of rubber or gel, which do not yield.
+MAX_RUBBER_MODULUS = 0.1
+
 
 class MaterialValue(float):
     """Property of a material: a representative number, with its range and its source.

@@ -15,7 +15,7 @@ from stiction._number_format import format_number, format_percent, format_signif
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
-from stiction.mechanics.materials import softest_material
+from stiction.mechanics.materials import MAX_RUBBER_MODULUS, softest_material
 from stiction.studies.hardness import find_junction_growth, find_materials, find_uncertain_inputs
 from stiction.studies.input_uncertainty import UncertainInput
 from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH_COEFFICIENT, find_interface
@@ -42,9 +42,6 @@ Severity = Literal["caution", "fault"]
 YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 """Ratios of mean contact pressure to E*. Above the first, every material has yielded; above the second, most metals.
 """
-
-# Bodies with an E* (GPa) below this limit are assumed to consist of rubber or gel, which do not yield.
-MAX_RUBBER_MODULUS = 0.1
 
 MIN_TOTAL_CONTACTS = 10  # minimum total number of contacts in all members for which a mean may be reported
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
