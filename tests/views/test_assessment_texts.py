@@ -410,7 +410,9 @@ def test_range_for_finer_scans_extends_from_the_plastic_limit_to_above_the_coeff
     limit = 0.2 + 0.05 / 2
     # The excess over the plastic limit is multiplied by exp(0.2), because load moves between the contacts.
     assert point.bracket == pytest.approx((limit, limit + (0.24 * 1.01 - limit) * math.exp(0.2)))
-    assert "a finer scan would give 0.225 (μ0 + τ0/H) to 0.246" in quotable_sentence(point)
+    assert "a finer scan would give 0.225 (μ0 + τ0/H) to 0.246, unless small contacts are harder" in quotable_sentence(
+        point
+    )
     point_at_limit = summarize(
         measured_result(all_contacts=0.2, half_width_ratio=1e-4, tau0=(0.0,)), measured_study(hardness=2.0)
     ).points[0]

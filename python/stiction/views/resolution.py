@@ -86,7 +86,10 @@ def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
     count_text = study.member_names.with_count(resolution.members)
     text = f"The surfaces are low-pass filtered at the cutoff; means over {count_text}."
     if resolution.plastic_limit is not None:
-        text += " No finer scan passes the plastic limit. With friction at opposing contacts there is no such limit."
+        text += (
+            " If small contacts are as hard as large ones, no finer scan gives less than the plastic limit. With "
+            "friction at opposing contacts there is no such limit."
+        )
     return text
 
 
