@@ -1,10 +1,11 @@
 """Tests of caveats about inputs; each caveat has a case with it and a case without it."""
 
+import re
 from typing import ClassVar
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, instrument_limit, levelled, pair, self_affine
+from stiction import Profile, Surface, flipped, instrument_limit, levelled, pair, self_affine
 from stiction.studies.input_caveats import (
     MAX_FORM_FRACTION,
     MAX_PLAUSIBLE_MU0,
@@ -334,3 +335,43 @@ def test_clean_maps_have_no_caveat_about_form_or_steps(kind):
             short_wave_map(seed, 128) if kind == "Gaussian" else MACHINED_SURFACES[kind](np.random.default_rng(seed), 2)
         )
         assert form_texts(Surface(0.02 * scale_to_unit_rms(heights), spacing=0.1)) == []
+
+
+# ---- Mirrored faces --------------------------------------------------------------------------------------------------
+
+
+def mirror_caveats(upper, lower, **surface_changes):
+    study = measured_study().with_changes(
+        {"surfaces.positions": [["0 um", "0 um"]]}
+        | {f"surfaces.{name}": value for name, value in surface_changes.items()}
+    )
+    return [caveat for caveat in find_input_caveats(upper, lower, study) if "position (0, 0)" in caveat.text]
+
+
+def test_faces_that_fit_better_when_mirrored_add_a_caveat_with_both_gaps_and_a_remedy():
+    lower = Surface(3.0 * short_wave_map(5, 96), spacing=2.0)
+    noise = 0.1 * short_wave_map(6, 96)
+    matching_face = flipped(lower).heights + noise
+    assert mirror_caveats(Surface(matching_face, spacing=2.0), lower) == []
+    faces_and_remedies = [
+        (matching_face[::-1, ::-1], "--rotate 180"), (matching_face[::-1], "reverse the rows"),
+        (matching_face[:, ::-1], "reverse the columns"),
+    ]  # fmt: skip
+    for face, remedy in faces_and_remedies:
+        (caveat,) = mirror_caveats(Surface(face, spacing=2.0), lower)
+        assert caveat.severity == "caution"
+        assert caveat.remedy.startswith(remedy)
+        gaps = [float(text) for text in re.findall(r"is (\S+) µm; .* (\S+) nm$", caveat.text)[0]]
+        assert gaps == [pytest.approx(3.0 * np.sqrt(2), rel=0.2), pytest.approx(100, rel=0.05)]
+    assert mirror_caveats(Surface(matching_face[::-1, ::-1], spacing=2.0), lower, rotate=180) == []
+
+
+def test_faces_without_a_match_or_at_other_positions_add_no_caveat_about_mirroring():
+    upper, lower = (Surface(short_wave_map(seed, 96), spacing=2.0) for seed in (7, 8))
+    assert mirror_caveats(upper, lower) == []
+    matching_face = Surface(flipped(lower).heights[::-1], spacing=2.0)
+    assert mirror_caveats(matching_face, lower, positions=[["4 um", "0 um"]]) == []
+    missing = np.zeros((96, 96), bool)
+    missing[3:9, 50:] = True
+    (caveat,) = mirror_caveats(Surface(matching_face.heights, spacing=2.0, missing=missing), lower)
+    assert caveat.text.endswith(", 0 µm")

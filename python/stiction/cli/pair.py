@@ -118,8 +118,9 @@ def pair(
 ) -> None:
     """Compute the static friction of two measured profiles or surfaces at given loads, with intervals.
 
-    Heights increase outward from the material in both files. UPPER is the slider and LOWER the counterface. Height maps
-    are pressed as areal contacts, or as pairs of profiles with --lines. Options that describe a file apply to both
+    Heights increase outward from the material in both files. UPPER is the slider and LOWER the counterface. To face
+    LOWER, the map UPPER is flipped about the x axis, which reverses its rows. Height maps are pressed as areal
+    contacts, or as pairs of profiles with --lines. Options that describe a file apply to both
     files; repeat an option to set UPPER and LOWER separately. The result is a study in DIR that run, at, plot, report,
     info and export accept.
     """

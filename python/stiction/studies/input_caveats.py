@@ -25,8 +25,8 @@ from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
 from stiction.surfaces.dominant_form import find_dominant_step, measure_parabola_fraction
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import SIDES
-from stiction.surfaces.preparation import levelled
-from stiction.surfaces.profile import Profile
+from stiction.surfaces.preparation import flipped, levelled, rotated
+from stiction.surfaces.profile import Profile, combine_missing_masks, select_from_mask
 from stiction.surfaces.scale import CUTOFF_WAVELENGTH_RATIO, InstrumentLimit
 from stiction.surfaces.spectrum import find_spectral_peak, power_spectrum
 from stiction.surfaces.surface import Surface
@@ -137,7 +137,55 @@ def find_input_caveats(
             pressure = format_with_unit(load / area, "GPa")
             text = f"{format_with_unit(load, 'mN')} is {pressure} on {area:.3g} µm², above a tenth of E*"
             caveats.append(Caveat(text, "specify the load on this area, not on the whole part", "caution"))
+    caveats += _find_mirror_caveats(upper, lower, study)
     return tuple(caveats)
+
+
+MIN_GAP_REDUCTION = 2.0
+"""Ratio of rms gaps, above which a caveat states that the faces fit better if the upper map is mirrored."""
+
+_MIRROR_ALTERNATIVES = (
+    ("with its columns reversed instead of its rows", "--rotate {rotation:g} does this", np.s_[::-1, ::-1]),
+    ("with neither rows nor columns reversed", "reverse the rows of the upper file", np.s_[::-1, :]),
+    ("with rows and columns reversed", "reverse the columns of the upper file", np.s_[:, ::-1]),
+)
+"""Other ways to face the lower map: description, remedy, and the change of the map that `flipped` returns."""
+
+
+def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
+    """Yield a caveat if two maps at the position (0, 0) would fit much better if the upper map were mirrored."""
+    surfaces: Any = study.surfaces
+    if (
+        surfaces.press != "areas"
+        or surfaces.gap
+        or (0.0, 0.0) not in [tuple(map(float, p)) for p in surfaces.positions or ()]
+    ):
+        return
+    if not (isinstance(upper, Surface) and isinstance(lower, Surface)) or surfaces.rotate % 90:
+        return
+    facing = flipped(rotated(upper, surfaces.rotate))
+    if facing.heights.shape != lower.heights.shape or not np.allclose(facing.spacings, lower.spacings):
+        return
+    height = _measure_rms_gap(facing, lower)
+    gaps = [_measure_rms_gap(facing, lower, mirrored) for *_, mirrored in _MIRROR_ALTERNATIVES]
+    lowest = int(np.argmin(gaps))
+    if height > MIN_GAP_REDUCTION * gaps[lowest]:
+        description, remedy, _ = _MIRROR_ALTERNATIVES[lowest]
+        own_text, other_text = (format_with_unit(each, "um") for each in (height, gaps[lowest]))
+        text = (
+            f"the rms height of the gap at the position (0, 0) is {own_text}; for the upper map {description}, "
+            f"{other_text}"
+        )
+        yield Caveat(text, remedy.format(rotation=(surfaces.rotate + 180) % 360), "caution")
+
+
+def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :]) -> float:
+    """Return the rms height (µm) of the gap between two maps after levelling, over the points that both have."""
+    missing = combine_missing_masks(
+        facing.changed(facing.heights[mirrored], "mirrored", missing=select_from_mask(facing.missing, mirrored)), lower
+    )
+    gap = levelled(Surface(facing.heights[mirrored] - lower.heights, spacing=lower.spacing, missing=missing), "plane")
+    return float(np.std(gap.heights if missing is None else gap.heights[~missing]))
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
