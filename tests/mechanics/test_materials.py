@@ -143,6 +143,6 @@ def test_documented_table_of_materials_is_up_to_date():
         for value in (item.young_modulus, item.poisson_ratio, item.hardness)
         if value is not None
     ]
-    num_unseen = sum("not looked up" in source for source in sources)
+    num_unseen = sum("not verified" in source for source in sources)
     message = f"Each of the {len(sources)} values is a range with its source. For {len(sources) - num_unseen} values"
     assert message in " ".join((docs / "reference/materials.md").read_text(encoding="utf-8").split())
