@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, flipped, instrument_limit, levelled, pair, self_affine
+from stiction import Profile, Surface, flipped, instrument_limit, interface, levelled, pair, self_affine
 from stiction.studies.input_caveats import (
     MAX_FORM_FRACTION,
     MAX_PLAUSIBLE_MU0,
@@ -15,6 +15,7 @@ from stiction.studies.input_caveats import (
     find_scan_caveats,
 )
 from stiction.studies.measured_surfaces import MeasuredBodySettings
+from stiction.studies.study_description import get_pair_name
 from stiction.surfaces.hidden_noise import find_hidden_noise
 from support.machined_surfaces import MACHINED_SURFACES, scale_to_unit_rms
 from support.rough_surfaces import rough_maps, self_affine_map
@@ -65,6 +66,18 @@ def test_form_error_adds_a_caveat_unless_the_form_is_removed(rough_profile):
     study = measured_study()
     study = study.with_changes({"surfaces.level": "quadratic"})  # Quadratic levelling removes the parabola.
     assert find_input_caveats(rough_profile, curved_profile, study) == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "has_caveat"), [("rock on rock, below 200 MPa", True), ("MoS2 on bearing steel, dry air", False)]
+)
+def test_interface_of_unknown_range_adds_a_caveat(rough_profile, name, has_caveat):
+    study = pair_study(
+        rough_profile, rough_profile, effective_modulus="10 GPa", load="1 MPa", interface=name, mechanics="asperities"
+    )
+    texts = [each.text for each in find_input_caveats(rough_profile, rough_profile, study)]
+    assert any("does not include the uncertainty of μ0 and τ0" in text for text in texts) == has_caveat
+    assert interface(name).has_unknown_range == has_caveat
 
 
 def test_spikes_of_a_profile_add_a_caveat_that_states_their_number(rough_profile):
@@ -270,7 +283,12 @@ def test_caveats_of_a_gap_do_not_mention_two_scans(tmp_path):
     np.save(tmp_path / "gap.npy", heights)
     options = {"load": "20 MPa", "mu0": 0.2, "tau0": "100 MPa", "effective_modulus": "80 GPa", "onset": 0}
     options |= {"unit": "um", "spacing": "0.1 um", "missing": "interpolate", "cutoff": "none", "direction": [0, 180]}
-    texts = [caveat.text for caveat in pair(gap=tmp_path / "gap.npy", **options).caveats]
+    result = pair(gap=tmp_path / "gap.npy", **options)
+    texts = [caveat.text for caveat in result.caveats]
+    # A gap does not contain the roughness of the faces, and its name does not repeat the word.
+    assert result.summary().first.from_roughness is None
+    assert "oughness contributes" not in result.sentence
+    assert get_pair_name(result.study) == "gap.npy"
     assert any("1 point is more than 6 rms heights from its neighbours" in text for text in texts)
     for word in ("neighbours", "interpolated"):
         assert [text.partition(":")[0] for text in texts if word in text] == ["gap"]

@@ -166,6 +166,10 @@ def test_verbose_text_contains_values_of_the_dataset():
             [value_and_ends(0.1535, 0.003), value_and_ends(0.1600, 0.011)],
             "Grooves: friction along y is 4.2 % higher than along x.",
         ),
+        (
+            [value_and_ends(0.1931, 0.0001), value_and_ends(0.19295, 0.0001)],
+            "No grooves: the axes differ by less than 1 %.",
+        ),
         ([value_and_ends(0.1935, 0.022), value_and_ends(0.1913, 0.022)], "No grooves"),
         ([value_and_ends(0.16, np.nan), value_and_ends(0.15, np.nan)], "Grooves: unknown"),
     ],

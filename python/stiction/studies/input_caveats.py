@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy as np
 from stiction._number_format import format_percent, format_with_unit
 from stiction.studies.alternatives import SPIKES_ALTERNATIVE, TIP_ALTERNATIVE, AlternativeName
 from stiction.studies.assessment import Caveat, Severity
+from stiction.studies.interfaces import find_interface
 from stiction.studies.point import has_limited_pressure
 from stiction.studies.scan_defects import (
     MAX_NOISE_SLOPE_FRACTION,
@@ -130,6 +132,15 @@ def find_input_caveats(
     if mu0 > MAX_PLAUSIBLE_MU0:
         text = f"μ0 = {mu0:g} is larger than μ0 of any known pair of materials"
         caveats.append(Caveat(text, "specify μ0 as a fraction, not in per cent", "caution"))
+    interface = find_interface(study)
+    if interface is not None and interface.has_unknown_range:
+        text = (
+            f"the interval does not include the uncertainty of μ0 and τ0, because the range of the interface "
+            f"{Path(str(study.known.interface)).name} is unknown"
+        )
+        caveats.append(
+            Caveat(text, "measure it (stiction calibrate), or give --mu0 and --tau0 with their ranges", "caution")
+        )
     area = float(np.prod(np.minimum(_get_axis_extents(upper), _get_axis_extents(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:

@@ -467,6 +467,11 @@ class Interface:
         return "\n".join(["Interface", *rows, *(f"  {key:<14}  {text}" for key, text in self.about.items())])
 
     @property
+    def has_unknown_range(self) -> bool:
+        """True if the source has a single mu0 and a single tau0, without their ranges."""
+        return bool(np.ptp(self.fits[0].mu0) == np.ptp(self.fits[0].tau0) == 0)
+
+    @property
     def identified(self) -> ValueWithLimits:
         """Sum mu0 + tau0 A/F with its 95 % interval, evaluated at the A/F of the tests."""
         area_per_load = self.fits[0].area_per_load

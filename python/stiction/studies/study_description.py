@@ -39,9 +39,11 @@ def describe_study(study: Study) -> StudyDescription:
 
 
 def get_pair_name(study: Study) -> str:
-    """Return the file names of a pair, as in "a on b", or "gap a"."""
+    """Return the file names of a pair, as in "a on b", or "gap a". A file whose name contains "gap" has no prefix."""
     upper, lower = (getattr(study.surfaces, side).name for side in SIDES)
-    return f"gap {upper}" if study.is_gap else f"{upper} on {lower}"
+    if study.is_gap:
+        return upper if "gap" in upper.lower() else f"gap {upper}"
+    return f"{upper} on {lower}"
 
 
 def _strip_folders(study: Study) -> Study:

@@ -595,10 +595,11 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
     """Return the part of the friction coefficient that depends on the scans, or None if this part is unknown.
 
     Friction acts at all contacts. The contribution of the inputs alone is mu0 and, with a hardness H, tau0/H if all
-    contacts yield. With adhesion the result is None, because the load on the contacts also depends on the scans.
+    contacts yield. With adhesion the result is None, because the load on the contacts also depends on the scans. It is
+    also None for a gap, which does not contain the roughness of the two faces.
     """
     contributions = _compute_friction_contributions(point, rule)
-    if contributions is None or not study.is_measured or study.contact.adheres:
+    if contributions is None or not study.is_measured or study.is_gap or study.contact.adheres:
         return None
     return rule.value - contributions[0] - (compute_plastic_adhesive_friction(point, study) or 0.0)
 

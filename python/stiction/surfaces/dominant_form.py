@@ -121,7 +121,7 @@ def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, floa
         split_shape = [length for pair in zip(counts, sizes, strict=True) for length in pair]
         axes = tuple(range(1, 2 * heights.ndim, 2))
         sums, numbers = (
-            each.reshape(split_shape).sum(axis=axes) for each in (np.where(is_measured, values, 0.0), is_measured)
+            array.reshape(split_shape).sum(axis=axes) for array in (np.where(is_measured, values, 0.0), is_measured)
         )
         return np.asarray((sums / np.maximum(numbers, 1))[numbers > 0])
 

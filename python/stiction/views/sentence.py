@@ -8,8 +8,6 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_significant, format_time, format_with_unit
 from stiction.mechanics.closed_forms import gentle_friction
@@ -158,7 +156,7 @@ def _interface_text(study: Study) -> str:
         return f"interface {name}, which is missing, so μ0 and τ0 are independent"
     fit, items = interface.fits[0], [interface.about.get("kind", "measured"), interface.about.get("motion", "")]
     items += [SLIDING_RULE_DESCRIPTIONS[fit.sliding]] if fit.sliding != "all" else []
-    items += ["its range is unknown"] if np.ptp(fit.mu0) == np.ptp(fit.tau0) == 0 else []
+    items += ["its range is unknown"] if interface.has_unknown_range else []
     return f"interface {name} ({', '.join(filter(None, items))})"
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._estimate import Estimate
-from stiction._number_format import format_significant
+from stiction._number_format import format_percent, format_significant
 from stiction.studies.assessment import STATUS_EXPLANATIONS
 from stiction.studies.computed_loads import find_computed_load_range
 from stiction.studies.point import has_nominal_area
@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
     from stiction.studies.study import Study
 
+MIN_STATED_GROOVE_EFFECT = 0.01  # relative difference of friction along the axes below which no grooves are reported
 MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table if a result has several points
 
 
@@ -338,7 +339,10 @@ def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragrap
 
 
 def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
-    """Return a sentence about grooves. Grooves are reported if the intervals along two axes do not overlap."""
+    """Return a sentence about grooves.
+
+    Grooves are reported if the intervals along two axes do not overlap, and if the difference is at least 1 %.
+    """
     if not all(math.isfinite(estimate.lower) for estimate in by_axis.values()):
         return "Grooves: unknown, because the coefficients along the axes have no intervals."
     highest_axis = max(by_axis, key=lambda axis: by_axis[axis].value)
@@ -346,10 +350,12 @@ def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
     highest, lowest = by_axis[highest_axis], by_axis[lowest_axis]
     if not highest.lower > lowest.upper:
         return "No grooves: the axes differ by less than their intervals."
-    increase = format_significant(100 * (highest.value / lowest.value - 1))
+    increase = highest.value / lowest.value - 1
+    if increase < MIN_STATED_GROOVE_EFFECT:
+        return f"No grooves: the axes differ by less than {format_percent(MIN_STATED_GROOVE_EFFECT)}."
     return (
-        f"Grooves: friction along {_axis_label(highest_axis)} is {increase} % higher than along "
-        f"{_axis_label(lowest_axis)}."
+        f"Grooves: friction along {_axis_label(highest_axis)} is {format_significant(100 * increase)} % higher "
+        f"than along {_axis_label(lowest_axis)}."
     )
 
 
