@@ -1,12 +1,16 @@
 """Tests of results as a LaTeX table."""
 
 import re
+import shutil
+import subprocess
 
+import numpy as np
 import pytest
-from stiction import open_result, run
+from stiction import open_result, pair, run
 from stiction.studies.study import Study
 from stiction.studies.summary import summarize
 from stiction.views.latex import latex_table
+from support.rough_surfaces import rough_maps
 from support.synthetic_results import generated_result, generated_study, measured_result, measured_study
 
 SUMMARIES = {
@@ -60,6 +64,56 @@ def test_latex_table_shows_unfiltered_scans_as_none():
     assert "% cutoff (um) = none" in latex_table(SUMMARIES["pair"])
     cutoff_cells = [row[0] for row in table_cells(latex_table(SUMMARIES["readings"]))]
     assert cutoff_cells == ["cutoff (um)", "none", "0.5"]
+
+
+@pytest.fixture(scope="module")
+def pair_table(tmp_path_factory):
+    """Return the table of a pair of named materials with uncertain inputs, two pressures and a special file name."""
+    folder = tmp_path_factory.mktemp("pair")
+    files = [folder / "face_1 & 50%.npy", folder / "b.npy"]
+    for path, body in zip(files, rough_maps(1, points=40), strict=True):
+        np.save(path, body.heights)
+    options = {"unit": "um", "spacing": "0.1 um", "cutoff": "none", "direction": [0, 180], "shifts": 8, "onset": 0}
+    options |= {"upper": "silicon", "lower": "brass", "hardness": "2 GPa", "junction_growth": 0}
+    result = pair(*files, mu0="0.12±0.02", tau0="100..300 MPa", load=["20 MPa", "60 MPa"], **options)
+    return latex_table(result.summary())
+
+
+def test_latex_table_contains_pressures_materials_ranges_and_positions(pair_table):
+    header, *rows = table_cells(pair_table)
+    column = header.index("$F_N/A_0$ (MPa)")
+    assert [row[column] for row in rows] == ["20", "60"]
+    (caption,) = re.findall(r"^\\caption\{(.*)\}$", pair_table, re.MULTILINE)
+    expected_parts = [
+        r"face\_1 \& 50\%.npy on b.npy", "silicon on brass", r"$\mu_0$ = 0.12 (0.12$\pm$0.02)", "(100..300 MPa)",
+        "hardness 2 GPa", "the mean over both directions along x and 8 positions", "one scan of each part",
+        "$A/A_0$",
+    ]  # fmt: skip
+    assert [part for part in expected_parts if part not in caption] == []
+
+
+def test_latex_table_is_a_float_with_booktabs_rules(pair_table):
+    lines = [line for line in pair_table.splitlines() if line.startswith("\\") or line.startswith("%")]
+    commands = [re.match(r"\\?\w+(\{\w+\})?|%.*", line)[0] for line in lines]
+    assert [each for each in commands if not each.startswith("%")] == [
+        r"\begin{table}", r"\centering", r"\caption", r"\begin{tabular}", r"\toprule", r"\midrule", r"\bottomrule",
+        r"\end{tabular}", r"\end{table}",
+    ]  # fmt: skip
+    assert "booktabs" in commands[0]
+    without_comments = re.sub(r"^%.*$", "", pair_table, flags=re.MULTILINE)
+    assert without_comments.isascii()
+    assert without_comments.count("{") == without_comments.count("}")
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
+def test_latex_compiles_the_table(pair_table, tmp_path):
+    document = "\\documentclass{article}\\usepackage{booktabs}\\begin{document}\n" + pair_table + "\\end{document}\n"
+    (tmp_path / "table.tex").write_text(document, encoding="utf-8")
+    completed = subprocess.run(
+        ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "table.tex"], cwd=tmp_path, capture_output=True,
+        check=False,
+    )  # fmt: skip
+    assert completed.returncode == 0, completed.stdout.decode(errors="replace")[-2000:]
 
 
 def test_export_writes_latex_table_without_overwriting_files(tmp_path):

@@ -3,24 +3,36 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 
 from stiction._number_format import format_significant
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import column_title_and_factor
+from stiction.studies.study_description import describe_study
 from stiction.studies.summary import PointSummary, Summary
 from stiction.views.point import cutoff_text
+from stiction.views.sentence import covered_inputs_text, shared_conditions_text
 
 _RULE_HEADINGS = {"all": r"$\mu_s$, all contacts", "opposing": r"$\mu_s$, opposing contacts"}
 _COORDINATE_HEADINGS = {"hurst_exponent": "$H$", "fractal_dimension": "$D$", "mu0": r"$\mu_0$"}
 _LATEX_ESCAPES = str.maketrans({character: f"\\{character}" for character in "&%$#_{}"} | {"∞": r"$\infty$"})
+_LATEX_SYMBOLS = {character: f"\\{character}" for character in "&%$#_{}"} | {
+    "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": "$<$", ">": "$>$",
+    "μ_s": r"$\mu_s$", "μ0": r"$\mu_0$", "τ0": r"$\tau_0$", "E*": "$E^*$", "A/A0": "$A/A_0$", "H′": "$H'$",
+    "µ": r"$\mu$", "μ": r"$\mu$", "τ": r"$\tau$", "α": r"$\alpha$", "ν": r"$\nu$", "°": r"$^\circ$", "²": "$^2$",
+    "³": "$^3$", "±": r"$\pm$", "×": r"$\times$", "√": r"$\surd$", "∞": r"$\infty$", "′": "$'$", "·": r"$\cdot$",
+    "\N{MINUS SIGN}": "$-$", "–": "--", "…": r"\ldots{}",
+}  # fmt: skip
+_SYMBOL_PATTERN = re.compile("|".join(map(re.escape, sorted(_LATEX_SYMBOLS, key=len, reverse=True))))
 
 
 def latex_table(summary: Summary) -> str:
-    r"""Return the reported points of a summary as a LaTeX ``tabular``: conditions, coefficients and assessment.
+    r"""Return the reported points of a summary as a LaTeX ``table``: conditions, coefficients and assessment.
 
-    Conditions common to all points are comments above the table. Intervals of coefficients are the combined 95 %
-    intervals. Numbers have the same digits as on the terminal.
+    The caption contains the conditions that all points have in common, with the ranges of the inputs; comments above
+    the table contain their central values. Numbers have the same digits as on the terminal. The table requires the
+    LaTeX package booktabs.
     """
     points = summary.headlines
     coordinate_names = [
@@ -32,26 +44,60 @@ def latex_table(summary: Summary) -> str:
         for name in coordinate_names
         if name not in varying_names
     ]
+    has_pressure = "load" in varying_names and not any(math.isnan(point.nominal_pressure) for point in points)
     has_area = "contact_area_fraction" in summary.at
     rules = [rule.rule for rule in points[0].rules]
     header = [
         *map(_column_heading, varying_names),
+        *([r"$F_N/A_0$ (MPa)"] if has_pressure else []),
         *(_RULE_HEADINGS[rule] for rule in rules),
         *([r"$A/A_0$"] if has_area else []),
         "assessment",
     ]
     rows = [
-        [*(_coordinate_text(name, point) for name in varying_names), *_point_cells(point, has_area)] for point in points
+        [
+            *(_coordinate_text(name, point) for name in varying_names),
+            *([format_significant(1000 * point.nominal_pressure, 4)] if has_pressure else []),
+            *_point_cells(point, has_area),
+        ]
+        for point in points
     ]
-    lines = [f"% {text}" for text in shared_texts]
-    lines += [
+    lines = [
+        "% requires the package booktabs",
+        *(f"% {text}" for text in shared_texts),
+        r"\begin{table}",
+        r"\centering",
+        rf"\caption{{{_to_latex(_caption_text(summary, points, has_area=has_area))}}}",
         rf"\begin{{tabular}}{{{'l' * len(header)}}}",
-        r"\hline",
+        r"\toprule",
         _latex_row(header),
-        r"\hline",
+        r"\midrule",
         *map(_latex_row, rows),
+        r"\bottomrule",
+        r"\end{tabular}",
+        r"\end{table}",
     ]
-    return "\n".join([*lines, r"\hline", r"\end{tabular}"]) + "\n"
+    return "\n".join(lines) + "\n"
+
+
+def _caption_text(summary: Summary, points: Sequence[PointSummary], *, has_area: bool) -> str:
+    """Return the caption: the bodies, the inputs that all points have in common, the means and the intervals."""
+    version = summary.at.attrs.get("stiction_version")
+    intervals_text = next(filter(None, map(covered_inputs_text, points)), "")
+    bodies = "" if summary.study.is_measured else " of generated surfaces"
+    sentences = [
+        f"Coefficient of static friction{bodies}: {describe_study(summary.study).name}",
+        shared_conditions_text(points),
+        f"Brackets after μ_s: {intervals_text}" if intervals_text else "",
+        "Brackets after A/A0: 95 % sampling interval for exact inputs" if has_area else "",
+        f"Computed with stiction {version}" if version else "",
+    ]
+    return " ".join(f"{sentence[0].upper()}{sentence[1:]}." for sentence in sentences if sentence)
+
+
+def _to_latex(text: str) -> str:
+    """Return text in which LaTeX typesets all characters and symbols."""
+    return _SYMBOL_PATTERN.sub(lambda match: _LATEX_SYMBOLS[match[0]], text)
 
 
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
@@ -66,7 +112,7 @@ def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
 
 def _column_heading(name: str) -> str:
     """Return the column heading of a coordinate, with its unit."""
-    return _COORDINATE_HEADINGS.get(name, column_title_and_factor(name)[0].translate(_LATEX_ESCAPES))
+    return _COORDINATE_HEADINGS.get(name, _to_latex(column_title_and_factor(name)[0].replace("tau0", "τ0")))
 
 
 def _coordinate_text(name: str, point: PointSummary) -> str:
