@@ -521,8 +521,11 @@ class AreaInterpolator:
                 None, np.zeros(0), no_areas[:, np.newaxis], elastic_ratio, np.ones(1), growth, no_areas, pressures
             )
         # Without nodes, the model `interpolate_area_per_load` is scaled to the area at the hardness of the study.
-        elastic_areas = np.full(
-            (loads.size, 1), KAPPA_AT_SMALL_LOADS / (float(study.contact.effective_modulus) * gradient)
+        # Surfaces that fit perfectly are in complete contact under any load.
+        elastic_areas = (
+            np.full((loads.size, 1), KAPPA_AT_SMALL_LOADS / (float(study.contact.effective_modulus) * gradient))
+            if gradient > 0
+            else 1 / pressures[:, np.newaxis]
         )
         no_areas = np.zeros((loads.size, 1))
         return cls(
