@@ -22,6 +22,7 @@ from stiction.studies.assessment import Caveat
 from stiction.studies.at_load import at_load
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.result import Result
+from stiction.studies.summary import summarize
 from stiction.studies.values_at_nodes import evaluate_measured_nodes
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.tip import sharpened
@@ -196,6 +197,19 @@ def test_combined_interval_covers_alternatives_at_every_load_and_strength(blunt_
     np.testing.assert_array_equal(combined[..., 0], own[..., 0])
     np.testing.assert_array_equal(combined[..., 1], np.minimum(own[..., 1], other[..., 1]))
     np.testing.assert_array_equal(combined[..., 2], np.maximum(own[..., 2], other[..., 2]))
+
+
+@pytest.mark.parametrize("is_evaluated", [True, False])
+def test_caveat_mentions_the_alternative_only_where_the_interval_covers_it(spiked_result, is_evaluated):
+    at, study = spiked_result.at(), spiked_result.study
+    other_at = add_uncertainty(at_load(spiked_result.alternatives["spikes"], at["load"].values), spiked_result)
+    if not is_evaluated:
+        for name in ("friction_all_round", "friction_combined", "friction_known"):
+            other_at[name] = other_at[name] * np.nan
+    other_summary = summarize(other_at, study)
+    summary = summarize(at, study, input_caveats=spiked_result.input_caveats, alternatives={"spikes": other_summary})
+    (spike_caveat,) = (each for each in summary.first.caveats if "rms heights" in each.text)
+    assert ("the interval includes the result for masked outliers" in spike_caveat.text) == is_evaluated
 
 
 def test_pair_without_spikes_and_tip_has_no_alternatives(true_surfaces, tmp_path):

@@ -361,11 +361,29 @@ def summarize(
     **alongside : xarray.Dataset
         `onset` and `values_at_cutoffs`, if they are stored.
     """
-    summaries = [summarize_point(point, study, input_caveats) for point in iterate_points(at)]
+    summaries = [
+        summarize_point(
+            point,
+            study,
+            input_caveats,
+            covers_alternatives=_have_intervals(alternatives or {}, _get_point_coordinates(point, study)),
+        )
+        for point in iterate_points(at)
+    ]
     summaries = _merge_cutoff_points(summaries) if study.surfaces.both_readings else summaries
     for name, other in (alternatives or {}).items():
         summaries = [_include_faults_of_alternative(point, name, other) for point in summaries]
     return Summary(study, at, tuple(summaries), **alongside)
+
+
+def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
+    """Return whether the reported coefficients for all alternative preparations have an interval at a point."""
+    return all(
+        point.rules[0].has_interval
+        for alternative in alternatives.values()
+        for point in alternative.points
+        if point.at == coordinates
+    )
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
@@ -449,8 +467,13 @@ def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRul
     return replace(value.extended_to(other_value), next_test=value.next_test.extended_to(other_value.next_test))
 
 
-def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
-    """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies."""
+def summarize_point(
+    point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = (), *, covers_alternatives: bool = True
+) -> PointSummary:
+    """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies.
+
+    `covers_alternatives` is true if the interval, if there is one, covers all alternative preparations of the scans.
+    """
     values_by_rule = {rule: select_sliding_rule(point, rule) for rule in list_sliding_rules_reported_first(study)}
     rules = tuple(_build_rule_coefficient(values, rule) for rule, values in values_by_rule.items())
     quoted_values = values_by_rule[rules[0].rule]
@@ -460,9 +483,10 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     sampling_interval = rules[0].sampling_interval
     rule_with_sampling_interval = replace(rules[0], lower=sampling_interval.lower, upper=sampling_interval.upper)
+    has_interval_note = rules[0].has_interval and covers_alternatives
     # A cutoff removes caveats only if the user requested this cutoff.
     kept_caveats = [
-        replace(each, text=each.text + (each.interval_note if rules[0].has_interval else ""), interval_note="")
+        replace(each, text=each.text + (each.interval_note if has_interval_note else ""), interval_note="")
         for each in input_caveats
         if study.surfaces.both_readings or cut_off < each.cut_off
     ]
