@@ -24,7 +24,7 @@ from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved", "seizure"]
+Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved", "seizure", "downhill"]
 """Status of a point of a curve: "ok" if a friction coefficient exists, and otherwise the reason why none exists."""
 
 # The sequence of the statuses must not change, because files store the index of a status in this sequence.
@@ -36,11 +36,15 @@ STATUS_NOT_REACHED: Status = "not-reached"
 STATUS_BELOW_RANGE: Status = "below-range"
 STATUS_NOT_SOLVED: Status = "not-solved"
 STATUS_SEIZURE: Status = "seizure"
+STATUS_DOWNHILL: Status = "downhill"
 STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")  # data type of arrays of statuses
 _LOAD_CONTRIBUTIONS = ("elastic", "frictional", "adhesive")
 
 LOAD_SUM_NAMES = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _LOAD_CONTRIBUTIONS)
 """Names of the contact sums that determine the normal and the tangential load for every mu0 and tau0."""
+
+NEGLIGIBLE_COEFFICIENT = 1e-9
+"""Largest magnitude of a coefficient that is attributed to round-off."""
 
 MAX_SHEAR_STRENGTH_RATIO, MAX_RUBBER_SHEAR_STRENGTH_RATIO = 0.1, 1.0
 """Ratios tau0/E* above which the unit of tau0 is probably wrong: for stiff bodies, and for rubber and gels.

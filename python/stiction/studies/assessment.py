@@ -154,6 +154,11 @@ STATUS_EXPLANATIONS = {
         "the model has no coefficient",
         "check τ0, the hardness and α, or reduce the load",
     ),
+    "downhill": (
+        "in at least one direction, the upper body slides down the slopes without a tangential load; a mean over "
+        "directions has no meaning",
+        "use the coefficients of the other directions, or more positions",
+    ),
     "no-contact": ("the bodies do not touch", "use a larger load or a larger approach"),
 }
 """Meaning and remedy of each status of a point that has no coefficient."""
@@ -297,6 +302,9 @@ def find_point_caveats(
         return
     if status != friction.STATUS_OK or math.isnan(value.value):
         yield _build_status_caveat(status, study)
+        yield from find_caveats_of_failed_checks(
+            ([STEEP_SURFACE_CHECK],), _compute_checked_numbers(point, study, value)
+        )
         return
     num_members = mean_over_directions(point, "members")
     # smallest number of solved members in any sliding direction

@@ -18,7 +18,7 @@ from stiction._checks import Floats
 from stiction._estimate import Interval
 from stiction.mechanics.brackets import friction_range_for_finer_scans, max_friction_for_finer_scans
 from stiction.mechanics.closed_forms import solve_yield_condition
-from stiction.mechanics.friction import ForcesPerLoad
+from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, ForcesPerLoad
 from stiction.studies.hardness import (
     AreaInterpolator,
     compute_relative_modulus,
@@ -27,7 +27,6 @@ from stiction.studies.hardness import (
 )
 from stiction.studies.input_uncertainty import NUM_INPUT_SAMPLES, Z_95, UncertainInput, generate_stratified_points
 from stiction.studies.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean
-from stiction.studies.member_means import NEGLIGIBLE_COEFFICIENT
 
 if TYPE_CHECKING:
     from stiction.studies.study import Study

@@ -76,8 +76,8 @@ def friction_map(
         and the quantities of `Validity` (NaN for the half-space). The dimensions are fractal_dimension, amplitude, load
         (mN), mu0 and tau0 (GPa), preceded by sliding and direction if the result has them. The status is "ok",
         "no-contact", "self-locked" (mean(F_N) is not above 0 at the largest approach), "not-reached" (no approach
-        carries the load) or "below-range" (the smallest approach carries more than the load). The coefficient is NaN
-        unless the status is "ok".
+        carries the load), "below-range" (the smallest approach carries more than the load) or "downhill" (the mean
+        tangential load is negative). The coefficient is NaN unless the status is "ok".
 
     Raises
     ------
@@ -379,6 +379,10 @@ class _EnsembleQuantities:
         for name, statistics in zip(self.names, estimates, strict=True):
             if name == "friction_coefficient" or QUANTITIES[name].weighted:
                 statistics /= self.loads[:, np.newaxis, np.newaxis]
+            if name == "friction_coefficient":
+                is_downhill = statistics[0] < -friction.NEGLIGIBLE_COEFFICIENT
+                statistics[:, is_downhill] = np.nan
+                status[is_downhill] = friction.STATUS_DOWNHILL
             mean, lower, upper = statistics
             unit, title = QUANTITIES[name].unit, QUANTITIES[name].words
             variables = {

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics import friction
-from stiction.mechanics.friction import STATUS_DTYPE, STATUSES
+from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, STATUS_DTYPE, STATUSES
 from stiction.mechanics.quantities import QUANTITIES, is_requested, quantity_attributes
 from stiction.studies import intervals
 from stiction.studies.study import Study
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     import xarray
 
 SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of the values of single members, stored as `spread_low` and `spread_high`
-NEGLIGIBLE_COEFFICIENT = 1e-9
-"""Largest coefficient that is attributed to round-off, for an interface without strength."""
-
 FULL_CONTACT_STATUS, AREA_ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
 """Statuses of contacts with a true area equal to the nominal area (first) or above it (second).
 
@@ -55,13 +52,25 @@ def average_members(study: Study, members: xarray.Dataset, names: Collection[str
         members.variables[name].transpose("repetition", *dims).values for name in ("friction_coefficient", "status")
     )
 
-    def average_coefficients(coefficients: Floats, dims: list[str], name: str) -> tuple[Any, ...]:
+    directional_dims, directional_means, attributes = variables["friction_coefficient"]
+    is_downhill = directional_means[..., 0] < -NEGLIGIBLE_COEFFICIENT
+    variables["friction_coefficient"] = directional_dims, _remove_negative(directional_means, is_downhill), attributes
+    # A mean over directions has no meaning if the body slides by itself in one of them. Without any strength, the
+    # directions cancel, and the mean is 0.
+    has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
+    counts_as_downhill = is_downhill & has_strength
+
+    def average_coefficients(
+        coefficients: Floats, dims: list[str], name: str, is_any_downhill: NDArray[np.bool_]
+    ) -> tuple[Any, ...]:
         means = _remove_round_off(dependence.mean_with_interval(coefficients), dims, members)
-        return (*dims, "statistic"), means, quantity_attributes(name)
+        is_removed = is_any_downhill | (means[..., 0] < -NEGLIGIBLE_COEFFICIENT)
+        return (*dims, "statistic"), _remove_negative(means, is_removed), quantity_attributes(name)
 
     variables["friction_all_round"] = average_coefficients(
-        coefficient.mean(axis=direction_axis), dims_of_mean, "friction_all_round"
-    )
+        coefficient.mean(axis=direction_axis), dims_of_mean, "friction_all_round",
+        counts_as_downhill.any(axis=direction_axis - 1),
+    )  # fmt: skip
     axes, direction_pairs = find_axes_with_both_directions(members["direction"].values)
     if members.sizes["direction"] > 1 and axes.size and is_requested("friction_by_axis", names):
         coefficient_by_axis = np.stack(
@@ -69,17 +78,26 @@ def average_members(study: Study, members: xarray.Dataset, names: Collection[str
             axis=direction_axis,
         )
         variables["friction_by_axis"] = average_coefficients(
-            coefficient_by_axis, ["axis" if dim == "direction" else dim for dim in dims], "friction_by_axis"
-        )
+            coefficient_by_axis, ["axis" if dim == "direction" else dim for dim in dims], "friction_by_axis",
+            np.stack(
+                [
+                    np.take(counts_as_downhill, pair, axis=direction_axis - 1).any(axis=direction_axis - 1)
+                    for pair in direction_pairs
+                ],
+                axis=direction_axis - 1,
+            ),
+        )  # fmt: skip
         coordinates["axis"] = ("axis", axes, quantity_attributes("axis"))
     single_coefficients = np.moveaxis(coefficient, direction_axis, 1)
     low, high = intervals.compute_sample_quantiles(
         single_coefficients.reshape(-1, *single_coefficients.shape[2:]), SPREAD_QUANTILES
     )  # NaN if no member has a coefficient
+    statuses = np.where(is_downhill, np.array(friction.STATUS_DOWNHILL, STATUS_DTYPE), _find_common_statuses(status))
     variables |= {
-        "spread_low": (dims_of_mean, low, quantity_attributes("spread_low")),
-        "spread_high": (dims_of_mean, high, quantity_attributes("spread_high")),
-        "status": (dims, _find_common_statuses(status), quantity_attributes("status")),
+        # A member that slides by itself needs no tangential load.
+        "spread_low": (dims_of_mean, np.maximum(low, 0.0), quantity_attributes("spread_low")),
+        "spread_high": (dims_of_mean, np.maximum(high, 0.0), quantity_attributes("spread_high")),
+        "status": (dims, statuses, quantity_attributes("status")),
         "ok": (dims, (status == friction.STATUS_OK).sum(axis=0), quantity_attributes("ok")),
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
     }
@@ -125,6 +143,16 @@ def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tupl
         np.minimum(fraction, 1.0) if uses_half_space else np.where(is_above_nominal[..., np.newaxis], np.nan, fraction)
     )
     return status, limited_fraction
+
+
+def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
+    """Replace means and their limits by NaN where a mask is true, and other negative means, which are round-off, by 0.
+
+    The last axis contains mean, lower limit and upper limit.
+    """
+    means = np.where(is_removed[..., np.newaxis], np.nan, means)
+    means[..., 0] = np.where(means[..., 0] < 0, 0.0, means[..., 0])
+    return means
 
 
 def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:

@@ -84,7 +84,7 @@ def filtered(
     of the amplitude, at all wavelengths of the grid. `section_parameters` uses the sampled weighting function instead,
     which differs for cutoffs below ten points. Near the ends and near missing points, some of the weights
     :math:`\exp[-π (x/αλ_c)^2]` have no points. There a straight line (a bilinear function for a surface) is fitted with
-    the remaining weights, which retains the moments of order zero and one, as ISO 16610-28 proposes for end effects. For
+    the remaining weights, which retains the moments of order zero and one, as ISO 16610-28 proposes. For
     cutoffs below four points, the heights are continued by reflection instead, and missing heights are interpolated.
 
     The robust filter is the Gaussian regression filter of second degree of ISO 16610-31 and ISO 16610-71: local

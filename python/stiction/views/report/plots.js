@@ -339,6 +339,7 @@ const HATCHES = {
   "between-nodes": ["var(--line)", ""],
   "not-solved": ["var(--line)", "M3.9 4h.2"],
   seizure: ["#7a0019", "M-2 2L2 -2M0 8L8 0M6 10L10 6"],
+  downhill: ["var(--line)", "M-2 2L2 -2M0 8L8 0M6 10L10 6"],
 };
 
 const pattern = (id, ...shapes) =>

@@ -1,0 +1,57 @@
+"""Tests of mated faces, whose gap is 0 without a displacement and which slide downhill if displaced up a slope."""
+
+import numpy as np
+import pytest
+from stiction import Surface, pair, self_affine_surface
+
+
+@pytest.fixture(scope="module")
+def mated_faces():
+    lower = self_affine_surface(5, side="lower", hurst_exponent=0.8, rms=6.0, shape=(64, 64), spacing=15.625)
+    return Surface(-lower.heights[::-1], spacing=lower.spacing), lower
+
+
+def press_mated_faces(faces, offset, **options):
+    options = {"load": "1 MPa", "young": "30 GPa", "poisson": 0.25, "onset": 0, "hardness": "1 GPa"} | options
+    return pair(*faces, positions=[f"{offset},0 um"], direction=[0, 90, 180, 270], **options)
+
+
+@pytest.mark.parametrize("hardness", ["1 GPa", "0.8..1.2 GPa", None])
+def test_perfect_fit_is_in_complete_contact(hardness):
+    heights = np.random.default_rng(1).integers(-3, 4, size=(16, 16)) * 1.0
+    faces = Surface(heights.mean() - heights[::-1], spacing=3125.0), Surface(heights - heights.mean(), spacing=3125.0)
+    result = press_mated_faces(faces, "0 um", mu0=0.6, tau0="1 MPa", hardness=hardness, level="mean")
+    point = result.at()
+    assert (point["rms_gradient"].sel(statistic="mean") == 0).all()
+    assert (point["contact_status"] == "complete").all()
+    assert result.value == pytest.approx(0.6 + 1.0 / 1.0, rel=1e-3)  # mu0 plus tau0 over the nominal pressure
+
+
+def test_direction_with_negative_tangential_load_is_downhill_and_has_no_coefficient(mated_faces):
+    result = press_mated_faces(mated_faces, "15.625 um", mu0=0.2)
+    friction = result.at().sel(sliding="all").squeeze(drop=True)
+    coefficient = friction["friction_coefficient"].sel(statistic="mean")
+    assert friction["status"].sel(direction=180).item() == "downhill"
+    assert coefficient.sel(direction=0) > 0.3
+    assert coefficient.sel(direction=180).isnull()
+    assert friction["friction_by_axis"].sel(axis=0.0).isnull().all()
+    assert friction["friction_by_axis"].sel(axis=90.0, statistic="mean") > 0
+    assert (friction["spread_low"] >= 0).all()
+
+
+def test_mean_over_directions_with_a_downhill_direction_is_not_reported(mated_faces):
+    result = press_mated_faces(mated_faces, "15.625 um", mu0=0.2)
+    assert np.isnan(result.value)
+    assert result.verdict == "Do not quote"
+    (point,) = result.summary().points
+    assert point.status == "downhill"
+    assert np.isnan(point.rules[0].by_direction[180.0].value)
+    assert point.rules[1].value > 0  # friction only at opposing contacts is never negative
+
+
+def test_single_downhill_direction_has_no_coefficient(mated_faces):
+    options = {"direction": 180, "mu0": 0.2, "load": "1 MPa", "young": "30 GPa", "poisson": 0.25, "onset": 0}
+    point = pair(*mated_faces, positions=["15.625 um,0 um"], **options).at().sel(sliding="all")
+    assert (point["status"] == "downhill").all()
+    assert point["friction_coefficient"].isnull().all()
+    assert point["friction_all_round"].isnull().all()
