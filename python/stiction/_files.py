@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import platform
 import re
@@ -66,6 +67,25 @@ def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> 
             )
 
 
+def create_atomically(path: Path, content: bytes) -> None:
+    """Write a new file, which appears only when complete. Raise a `FileExistsError` if the path exists.
+
+    If several processes create the same path at the same time, exactly one succeeds, provided that the file system has
+    hard links.
+    """
+    if os.path.lexists(path):
+        raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
+    try:
+        with _open_partial_file(path, os.link) as partial_path:  # unlike rename, link never replaces a file
+            partial_path.write_bytes(content)
+    except FileExistsError:
+        raise
+    except OSError:  # the disk may be full, or the file system may have no hard links
+        if os.path.lexists(path):
+            raise
+        write_atomically(path, content)
+
+
 def write_atomically(path: Path, content: bytes) -> None:
     """Write a file atomically. It appears under its name, and replaces an older file, only when complete."""
     with _open_partial_file(path, Path.replace) as partial_path:
@@ -90,14 +110,55 @@ def new_partial_file_name() -> str:
     return f".stiction-{_MACHINE_TOKEN}-{os.getpid()}-{_PROCESS_TOKEN}-{secrets.token_hex(4)}.partial"
 
 
+class FolderClaim:
+    """Partial file that marks a folder as in use by a run, from `acquire` until the end of the context.
+
+    If the process is killed, the file stays and becomes stale, so that it does not lock the folder.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self._file = Path(folder) / new_partial_file_name()
+
+    def __enter__(self) -> FolderClaim:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        with suppress(OSError):
+            self._file.unlink(missing_ok=True)
+
+    def acquire(self) -> None:
+        """Create the file of this claim. The folder must exist."""
+        self._file.touch()
+
+    def find_competitor(self) -> str | None:
+        """Return the name of a partial file of another active run in this folder, or None.
+
+        If two runs acquire their claims first and call this function afterwards, at least one of them finds the other.
+        """
+        for entry, is_stale in _scan_partial_files(self._file.parent):
+            if not is_stale and entry.name != self._file.name:
+                return entry.name
+        return None
+
+
 def remove_stale_partial_files(folder: Path) -> None:
     """Remove partial files left by processes that have died. Errors, such as missing permissions, are ignored."""
     with suppress(OSError):
-        for entry in os.scandir(folder):
-            match = PARTIAL_FILE_NAME_PATTERN.fullmatch(entry.name)
-            if match and entry.is_file(follow_symlinks=False) and _is_stale_partial_file(entry, *match.groups()):
+        for entry, is_stale in _scan_partial_files(folder):
+            if is_stale:
                 with suppress(OSError):
                     os.unlink(entry)
+
+
+def _scan_partial_files(folder: Path) -> Iterator[tuple[os.DirEntry[str], bool]]:
+    """Yield the partial files in a folder, each with True if the process that wrote it has died."""
+    with os.scandir(folder) as iterator:
+        entries = list(iterator)
+    for entry in entries:
+        match = PARTIAL_FILE_NAME_PATTERN.fullmatch(entry.name)
+        with suppress(FileNotFoundError):  # the other process may finish its file at any time
+            if match and entry.is_file(follow_symlinks=False):
+                yield entry, _is_stale_partial_file(entry, *match.groups())
 
 
 def _is_stale_partial_file(entry: os.DirEntry[str], machine_token: str, process: str, process_token: str) -> bool:

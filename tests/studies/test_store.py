@@ -10,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 import zlib
 from concurrent.futures import ThreadPoolExecutor
@@ -19,7 +20,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from stiction import Result, _files, run
+from stiction import Result, Study, _files, run
 from stiction.studies import layout, runner, store
 from stiction.studies.runner import compute_missing_blocks
 from stiction.studies.store import BLOCKS_FOLDER, STUDY_FILE, BlockFile, ExportError, StoreError, export
@@ -304,9 +305,40 @@ def test_study_file_written_by_hand_is_not_overwritten_even_without_blocks(tmp_p
         run(TINY_STUDY.with_changes({"ensemble.seed": 1}), store=tmp_path)
     assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
     assert (tmp_path / STUDY_FILE).read_text().startswith("# by hand")
-    shutil.rmtree(tmp_path / BLOCKS_FOLDER)
-    (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_SIGNATURE} 0.1.0.\n" + TINY_STUDY.to_toml())
+
+
+def test_study_file_written_by_stiction_is_replaced_if_there_are_no_blocks(tmp_path):
+    store.create_or_open_result(tmp_path, TINY_STUDY)
     assert run(with_repetitions(1).with_changes({"ensemble.seed": 1}), store=tmp_path).dataset.sizes["repetition"] == 1
+
+
+def edit_study_file(file, kind):
+    text = file.read_text()
+    if kind == "link":
+        file.rename(file.with_name("mine.toml"))
+        file.symlink_to("mine.toml")
+    elif kind == "first line only":
+        file.write_text(f"{store.STUDY_FILE_SIGNATURE} 0.1.0.\n\n{text.partition(chr(10) * 2)[2]}")
+    else:
+        old, new = {"number": ("= 2_016", "= 2_017"), "comment": ("[surfaces]", "# Tuesday\n[surfaces]")}[kind]
+        assert old in text
+        file.write_text(text.replace(old, new))
+
+
+@pytest.mark.parametrize("kind", ["number", "comment", "link", "first line only"])
+def test_edited_study_file_without_blocks_is_continued_but_never_replaced(tmp_path, kind):
+    store.create_or_open_result(tmp_path, TINY_STUDY)
+    edit_study_file(tmp_path / STUDY_FILE, kind)
+    text = (tmp_path / STUDY_FILE).read_text()
+    with pytest.raises(StoreError, match=r"contains another study in a study\.toml that was written or edited by hand"):
+        run(with_repetitions(1), store=tmp_path)
+    edited_study = Study.from_toml(tmp_path / STUDY_FILE)
+    run(edited_study, store=tmp_path)
+    assert (tmp_path / STUDY_FILE).read_text() == text
+    assert (tmp_path / STUDY_FILE).is_symlink() == (kind == "link")
+    with pytest.raises(StoreError, match="written or edited by hand"):  # only the friction parameters differ
+        run(edited_study.with_changes({"friction.mu0": [0.3]}), store=tmp_path)
+    assert (tmp_path / STUDY_FILE).read_text() == text
 
 
 # ---- Damage ---------------------------------------------------------------------------------------------------------
@@ -579,8 +611,8 @@ def test_partial_file_removed_by_another_process_is_written_again(tmp_path, unin
         return replace(self, target)
 
     compute_missing_blocks(with_repetitions(4), tmp_path)
+    store.create_or_open_result(tmp_path, TINY_STUDY)
     monkeypatch.setattr(Path, "replace", remove_and_replace)
-    (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_SIGNATURE} 0.1.0.\n" + TINY_STUDY.to_toml())
     assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
     assert removed_files
 
@@ -653,6 +685,87 @@ def test_run_resumes_after_it_was_killed_at_any_disk_operation(tmp_path, uninter
     assert statuses[-1] == 0
     assert set(statuses[:-1]) == {-signal.SIGKILL}
     assert len(statuses) > 5
+    assert_same_bits(run(TINY_STUDY, store=tmp_path / "r").dataset, uninterrupted_dataset)
+    assert_no_partial_files(tmp_path)
+
+
+# ---- Several runs in one folder -------------------------------------------------------------------------------------
+
+OTHER_STUDIES = [{"ensemble.seed": 1}, {"contact.effective_modulus": "11 GPa"}, {"friction.mu0": [0.3]}]
+
+
+class WaitingExecutor(InlineExecutor):
+    """Executor whose first task waits until `proceed` is set."""
+
+    def __init__(self):
+        super().__init__()
+        self.has_started, self.proceed = threading.Event(), threading.Event()
+
+    def submit(self, function, /, *args, **kwargs):
+        self.has_started.set()
+        assert self.proceed.wait(60)
+        return super().submit(function, *args, **kwargs)
+
+
+@pytest.mark.parametrize("change", OTHER_STUDIES, ids=str)
+def test_run_of_another_study_is_rejected_while_a_run_uses_the_folder(tmp_path, uninterrupted_dataset, change):
+    executor, other_study = WaitingExecutor(), TINY_STUDY.with_changes(change)
+    with ThreadPoolExecutor(1) as threads:
+        first_run = threads.submit(run, TINY_STUDY, executor=executor, store=tmp_path)
+        try:
+            assert executor.has_started.wait(60)
+            study_text = (tmp_path / STUDY_FILE).read_text()
+            with pytest.raises(StoreError, match="is in use by another run"):
+                run(other_study, store=tmp_path)
+            assert (tmp_path / STUDY_FILE).read_text() == study_text
+            assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)  # the same study may share
+        finally:
+            executor.proceed.set()
+        assert_same_bits(first_run.result().dataset, uninterrupted_dataset)
+    assert store.info(tmp_path).study == TINY_STUDY
+    assert_no_partial_files(tmp_path)
+
+
+def test_exactly_one_of_two_studies_started_at_once_gets_a_new_folder(tmp_path):
+    for index in range(10):
+        studies = [with_repetitions(4).with_changes({"ensemble.seed": seed}) for seed in (1, 2)]
+        barrier = threading.Barrier(2)
+
+        def run_after_barrier(study, folder=tmp_path / str(index), barrier=barrier):
+            barrier.wait()
+            try:
+                return run(study, store=folder, executor=InlineExecutor())
+            except StoreError:
+                return None
+
+        with ThreadPoolExecutor(2) as threads:
+            results = list(threads.map(run_after_barrier, studies))
+        winners = [study for study, result in zip(studies, results, strict=True) if result is not None]
+        assert len(winners) == 1
+        assert_same_bits(store.read(tmp_path / str(index)), run(winners[0]).dataset)
+
+
+SCRIPT_THAT_WAITS = """
+import sys, time
+from pathlib import Path
+from stiction import Study, run
+from stiction.studies import runner
+runner.compute_member_arrays = lambda *_: print("computing", flush=True) or time.sleep(600)
+run(Study.from_toml("s.toml"), store="r")
+"""
+
+
+def test_killed_process_does_not_lock_its_folder(tmp_path, uninterrupted_dataset):
+    (tmp_path / "s.toml").write_text(TINY_STUDY.with_changes({"ensemble.seed": 1}).to_toml())
+    with subprocess.Popen(
+        [sys.executable, "-c", SCRIPT_THAT_WAITS], cwd=tmp_path, stdout=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            assert process.stdout.readline() == "computing\n"
+            with pytest.raises(StoreError, match="is in use by another run"):
+                run(TINY_STUDY, store=tmp_path / "r")
+        finally:
+            process.kill()
     assert_same_bits(run(TINY_STUDY, store=tmp_path / "r").dataset, uninterrupted_dataset)
     assert_no_partial_files(tmp_path)
 

@@ -97,7 +97,8 @@ def compute_result_in_folder(
             announce=show_status, **options,
         )  # fmt: skip
     except StudyMismatchError as error:
-        raise error.with_remedy(_conflict_advice(error, study, is_replaceable="replace" in options)) from None
+        is_replaceable = "replace" in options and not error.is_edited
+        raise error.with_remedy(_conflict_advice(error, study, is_replaceable=is_replaceable)) from None
     except KeyboardInterrupt:
         detail = ""
         with contextlib.suppress(StoreError):  # an exception means that no result is stored yet

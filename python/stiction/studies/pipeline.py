@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from stiction._core import __version__
-from stiction._files import check_replaceable, replace_file_atomically
+from stiction._files import FolderClaim, check_replaceable, replace_file_atomically
 from stiction._text import format_duration
 from stiction.studies.alternatives import ALTERNATIVE_LABELS, build_alternative_study, get_alternative_folder
 from stiction.studies.contact_picture import CONTACT_PICTURE_FILE, contact_picture
@@ -34,7 +34,7 @@ from stiction.studies.resolution import CUTOFF_STUDY_FOLDER, build_cutoff_study
 from stiction.studies.result import Result
 from stiction.studies.runner import complete_blocks, prepare_result_folder
 from stiction.studies.secondary_study import complete_secondary_study, compute_missing_areas, remove_result
-from stiction.studies.store import CHECKSUM_PREFIX, STUDY_FILE, StoredResult, StoreError, export, open_stored_result
+from stiction.studies.store import CHECKSUM_PREFIX, StoredResult, StoreError, export, open_result_to_complete
 from stiction.studies.study import Study, find_table_differences, format_study_differences
 
 LinePrintFunction = Callable[[str], Any]  # function that prints a line
@@ -71,45 +71,62 @@ def complete_result(
     """
     for name, signature in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
         check_replaceable(folder / name, signature, StoreError)
-    existing_result = open_stored_result(folder) if (folder / STUDY_FILE).exists() else None
-    if replace and existing_result:
-        remove_result(existing_result)
-    stored_result, num_members = prepare_result_folder(study, folder, part), study.ensemble.repetitions
-    num_existing = stored_result.num_finished
-    differences = (
-        find_table_differences(existing_result.study, stored_result.study) if existing_result and num_existing else []
-    )
-    existing_text, all_text = map(study.member_names.with_count, (num_existing, num_members))
-    if friction_differences := [difference for difference in differences if difference[0].startswith("friction.")]:
-        print_remark(
-            f"{folder} has results for other friction parameters; its {existing_text} are kept, and its table, report "
-            f"and figures are replaced\n{format_study_differences(friction_differences)}"
+    existing_result = open_result_to_complete(folder)
+    with FolderClaim(folder) as claim:
+        if replace and existing_result:
+            remove_result(existing_result, claim)
+        stored_result = prepare_result_folder(study, folder, claim, part)
+        num_members = study.ensemble.repetitions
+        num_existing = stored_result.num_finished
+        differences = (
+            find_table_differences(existing_result.study, stored_result.study)
+            if existing_result and num_existing
+            else []
         )
-    is_measured = stored_result.study.is_measured
-    seconds = (num_members - num_existing) * estimate_member_time(stored_result.study)
-    announce_blocks = print_finished if not is_measured else print_remark if seconds > MIN_ANNOUNCED_TIME else announce
-    stored_result = complete_blocks(
-        stored_result, part=part, executor=executor, progress=progress, announce=announce_blocks, update=print_remark
-    )
-    if part is not None:
-        print_finished(
-            f"part {part[0]}/{part[1]} is finished; {stored_result.num_finished} of {all_text} are in {folder}"
+        existing_text, all_text = map(study.member_names.with_count, (num_existing, num_members))
+        if friction_differences := [difference for difference in differences if difference[0].startswith("friction.")]:
+            print_remark(
+                f"{folder} has results for other friction parameters; its {existing_text} are kept, and its table, "
+                f"report and figures are replaced\n{format_study_differences(friction_differences)}"
+            )
+        is_measured = stored_result.study.is_measured
+        seconds = (num_members - num_existing) * estimate_member_time(stored_result.study)
+        announce_blocks = (
+            print_finished if not is_measured else print_remark if seconds > MIN_ANNOUNCED_TIME else announce
         )
-        return Result(stored_result)
-    result = Result(stored_result)
-    if is_measured and not has_only_negligible_loads(result):
-        _compute_areas_if_possible(result, executor, print_remark)
-        _compute_alternatives(stored_result, executor, progress=progress, print_remark=print_remark)
-    if num_existing < num_members and (num_existing or not is_measured):
-        print_finished(f"wrote {folder}" + (f" ({num_existing} of {all_text} already existed)" if num_existing else ""))
-    elif num_existing == num_members:
-        version_text = "" if stored_result.version == __version__ else f", computed by stiction {stored_result.version}"
-        print_finished(f"{folder} already contains this study{version_text}")
-    show_result(result)
-    if is_measured and (num_existing < num_members or not (stored_result.path / CONTACT_PICTURE_FILE).exists()):
-        _write_companion_file(stored_result, CONTACT_PICTURE_FILE, lambda: contact_picture(result))
-    compute_companion_files(result, executor, onset, progress=progress, announce=announce, print_remark=print_remark)
-    return result
+        stored_result = complete_blocks(
+            stored_result,
+            part=part,
+            executor=executor,
+            progress=progress,
+            announce=announce_blocks,
+            update=print_remark,
+        )
+        if part is not None:
+            print_finished(
+                f"part {part[0]}/{part[1]} is finished; {stored_result.num_finished} of {all_text} are in {folder}"
+            )
+            return Result(stored_result)
+        result = Result(stored_result)
+        if is_measured and not has_only_negligible_loads(result):
+            _compute_areas_if_possible(result, executor, print_remark)
+            _compute_alternatives(stored_result, executor, progress=progress, print_remark=print_remark)
+        if num_existing < num_members and (num_existing or not is_measured):
+            print_finished(
+                f"wrote {folder}" + (f" ({num_existing} of {all_text} already existed)" if num_existing else "")
+            )
+        elif num_existing == num_members:
+            version_text = (
+                "" if stored_result.version == __version__ else f", computed by stiction {stored_result.version}"
+            )
+            print_finished(f"{folder} already contains this study{version_text}")
+        show_result(result)
+        if is_measured and (num_existing < num_members or not (stored_result.path / CONTACT_PICTURE_FILE).exists()):
+            _write_companion_file(stored_result, CONTACT_PICTURE_FILE, lambda: contact_picture(result))
+        compute_companion_files(
+            result, executor, onset, progress=progress, announce=announce, print_remark=print_remark
+        )
+        return result
 
 
 def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: float) -> None:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._core import __version__
-from stiction._files import new_partial_file_name
+from stiction._files import FolderClaim, new_partial_file_name
 from stiction._text import format_bytes, format_duration, printable_path
 from stiction.studies.executors import (
     WORKER_DIED_MESSAGE,
@@ -125,7 +125,9 @@ def run(
         )
     if store is None:
         return Result(_run_in_memory(study.with_checksums(), executor, progress))
-    return Result(complete_blocks(prepare_result_folder(study, store), executor=executor, progress=progress))
+    with FolderClaim(store) as claim:
+        stored_result = prepare_result_folder(study, store, claim)
+        return Result(complete_blocks(stored_result, executor=executor, progress=progress))
 
 
 def compute_missing_blocks(
@@ -140,14 +142,22 @@ def compute_missing_blocks(
     `announce` receives a line about the work ahead. Returns the number of finished repetitions of the study, or of the
     part. Raises the errors of `run`.
     """
-    stored_result = prepare_result_folder(study, folder, part)
-    stored_result = complete_blocks(stored_result, part=part, executor=executor, progress=progress, announce=announce)
+    with FolderClaim(folder) as claim:
+        stored_result = complete_blocks(
+            prepare_result_folder(study, folder, claim, part),
+            part=part,
+            executor=executor,
+            progress=progress,
+            announce=announce,
+        )
     unfinished_members = _UnfinishedMembers(stored_result, part)
     return unfinished_members.total - unfinished_members.count
 
 
-def prepare_result_folder(study: Study, folder: str | Path, part: tuple[int, int] | None = None) -> StoredResult:
-    """Create the folder in which a study is stored, or open the existing folder.
+def prepare_result_folder(
+    study: Study, folder: str | Path, claim: FolderClaim, part: tuple[int, int] | None = None
+) -> StoredResult:
+    """Create the folder in which a study is stored, or open the existing folder, and acquire the claim of the run.
 
     Raises the errors of `compute_missing_blocks`.
     """
@@ -160,7 +170,7 @@ def prepare_result_folder(study: Study, folder: str | Path, part: tuple[int, int
             f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; reduce the number of values of "
             f"contact.{study.step_quantity} or {keys}"
         )
-    return create_or_open_result(folder, study.with_checksums(Path(folder)))
+    return create_or_open_result(folder, study.with_checksums(Path(folder)), claim)
 
 
 def complete_blocks(
@@ -427,9 +437,9 @@ def compute_block(version: str, study: Study, folder: SharedResultFolder | None,
     """Compute a block of members and write its file. If the folder is not accessible, return the file content."""
     from stiction.studies.store import encode_members
 
-    is_visible = folder is not None and folder.is_accessible()
     content = encode_members(study, members, compute_block_arrays(version, study, members))
-    if folder is None or not is_visible:
+    # If the run has ended in the meantime, a run of another study may use the folder.
+    if folder is None or not folder.is_accessible():
         return content
     write_block(folder.path, members[0], content, len(members))
     return None

@@ -10,6 +10,7 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
+from stiction._files import FolderClaim
 from stiction.studies.hardness import (
     AREAS_BY_HARDNESS_FILE,
     choose_hardness_and_modulus_nodes,
@@ -22,7 +23,15 @@ from stiction.studies.member_solution import estimate_member_time, estimate_solu
 from stiction.studies.onset import ONSET_FILE, ONSET_TABLE_FILE
 from stiction.studies.result import Result
 from stiction.studies.runner import complete_blocks, prepare_result_folder
-from stiction.studies.store import BLOCKS_FOLDER, STUDY_FILE, StoredResult, export, open_stored_result
+from stiction.studies.store import (
+    BLOCKS_FOLDER,
+    STUDY_FILE,
+    StoredResult,
+    check_unedited,
+    check_unused,
+    export,
+    open_result_to_complete,
+)
 from stiction.studies.study import Study, find_member_differences
 
 TimeAnnouncer = Callable[[float], Any]  # function that receives the estimated time (s) on one core before a computation
@@ -37,13 +46,14 @@ def complete_secondary_study(
     A stored study with other members, for example of another pair, is removed first. Raises the errors of
     `compute_missing_blocks`.
     """
-    existing_result = open_stored_result(folder) if (folder / STUDY_FILE).exists() else None
-    if existing_result and find_member_differences(existing_result.study, study):
-        remove_result(existing_result)
-    stored_result = prepare_result_folder(study, folder)
-    if num_missing := study.ensemble.repetitions - stored_result.num_finished:
-        announce_time(num_missing * estimate_member_time(study))
-    return Result(complete_blocks(stored_result, executor=executor, progress=progress))
+    existing_result = open_result_to_complete(folder)
+    with FolderClaim(folder) as claim:
+        if existing_result and find_member_differences(existing_result.study, study):
+            remove_result(existing_result, claim)
+        stored_result = prepare_result_folder(study, folder, claim)
+        if num_missing := study.ensemble.repetitions - stored_result.num_finished:
+            announce_time(num_missing * estimate_member_time(study))
+        return Result(complete_blocks(stored_result, executor=executor, progress=progress))
 
 
 def compute_missing_areas(result: Result, executor: Executor, *, announce_time: TimeAnnouncer = lambda _: None) -> None:
@@ -70,8 +80,14 @@ def lacks_areas_at_nodes(result: Result) -> bool:
     return bool(hardnesses.size) and not has_only_negligible_loads(result) and not has_areas_at_nodes(result)
 
 
-def remove_result(stored_result: StoredResult) -> None:
-    """Remove all files of a result (study, blocks, areas, onset) from a folder, but no other files."""
+def remove_result(stored_result: StoredResult, claim: FolderClaim) -> None:
+    """Remove all files of a result (study, blocks, areas, onset) from a folder, but no other files.
+
+    Raises a `StoreError` if the study file was written or edited by hand, or if another run uses the folder.
+    """
+    check_unedited(stored_result.path)
+    claim.acquire()
+    check_unused(stored_result.path, claim)
     for block in stored_result.blocks:
         (stored_result.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
     area_files = (AREAS_BY_HARDNESS_FILE,) if stored_result.study.is_measured else ()

@@ -1,12 +1,12 @@
 """Results on disk. Each result has a folder with a study file and one file per block of members.
 
-    DIR/study.toml                               the study
+    DIR/study.toml                               the study; the first line contains a checksum of the other lines
     DIR/blocks/0000008-0000015-1b2c3d4e.nc       members 8 to 15; the last field is the CRC-32 of the file's bytes
 
 Block files are created atomically and never changed: a file with its final name is a finished block, and a missing file
 is a block that still has to be computed. The bits of a member depend only on the study and the number of the member.
-Two processes may therefore write the same block, and no lock is needed. Blocks may overlap, for example after a study
-was extended; each member is then read from the first file that contains it.
+Two processes of the same study may therefore write the same block, and no lock is needed. Blocks may overlap, for
+example after a study was extended; each member is then read from the first file that contains it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import threading
 import warnings
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 import stiction._files as _files
 from stiction._core import __version__
 from stiction._files import (
+    FolderClaim,
     UnreadableFileError,
     create_file_atomically,
     describe_os_error,
@@ -80,6 +81,7 @@ if TYPE_CHECKING:
 STUDY_FILE = "study.toml"
 BLOCKS_FOLDER = "blocks"
 STUDY_FILE_SIGNATURE = "# Written by stiction"  # first words of every study file written by stiction
+_STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32 of the text below: ([0-9a-f]{8})\.")
 MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory as a whole
 MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a companion file that is read
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
@@ -418,6 +420,15 @@ def open_stored_result(path: str | Path) -> StoredResult:
     return StoredResult(path, study, blocks)
 
 
+def open_result_to_complete(path: Path) -> StoredResult | None:
+    """Open the result in a folder. Returns None if its study file does not exist or is empty, so that a run writes it.
+
+    Raises a `StoreError` if the study file is damaged.
+    """
+    file = path / STUDY_FILE
+    return open_stored_result(path) if file.exists() and file.stat().st_size else None
+
+
 def info(path: str | Path) -> StoreInfo:
     """Describe the contents of a result folder. At most one block is read.
 
@@ -464,28 +475,28 @@ def _read_study_file(path: Path) -> Study:
 # ---- Writing --------------------------------------------------------------------------------------------------------
 
 
-def create_or_open_result(path: str | Path, study: Study) -> StoredResult:
+def create_or_open_result(path: str | Path, study: Study, claim: FolderClaim | None = None) -> StoredResult:
     """Create a result in a folder. If the folder already contains a result of the same study, open it to resume.
 
-    Stale partial files are removed. Raises a `StoreError` if the folder cannot be written, contains another study, or
-    was created by another version.
+    Stale partial files are removed. The claim of the run, if given, is acquired; its folder is then refused to runs of
+    other studies. Raises a `StoreError` if the folder cannot be written, contains another study, is in use by a run of
+    another study, or was created by another version.
     """
     path = Path(path)
     if path.is_file():
         raise StoreError(f"{printable_path(path)} is a file; give a directory for the results")
     stored_result = StoredResult(path, study, _list_block_files(path))
-    if stored_result.blocks:
-        _check_resumable(stored_result)
+    _check_resumable(stored_result)
     if os.path.lexists(path / STUDY_FILE) and not _contains_study(path, study):
         _check_replaceable(path, study)
     try:
-        (path / BLOCKS_FOLDER).mkdir(parents=True, exist_ok=True)
-        for folder in (path, path / BLOCKS_FOLDER):
-            _files.remove_stale_partial_files(folder)
-        if not _contains_study(path, study):
-            _files.write_atomically(
-                path / STUDY_FILE, f"{STUDY_FILE_SIGNATURE} {__version__}.\n\n{study.to_toml()}".encode()
-            )
+        with FolderClaim(path) if claim is None else nullcontext(claim) as claim:
+            (path / BLOCKS_FOLDER).mkdir(parents=True, exist_ok=True)
+            for folder in (path, path / BLOCKS_FOLDER):
+                _files.remove_stale_partial_files(folder)
+            claim.acquire()
+            if not _contains_study(path, study):
+                _write_study_file(stored_result, claim)
     except (OSError, RuntimeError) as error:  # A symbolic link that refers to itself raises a RuntimeError.
         if stored_result.num_finished < study.ensemble.repetitions:
             reason = describe_os_error(error) if isinstance(error, OSError) else error
@@ -493,8 +504,32 @@ def create_or_open_result(path: str | Path, study: Study) -> StoredResult:
     return stored_result
 
 
+def _write_study_file(stored_result: StoredResult, claim: FolderClaim) -> None:
+    """Write the study file of a new result, or replace a study file that stiction wrote and no other run uses."""
+    path, study = stored_result.path, stored_result.study
+    text = study.to_toml()
+    content = f"{_format_study_file_header(text)}\n\n{text}".encode()
+    try:
+        _files.create_atomically(path / STUDY_FILE, content)
+    except FileExistsError:
+        if _contains_study(path, study):  # another run of the same study was faster
+            return
+        _check_resumable(stored_result.reload())
+        _check_replaceable(path, study)
+        if not _contains_study(path, study, repetitions_may_differ=True):
+            check_unused(path, claim)
+        _files.write_atomically(path / STUDY_FILE, content)
+
+
+def _format_study_file_header(text: str) -> str:
+    """Return the first line of a study file. Its checksum distinguishes an unchanged file from an edited one."""
+    return f"{STUDY_FILE_SIGNATURE} {__version__}. CRC-32 of the text below: {zlib.crc32(text.encode()):08x}."
+
+
 def _check_resumable(stored_result: StoredResult) -> None:
     """Raise a `StoreError` if the existing blocks prevent the computation of this study from being resumed."""
+    if not stored_result.blocks:
+        return
     path, content, num_members = (
         stored_result.path,
         stored_result.first_block_content,
@@ -523,43 +558,89 @@ def _check_resumable(stored_result: StoredResult) -> None:
         )
 
 
-def _check_replaceable(path: Path, study: Study) -> None:
-    """Raise a `StoreError` unless the study file in a folder is empty or was written by stiction."""
+def check_unedited(path: Path) -> None:
+    """Raise a `StoreError` unless the study file in a folder is exactly as stiction wrote it, or is empty.
+
+    A crash of the machine may leave an empty file. A link is never replaced.
+    """
+    file = path / STUDY_FILE
     try:
-        content = read_file_bytes(path / STUDY_FILE, MAX_STUDY_BYTES).strip()
-        if not content or content.startswith(STUDY_FILE_SIGNATURE.encode()):
+        content = read_file_bytes(file, MAX_STUDY_BYTES)
+        header, _, text = content.partition(b"\n\n")
+        match = _STUDY_FILE_HEADER_PATTERN.fullmatch(header)
+        if not file.is_symlink() and (
+            not content.strip() or (match is not None and int(match[1], 16) == zlib.crc32(text))
+        ):
             return
-        stored_study = _read_study_file(path)
     except OSError as error:
-        raise StoreError(f"{printable_path(path / STUDY_FILE)}: cannot be read: {describe_os_error(error)}") from None
+        raise StoreError(f"{printable_path(file)}: cannot be read: {describe_os_error(error)}") from None
     except UnreadableFileError as error:
-        raise StoreError(
-            f"{printable_path(path / STUDY_FILE)}: {error}; choose another directory, or remove this file"
-        ) from None
-    raise StudyMismatchError(path, stored_study, find_table_differences(stored_study, study))
+        raise StoreError(f"{printable_path(file)}: {error}; choose another directory, or remove this file") from None
+    raise EditedStudyError(
+        f"{printable_path(file)} was written or edited by hand, so it is not replaced; choose another directory, or "
+        "move this file"
+    )
 
 
-def _contains_study(path: Path, study: Study) -> bool:
-    """Return whether the folder contains the given study."""
+def _check_replaceable(path: Path, study: Study) -> None:
+    """Raise a `StoreError` unless the study file in a folder may be replaced by another study."""
     try:
-        return _read_study_file(path) == study
+        check_unedited(path)
+    except EditedStudyError:
+        stored_study = _read_study_file(path)
+        differences = find_table_differences(stored_study, study)
+        raise StudyMismatchError(path, stored_study, differences, is_edited=True) from None
+
+
+def check_unused(path: Path, claim: FolderClaim) -> None:
+    """Raise a `StoreError` if another active run uses a result folder. The claim must be acquired."""
+    if competitor := claim.find_competitor():
+        raise StoreError(
+            f"{printable_path(path)} is in use by another run (its file is {competitor}); wait until that run ends, or "
+            "choose another directory"
+        )
+
+
+def _contains_study(path: Path, study: Study, *, repetitions_may_differ: bool = False) -> bool:
+    """Return whether the folder contains the given study. An unreadable or empty study file contains none."""
+    try:
+        stored_study = _read_study_file(path)
     except (OSError, ValueError):
         return False
+    if not repetitions_may_differ:
+        return stored_study == study
+    return all(key == "ensemble.repetitions" for key, *_ in find_table_differences(stored_study, study))
+
+
+class EditedStudyError(StoreError):
+    """Error raised if a study file would be replaced that a user has written or edited."""
 
 
 class StudyMismatchError(StoreError):
     """Error raised if a folder contains the result of a different study."""
 
-    def __init__(self, path: Path, stored: Study, differences: list[StudyDifference], advice: str = "") -> None:
-        advice = advice or "give another directory, or replace the stored result"
-        super().__init__(
-            f"{printable_path(path)} contains another study; {advice}\n{format_study_differences(differences)}"
+    def __init__(
+        self,
+        path: Path,
+        stored: Study,
+        differences: list[StudyDifference],
+        advice: str = "",
+        *,
+        is_edited: bool = False,
+    ) -> None:
+        advice = advice or (
+            "give another directory" if is_edited else "give another directory, or replace the stored result"
         )
-        self.path, self.stored, self.differences = path, stored, differences
+        edit_text = f" in a {STUDY_FILE} that was written or edited by hand" if is_edited else ""
+        super().__init__(
+            f"{printable_path(path)} contains another study{edit_text}; {advice}\n"
+            f"{format_study_differences(differences)}"
+        )
+        self.path, self.stored, self.differences, self.is_edited = path, stored, differences, is_edited
 
     def with_remedy(self, advice: str) -> StudyMismatchError:
         """Return a copy of the error with another remedy in the message."""
-        return StudyMismatchError(self.path, self.stored, self.differences, advice)
+        return StudyMismatchError(self.path, self.stored, self.differences, advice, is_edited=self.is_edited)
 
 
 def write_block(path: Path, first_member: int, content: bytes, num_members: int) -> None:
