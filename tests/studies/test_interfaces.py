@@ -16,6 +16,7 @@ from stiction import (
     calibrate,
     interface,
     interfaces,
+    open_result,
     pair,
     read_interface,
     self_affine_surface,
@@ -186,3 +187,15 @@ def test_calibration_functions_reject_arguments_of_wrong_types(film_file) -> Non
     ):
         with pytest.raises(ValueError, match=pattern):
             function()
+
+
+def test_calibrated_interface_of_another_pair_in_the_directory_is_kept(film_file, tmp_path) -> None:
+    film = interface(film_file)
+    first_result = pair(*rough_surfaces(), interface=film, directory=tmp_path / "r", **PAIR_OPTIONS)
+    content = (tmp_path / "r" / "interface.csv").read_bytes()
+    ball = Ball("5 mm", "3 GPa")
+    other_film = calibrate([FrictionTest(ball, load, coefficient=0.4, uncertainty=0.02) for load in (10.0, 1000.0)])
+    with pytest.raises(ValueError, match="contains another study"):
+        pair(*reversed(rough_surfaces()), interface=other_film, directory=tmp_path / "r", **PAIR_OPTIONS)
+    assert (tmp_path / "r" / "interface.csv").read_bytes() == content
+    assert first_result.interval == open_result(tmp_path / "r").interval

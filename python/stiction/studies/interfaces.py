@@ -12,6 +12,7 @@ import io
 import math
 import tomllib
 import warnings
+import zlib
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, lru_cache
@@ -767,12 +768,32 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     'A. B.'
     """
     check_instance("interface", interface, Interface, "an Interface from calibrate()")
+    content = _format_interface(interface, about or {})
+    with replace_file_atomically(Path(path), INTERFACE_FILE_HEADER.encode(), ValueError) as file:
+        file.write_bytes(content)
+
+
+def store_interface(interface: Interface, folder: Path) -> Path:
+    """Write an interface to a folder for a study in this folder, and return the path of the file.
+
+    Files of other interfaces in the folder belong to other studies and are kept.
+    """
+    content = _format_interface(interface, {})
+    path = folder / "interface.csv"
+    folder.mkdir(parents=True, exist_ok=True)
+    if path.exists() and path.read_bytes() != content:
+        path = folder / f"interface-{zlib.crc32(content):08x}.csv"
+    write_interface(interface, path)
+    return path
+
+
+def _format_interface(interface: Interface, about: Mapping[str, str]) -> bytes:
     header = {
         "sliding": interface.fits[0].sliding,
         "area_per_load": repr(interface.area_per_load),
         "variation": repr(interface.variation),
         "separated": "yes" if interface.separated else "no",
-        **{key: " ".join(str(value).split()) for key, value in {**interface.about, **(about or {})}.items()},
+        **{key: " ".join(str(value).split()) for key, value in {**interface.about, **about}.items()},
     }
     file_text = io.StringIO()
     file_text.write(
@@ -788,8 +809,7 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     fit = interface.fits[0]
     columns = [fit.mu0, fit.tau0, fit.hardness, fit.junction_growth, fit.area_per_load]
     np.savetxt(file_text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
-    with replace_file_atomically(Path(path), INTERFACE_FILE_HEADER.encode(), ValueError) as file:
-        file.write_text(file_text.getvalue(), encoding="utf-8")
+    return file_text.getvalue().encode()
 
 
 def read_interface(path: str | Path) -> Interface:

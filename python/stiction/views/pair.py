@@ -13,7 +13,7 @@ from warnings import warn
 from stiction._errors import ArgumentError
 from stiction.mechanics.half_space import TiltMode
 from stiction.mechanics.model import CurvatureRequirement, DetectionMethod
-from stiction.studies.interfaces import Interface, write_interface
+from stiction.studies.interfaces import Interface, store_interface
 from stiction.studies.pair import build_study_from_options
 from stiction.studies.pair_options import (
     BodyScans,
@@ -317,9 +317,7 @@ def pair(
                 onset=onset,
             )
         if isinstance(interface, Interface):  # the study file contains the file name of the interface
-            folder.mkdir(parents=True, exist_ok=True)
-            write_interface(interface, folder / "interface.csv")
-            options = options.model_copy(update={"interface": folder / "interface.csv"})
+            options = options.model_copy(update={"interface": store_interface(interface, folder)})
         study = build_study_from_options(options)
         with executor_or_thread_pool(executor) as workers:
             return complete_result(study, folder, workers, replace=replace, onset=onset, progress=progress)
