@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from stiction import _files, open_result, self_affine_surface, write_surface
 from stiction.cli.result_output import write_pair_files
-from stiction.studies import pipeline
+from stiction.cli.table import table_command
+from stiction.studies import pipeline, store
 from support.command import assert_rejected, call_stiction, check_stiction
 
 PAIR_COMMAND = ["pair", "upper.csv", "lower.csv", "--effective-modulus", "80 GPa", "--mu0", "0.2", "--load", "2 mN"]
@@ -139,3 +140,15 @@ def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans
     assert "computing" not in check_stiction(*PAIR_COMMAND, "-o", "short", **options).stderr
     monkeypatch.setattr(pipeline, "MIN_ANNOUNCED_TIME", 0.0)
     assert "computing 2 positions: about " in check_stiction(*PAIR_COMMAND, "-o", "long", **options).stderr
+
+
+def test_table_command_replaces_a_table_that_an_equal_command_wrote_at_the_same_time(tmp_path, monkeypatch):
+    def write_and_export(dataset, path, **options):
+        export(dataset, path)  # by the other command
+        export(dataset, path, **options)
+
+    export = store.export
+    monkeypatch.setattr(store, "export", write_and_export)
+    options = {"effective_modulus": "10 GPa", "hurst": "0.8", "rms": "10 nm", "load": "1 MPa,3 MPa,9 MPa"}
+    table_command(**options, points=64, repetitions=2, output=tmp_path / "table")
+    assert (tmp_path / "table" / "laws.csv").exists()

@@ -95,7 +95,7 @@ def table_command(
         result = compute_result_in_folder(study, output, executor)
     table = friction_table(result, **friction_parameters)
     print_output(friction_table_text(table))
-    export(table, output / NETCDF_FILE_NAME, replace=(output / NETCDF_FILE_NAME).exists())
+    export(table, output / NETCDF_FILE_NAME, replace=True)
     for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, fitted_laws_csv(table))):
         replace_text_file(output / name, text, TABLE_FILE_SIGNATURES[name])
     for name in (NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME):
