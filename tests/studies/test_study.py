@@ -175,6 +175,8 @@ class TestStudyFiles:
             (b"points = 3", "points: unknown key"),
             (b"a = " + b"[" * 100_000, "not valid TOML"),
             (b"# " + b"x" * 2_000_000, "longer than"),
+            (b"", "is empty"),
+            (b"\n# only a comment\n", "is empty"),
         ],
     )
     def test_file_without_a_valid_study_is_rejected_with_a_short_message(self, tmp_path, content, message):

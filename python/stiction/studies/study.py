@@ -658,4 +658,6 @@ def parse_study(text: str, source: str) -> Study:
         raise StudyError(
             f"{printable_path(source)}: the text is not valid TOML: {printable_text(error, MAX_PATH_LENGTH)}"
         ) from None
+    if not data:  # all keys have defaults, but an empty file is a mistake
+        raise StudyError(f"{printable_path(source)} is empty, so it is not a study")
     return validate_table(Study, data, source)
