@@ -199,3 +199,9 @@ def test_calibrated_interface_of_another_pair_in_the_directory_is_kept(film_file
         pair(*reversed(rough_surfaces()), interface=other_film, directory=tmp_path / "r", **PAIR_OPTIONS)
     assert (tmp_path / "r" / "interface.csv").read_bytes() == content
     assert first_result.interval == open_result(tmp_path / "r").interval
+
+
+def test_pair_rejects_more_positions_than_the_maps_have_before_it_creates_the_directory(tmp_path) -> None:
+    with pytest.raises(ValueError, match=r"the maps have \d+ relative positions"):
+        pair(*rough_surfaces(), mu0=0.2, directory=tmp_path / "r", **PAIR_OPTIONS | {"shifts": 400_000})
+    assert not (tmp_path / "r").exists()

@@ -286,6 +286,13 @@ def _load_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object)
     return PreparedBodies(surfaces, seed)
 
 
+def check_last_member(study: Study) -> None:
+    """Raise a `ValueError` if measured bodies have fewer members than the study has repetitions."""
+    if study.is_measured:
+        cutoff = float(study.surfaces.cell_coordinates()["cut_off"][0])
+        load_bodies(study).member(study.ensemble.repetitions - 1, cutoff)
+
+
 def find_body_attributes(study: Study) -> BodyAttributes:
     """Return the attributes of the bodies in a study. Generated bodies have none."""
     return load_bodies(study).attributes() if study.is_measured else BodyAttributes()

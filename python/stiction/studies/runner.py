@@ -34,7 +34,7 @@ from stiction.studies.layout import (
     stack_members,
 )
 from stiction.studies.member_solution import compute_member_arrays, estimate_member_time
-from stiction.studies.members import count_grid_points, find_body_attributes
+from stiction.studies.members import check_last_member, count_grid_points, find_body_attributes
 from stiction.studies.result import Result
 from stiction.studies.store import (
     BLOCKS_FOLDER,
@@ -42,6 +42,7 @@ from stiction.studies.store import (
     StoredResult,
     StoreError,
     create_or_open_result,
+    is_complete,
     write_block,
 )
 from stiction.studies.study import Study
@@ -170,6 +171,8 @@ def prepare_result_folder(
             f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; reduce the number of values of "
             f"contact.{study.step_quantity} or {keys}"
         )
+    if not is_complete(folder, study):
+        check_last_member(study.with_checksums())
     return create_or_open_result(folder, study.with_checksums(Path(folder)), claim)
 
 

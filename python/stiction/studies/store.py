@@ -429,6 +429,11 @@ def open_result_to_complete(path: Path) -> StoredResult | None:
     return open_stored_result(path) if file.exists() and file.stat().st_size else None
 
 
+def is_complete(path: str | Path, study: Study) -> bool:
+    """Return whether a folder has blocks with all members of a study. The blocks are not read."""
+    return StoredResult(Path(path), study, _list_block_files(Path(path))).num_finished == study.ensemble.repetitions
+
+
 def info(path: str | Path) -> StoreInfo:
     """Describe the contents of a result folder. At most one block is read.
 
