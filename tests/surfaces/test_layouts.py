@@ -2,6 +2,7 @@
 
 import io
 import itertools
+import re
 import warnings
 
 import numpy as np
@@ -970,3 +971,101 @@ def test_status_column_of_an_olympus_map_is_not_read_as_heights(tmp_path):
     path.write_text("\n".join([*lines_with_status[:-1], lines_with_status[-1][:-1] + "0"]))
     with pytest.raises(FormatError, match="flags of unknown meaning"):
         read_measurement(path, missing="mask")
+
+
+IMPOSSIBLE_NUMBERS = ("0", "-1", "-1e-7", "nan", "inf", "1e400", "1e-400", "1e308", "1e-308", "0x10", "")
+HEADER_NUMBERS = [
+    ("sdf", {}, "Xscale = 5.0E-7", "Xscale = "), ("sdf", {}, "Yscale = 5.0E-7", "Yscale = "),
+    ("sdf", {}, "Zscale = 1.0E-6", "Zscale = "), ("spip", {}, "# x-length = 4500", "# x-length = "),
+    ("spip", {"unit": "# bit2nm = 1000"}, "# bit2nm = 1000", "# bit2nm = "),
+    ("wyko", {"real": 0}, "Wavelength\t7\t4\t500", "Wavelength\t7\t4\t"),
+    ("wyko", {"real": 0}, "Mult\t7\t4\t2", "Mult\t7\t4\t"),
+    ("wyko", {"aspect": True}, "Aspect\t7\t4\t1", "Aspect\t7\t4\t"),
+    ("esri", {}, "cellsize 0.5", "cellsize "), ("keyence", {}, '"XY Calibration","500.000"', '"XY Calibration","'),
+    ("zygo", {}, "0 0.5 6.3e-07 0.08 1 0 5e-07", "0 0.5 6.3e-07 0.08 1 0 "),
+    ("gwyddion", {}, "# Width: 4.500 µm", "# Width: "),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("number", IMPOSSIBLE_NUMBERS)
+@pytest.mark.parametrize(("name", "variant", "line", "start"), HEADER_NUMBERS, ids=lambda item: str(item)[:12])
+def test_impossible_numbers_in_headers_of_instruments_are_rejected(tmp_path, name, variant, line, start, number):
+    write, options, _ = EXPORT_FORMATS[name]
+    text, quote, unit = write(**variant), '"' * (name == "keyence"), " µm" * (name == "gwyddion")
+    assert line in text
+    (tmp_path / "a.txt").write_text(text.replace(line, start + number + quote + unit), encoding="utf-8")
+    options = {key: value for key, value in options.items() if name != "esri" or key != "spacing"}
+    with pytest.raises(FormatError) as error:
+        read_measurement(tmp_path / "a.txt", **options)
+    assert "\n" not in str(error.value)
+    label = start.strip("# ").split("=")[0].split("\t")[0].split('"')[-3:][0].split(" 6.3")[0].strip(" :")
+    if number and name not in ("zygo", "gwyddion"):
+        assert label in str(error.value)
+
+
+@pytest.mark.parametrize("number", ["0", "-0.001", "1e-400", "1e400", "0x10", "nan", "inf"])
+def test_impossible_height_factor_in_a_header_is_rejected_with_its_line(tmp_path, number):
+    line = f"Z conversion factor (um): {number}"
+    (tmp_path / "a.txt").write_text("\n".join([line, "pixel size: 0.5 um", *format_rows(HEIGHTS)]))
+    with pytest.raises(FormatError, match=rf"in its header line '{re.escape(line)}'"):
+        read_measurement(tmp_path / "a.txt")
+
+
+@pytest.mark.parametrize("number", ["0", "-0.5", "1e-400", "1e400", "0x10", "nan", "inf"])
+@pytest.mark.parametrize("line", ["pixel size: {} um", "dx: {} um\ndy: 0.5 um", "Width: {} um\nHeight: 3.5 um"])
+def test_impossible_length_in_a_header_is_rejected_with_its_line(tmp_path, line, number):
+    header = line.format(number)
+    (tmp_path / "a.txt").write_text("\n".join([header, *format_rows(HEIGHTS)]))
+    with pytest.raises(FormatError, match=rf"header line '{re.escape(header.splitlines()[0])}'"):
+        read_measurement(tmp_path / "a.txt", unit="um")
+
+
+def test_header_lengths_that_a_profile_does_not_use_may_be_zero(tmp_path):
+    header = "dx: 0.5 um\ndy: 0 um\nTip radius: 0 um\nUnit: um"
+    (tmp_path / "a.txt").write_text("\n".join([header, *(f"{z:.4f}" for z in LINE_HEIGHTS)]))
+    profile = read_scan_or_none(tmp_path / "a.txt", spacing="0.5 um")
+    assert profile.heights.tolist() == LINE_HEIGHTS.tolist()
+    assert not any("tip radius" in step for step in profile.history)
+
+
+def test_code_for_missing_points_that_is_not_finite_matches_only_equal_numbers(tmp_path):
+    heights = np.where(np.isnan(HEIGHTS_WITH_HOLES), np.inf, HEIGHTS_WITH_HOLES)
+    np.save(tmp_path / "a.npy", heights)
+    options = {"unit": "um", "spacing": "0.5 um", "missing": "mask", "missing_value": "inf"}
+    assert np.array_equal(read_scan_or_none(tmp_path / "a.npy", **options).missing, np.isnan(HEIGHTS_WITH_HOLES))
+
+
+@pytest.mark.parametrize("name", ["zygo", "triplets"])
+def test_point_listed_twice_is_rejected_unless_its_heights_are_equal(tmp_path, name):
+    write, options, _ = EXPORT_FORMATS[name]
+    lines = [line for line in write().splitlines() if line != "#" or name == "triplets"]
+    if name == "zygo":
+        lines.insert(13, "#")
+    path = tmp_path / "a.xyz"
+    path.write_text("\n".join([*lines, lines[-1]]))
+    surface = read_scan_or_none(path, **options)
+    assert np.allclose(surface.heights[~surface.missing], HEIGHTS_WITH_HOLES[~surface.missing])
+    path.write_text("\n".join([*lines, lines[-1].rpartition(" ")[0] + " 77.0"]))
+    with pytest.raises(FormatError, match=r"lists more than one point at .*with heights"):
+        read_measurement(path, **options)
+
+
+def test_small_point_list_that_declares_a_huge_map_is_rejected(tmp_path):
+    path, size_line = tmp_path / "a.xyz", f"0 0 {NUM_COLUMNS} {NUM_ROWS}"
+    path.write_text(zygo_text().replace(size_line, "0 0 9000 9000"))
+    with pytest.raises(FormatError, match="declares a map of 9000 rows of 9000 points in line 4; a map that lists"):
+        read_measurement(path, missing="mask")
+    path.write_text("1e-5 1e308 1\n1e-5 1e-5 2\n1e7 1e308 3\n-1e308 -1e308 4\n")
+    with pytest.raises(FormatError, match="lists a point without a usable x"):
+        read_measurement(path, unit="um", missing="mask")
+
+
+def test_large_map_that_omits_a_third_of_its_points_is_read(tmp_path):
+    shape = (1100, 1000)  # more points than a map that lists only a few points may have
+    rows, columns = np.nonzero(random.random(shape) > 0.33)
+    points = "\n".join(f"{x} {y} {(x * y) % 7}.5" for x, y in zip(columns.tolist(), rows.tolist(), strict=True))
+    head = zygo_text().split("#")[0].replace(f"0 0 {NUM_COLUMNS} {NUM_ROWS}", f"0 0 {shape[1]} {shape[0]}")
+    (tmp_path / "a.xyz").write_text(f"{head}#\n{points}\n#\n")
+    surface = read_scan_or_none(tmp_path / "a.xyz", missing="mask")
+    assert surface.heights.shape == shape
+    assert 0.3 < surface.missing.mean() < 0.36

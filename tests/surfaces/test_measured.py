@@ -791,6 +791,24 @@ def test_integers_in_an_x3p_file_are_multiplied_by_their_increment(write_file):
         assert np.abs(read_surface(path).heights - 1e6 * HEIGHTS_IN_METRES).max() < 1e-15
 
 
+@pytest.mark.parametrize("increment", [-1e-9, 1e-320, 1e300])
+def test_x3p_file_with_an_impossible_height_factor_is_rejected(write_file, increment):
+    new_xml = f"<DataType>L</DataType><Increment>{increment!r}</Increment>"
+    replacements = [("<DataType>D</DataType><Increment>1.0</Increment>", new_xml)]
+    path = write_file(x3p_bytes(HEIGHTS_IN_METRES, replacements=replacements), "a.x3p")
+    assert "for Record1/Axes/CZ/Increment, which must be a number from" in error_message(path, read_surface)
+
+
+def test_file_whose_size_is_too_small_for_its_declared_points_is_rejected(tmp_path, write_file):
+    zeros = x3p_bytes(np.zeros((1100, 1000)), data_type="I", increment=1e-9)
+    path = write_file(zeros, "a.x3p")
+    assert "declares 1100000 points, but has only" in error_message(path, read_surface)
+    heights = 1e-6 * np.random.default_rng(3).normal(size=(1100, 1000))
+    heights[np.random.default_rng(4).random(heights.shape) < 0.3] = np.nan
+    surface = read_surface(write_file(x3p_bytes(heights), "b.x3p"), missing="mask")
+    assert np.array_equal(surface.missing, np.isnan(heights))
+
+
 def test_x3p_profile_that_is_not_along_x_is_rejected(write_file):
     y_axis = "<CY><AxisType>A</AxisType><DataType>D</DataType></CY>"
     old_axis_xml = "<CY><AxisType>I</AxisType><DataType>D</DataType><Increment>2e-06</Increment></CY>"

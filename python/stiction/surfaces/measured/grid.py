@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.surfaces.measured.raw import FormatError
+from stiction.surfaces.measured.raw import MAX_DECLARED_NUMBER, FormatError
 
 EXACT_POSITION_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a uniform grid, in grid steps
 # Largest deviation of a point from the grid, in grid steps.
@@ -29,10 +29,11 @@ def to_grid(
     Rows are in ascending order of y, and columns in ascending order of x. Raises `FormatError` if the points are not on
     a grid.
     """
-    (dx, columns), (dy, rows) = (
-        _find_step_and_node_indices(name, index, get_digits)
-        for name, index, get_digits in zip("xy", (x, y), digits, strict=True)
-    )
+    with np.errstate(all="ignore"):
+        (dx, columns), (dy, rows) = (
+            _find_step_and_node_indices(name, index, get_digits)
+            for name, index, get_digits in zip("xy", (x, y), digits, strict=True)
+        )
     shape = (int(rows.max()) + 1, int(columns.max()) + 1)
     node_count = shape[0] * shape[1]
     if node_count > MAX_NODES_PER_POINT * z.size + 10:
@@ -40,31 +41,53 @@ def to_grid(
             f"lists {z.size} points that are not on a grid, because the grid would have {shape[0]} × {shape[1]} "
             "nodes; interpolate them onto a grid, or export a matrix"
         )
-    node_indices = rows * shape[1] + columns
-    if np.unique(node_indices).size < node_indices.size:
-        repeated_index = int(np.flatnonzero(np.bincount(node_indices, minlength=node_count)[node_indices] > 1)[0])
-        raise FormatError(f"lists more than one point at x {x[repeated_index]:g}, y {y[repeated_index]:g}")
-    heights = np.full(node_count, np.nan)
-    heights[node_indices] = z
-    num_absent = node_count - z.size
+    heights, num_absent = fill_grid(shape, rows, columns, z, lambda index: f"x {x[index]:g}, y {y[index]:g}")
     history_entry = f"{z.size} points on a grid of {shape[0]} × {shape[1]}" + (
         f", {num_absent} nodes absent" if num_absent else ""
     )
-    return heights.reshape(shape), (dy, dx), history_entry
+    return heights, (dy, dx), history_entry
+
+
+def fill_grid(
+    shape: tuple[int, int], rows: np.ndarray, columns: np.ndarray, heights: Floats,
+    describe_position: Callable[[int], str],
+) -> tuple[Floats, int]:  # fmt: skip
+    """Return a matrix with the height of each listed node and NaN at absent nodes, and the number of absent nodes.
+
+    A node may be listed repeatedly with the same height. Raises `FormatError` if its heights differ.
+    """
+    nodes = rows * shape[1] + columns
+    matrix = np.full(shape[0] * shape[1], np.nan)
+    matrix[nodes] = heights
+    num_listed = int(np.unique(nodes).size)
+    if num_listed < nodes.size:
+        differs = (matrix[nodes] != heights) & ~(np.isnan(matrix[nodes]) & np.isnan(heights))
+        if differs.any():
+            index = int(np.argmax(differs))
+            raise FormatError(
+                f"lists more than one point at {describe_position(index)}, with heights {heights[index]:g} and "
+                f"{matrix[nodes[index]]:g}"
+            )
+    return matrix.reshape(shape), matrix.size - num_listed
 
 
 def _find_step_and_node_indices(
     name: str, positions: Floats, digits: Callable[[], Floats] | None
 ) -> tuple[float, np.ndarray]:
     """Return the grid step along an axis, and the node index of each point."""
-    if not np.isfinite(positions).all():
-        raise FormatError(f"lists a point without {name}")
+    if not (np.abs(positions) <= MAX_DECLARED_NUMBER).all():
+        raise FormatError(f"lists a point without a usable {name}")
     step = _step_of_rounded_positions(positions, digits) or estimate_step(positions)
     if step is None:
         raise FormatError(
             f"lists points that all have the same {name}, so they form a profile; choose other columns (--columns)"
         )
     nodes = np.round((positions - positions.min()) / step)
+    if not nodes.max() <= MAX_NODES_PER_POINT * positions.size + 10:
+        raise FormatError(
+            f"lists {positions.size} points that are not on a grid, because the steps along {name} differ too much; "
+            "interpolate them onto a grid, or export a matrix"
+        )
     last_node = int(nodes.max())
     step = float(positions.max() - positions.min()) / last_node
     deviations = np.abs(positions - positions.min() - nodes * step)

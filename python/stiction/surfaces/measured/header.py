@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
+import math
 import re
 import unicodedata
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from stiction.surfaces.measured.raw import LENGTH_UNITS, DeclaredLength, HeaderDeclarations, parse_length_unit
+from stiction.surfaces.measured.raw import (
+    LENGTH_UNITS,
+    DeclaredLength,
+    FormatError,
+    HeaderDeclarations,
+    parse_length_unit,
+    parse_number,
+    parse_positive_number,
+)
 from stiction.surfaces.measured.split import Dialect
 
 _T = TypeVar("_T")
 COMMENT_CHARACTERS = "#%!/ "  # characters at the start of comment lines in various programs
 
-_DECIMAL_PATTERN = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,3})?"
+_DECIMAL_PATTERN = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,5})?"
+_DECLARED_NUMBER_PATTERN = rf"(?:[+-]?(?:0x[0-9a-f]{{1,16}}|nan|inf(?:inity)?)(?![^\W_])|{_DECIMAL_PATTERN})"
+"""Pattern of a number, including numbers with which a declaration is rejected."""
+
 _SEPARATOR_PATTERN = r"\s*(?:[:=,;\t]|\s)\s*"
 _UNIT_PATTERN = r"[^\W\d_]{1,12}"
 _LENGTH_UNITS_PATTERN = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
@@ -25,14 +37,14 @@ _SPACING_PATTERN = re.compile(
     r"\W*(?:(?:measurement|x|lateral|horizontal|sampl\w*|point|data|scan)[\s_-]*)*"
     r"(spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch|dx|"
     r"Schrittweite|Punktabstand|Messpunktabstand|Abstand)\s*(?:[\[(]([^\])]{1,12})[\])])?\s*[:=,;\t ]\s*"
-    rf"({_DECIMAL_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}({_UNIT_PATTERN})?\s*(/|per\b)?",
+    rf"({_DECLARED_NUMBER_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}({_UNIT_PATTERN})?\s*(/|per\b)?",
     re.IGNORECASE,
 )
 _AXIS_SPACING_PATTERNS = {
     axis: re.compile(
         rf"\W*(?:{axis}[\s_-]*(?:spacing|step(?:[ _-]?size)?|increment|interval|resolution|scale|pixel[ _-]?size|pitch|"
         rf"direction)|d{axis}|(?:spacing|step|pitch|pixel[ _-]?size)[\s_-]*(?:in |along )?{axis})"
-        rf"\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}[\"']?({_UNIT_PATTERN})?",
+        rf"\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR_PATTERN}({_DECLARED_NUMBER_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}[\"']?({_UNIT_PATTERN})?",
         re.IGNORECASE,
     )
     for axis in "yx"
@@ -45,7 +57,7 @@ _STICTION_SPACING_PATTERNS = tuple(
 
 _SIZE_PATTERNS = tuple(
     re.compile(
-        rf"\W{{0,4}}(?:{name})\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN})\s*({_UNIT_PATTERN})?\s*",
+        rf"\W{{0,4}}(?:{name})\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR_PATTERN}({_DECLARED_NUMBER_PATTERN})\s*({_UNIT_PATTERN})?\s*",
         re.IGNORECASE,
     )
     for name in (
@@ -67,7 +79,7 @@ _HEIGHT_UNIT_PATTERN = re.compile(
 )
 _HEIGHT_FACTOR_PATTERN = re.compile(
     rf"\W*(?:(?:z|height|vertical|data|value)[\s_-]*)+(?:conversion[\s_-]*)?(?:factor|scale|scaling|multiplier)"
-    rf"\s*(?:\(\s*-?>?\s*({_UNIT_PATTERN})\s*\)|[\[(]({_UNIT_PATTERN})[^\])]{{0,20}}[\])])?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN})\s*({_UNIT_PATTERN})?\W*.{{0,20}}",
+    rf"\s*(?:\(\s*-?>?\s*({_UNIT_PATTERN})\s*\)|[\[(]({_UNIT_PATTERN})[^\])]{{0,20}}[\])])?{_SEPARATOR_PATTERN}({_DECLARED_NUMBER_PATTERN})\s*({_UNIT_PATTERN})?\W*.{{0,20}}",
     re.IGNORECASE,
 )
 _CONVERSION_WORD_PATTERN = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
@@ -140,7 +152,7 @@ def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> 
     spacings: tuple[DeclaredLength, DeclaredLength] | None = (
         _pair_if_complete(
             [
-                _find_first_match(pattern, lines, lambda match: parse_length(*match.groups()))
+                _find_first_match(pattern, lines, lambda match: parse_length(*match.groups(), line=match.string))
                 for pattern in _STICTION_SPACING_PATTERNS
             ]
         )
@@ -166,10 +178,12 @@ def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> 
     if unit_line and (match := _HEIGHT_UNIT_PATTERN.fullmatch(unit_line)):
         unit = parse_length_unit(match[1]) or match[1]
     if factor_line and (match := _HEIGHT_FACTOR_PATTERN.fullmatch(factor_line)):
-        unit, factor = _parse_factor_unit(match), _parse_float(match[3])
+        unit = _parse_factor_unit(match)
+        factor = parse_positive_number(match[3], f"in its header line {factor_line[:80]!r}")
     code_lines = [match for line in lines if (match := _MISSING_CODE_PATTERN.fullmatch(line))]
+    codes = [parse_number(match[2], f"in its header line {match[0][:80]!r}") for match in code_lines]
     is_count = [
-        match[1] is None and _parse_float(match[2]).is_integer() and _parse_float(match[2]) >= 0 for match in code_lines
+        match[1] is None and code.is_integer() and code >= 0 for match, code in zip(code_lines, codes, strict=True)
     ]
     point_count = next((int(match[1]) for line in lines if (match := _POINT_COUNT_PATTERN.fullmatch(line))), None)
     unitless_values = tuple(value for value in bare_spacings if value is not None)
@@ -186,8 +200,8 @@ def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> 
         else (plain_bare_spacing,),
         unit=unit,
         factor=factor,
-        codes=tuple(_parse_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if not count),
-        counts=tuple(_parse_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if count),
+        codes=tuple(code for code, count in zip(codes, is_count, strict=True) if not count),
+        counts=tuple(code for code, count in zip(codes, is_count, strict=True) if count),
         scale="" if factor_line else next(iter(factor_lines), "").strip(),
         points=point_count,
         tip_radius=_find_first_match(_TIP_RADIUS_PATTERN, lines, _parse_bracketed_length),
@@ -219,31 +233,36 @@ def _parse_spacing(match: re.Match[str]) -> DeclaredLength | None:
     # The comma either separates two cells or is a decimal comma.
     if "," in match[3] and "," in match[0][match.end(3) - match.start() :]:
         return None
-    return parse_length(match[3], match[4] or match[2])
+    return parse_length(match[3], match[4] or match[2], line=match.string)
 
 
 def _parse_bracketed_length(match: re.Match[str]) -> DeclaredLength | None:
     """Parse a length whose unit follows the number, or follows the name in brackets."""
-    return parse_length(match[2], match[3] or match[1])
+    return parse_length(match[2], match[3] or match[1], line=match.string)
 
 
 def _parse_unitless_number(match: re.Match[str]) -> float | None:
-    """Parse a number without a unit."""
+    """Parse a spacing without a unit. Return None if no scan can have this spacing."""
     number, units = (match[3], (match[4], match[2])) if len(match.groups()) == 5 else (match[2], (match[3], match[1]))
-    return None if any(units) else _parse_float(number)
+    if any(units):
+        return None
+    try:
+        return parse_positive_number(number, "as spacing")
+    except FormatError:  # a header often contains unused entries
+        return None
 
 
-def parse_length(digits: str, unit: str | None) -> DeclaredLength | None:
-    """Parse a number and its unit. Return None if the unit is not a unit of length."""
+def parse_length(digits: str, unit: str | None, *, line: str) -> DeclaredLength | None:
+    """Parse a number and its unit in a header line. Return None if the unit is not a unit of length."""
     if unit is None or parse_length_unit(unit) is None:
         return None
+    try:
+        length = parse_number(digits, f"in its header line {line[:80]!r}")
+    except FormatError:  # raised when the length is used, because a header often contains unused entries
+        return DeclaredLength(math.nan, 0.0, str(parse_length_unit(unit)), line)
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
     digit = float(f"1e{int(exponent or 0) - len(mantissa.partition('.')[2])}")
-    return DeclaredLength(float(f"{mantissa}e{exponent or 0}"), digit, str(parse_length_unit(unit)))
-
-
-def _parse_float(digits: str) -> float:
-    return float(digits.replace(",", "."))
+    return DeclaredLength(length, digit, str(parse_length_unit(unit)), line)
 
 
 def _parse_factor_unit(match: re.Match[str]) -> str | None:

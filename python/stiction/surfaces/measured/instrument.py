@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction.surfaces.measured.raw import FormatError, HeightChannels, HeightProvenance, RawHeights
+from stiction.surfaces.measured.raw import FormatError, HeightChannels, HeightProvenance, RawHeights, check_point_count
 from stiction.surfaces.profile import MAX_POINTS
 
 _TEXT_FORMATS = ("asc", "xyz")
@@ -66,9 +67,10 @@ def _open_reader(path: Path) -> Iterator[Any]:
 def _read_channel(path: Path, index: int, name: str) -> RawHeights:
     with _open_reader(path) as reader:
         channel = reader.channels[index]
-        points = int(np.prod(channel.nb_grid_pts))
+        points = math.prod(map(int, np.atleast_1d(channel.nb_grid_pts)))
         if points > MAX_POINTS:
             raise FormatError(f"contains {points} points; at most {MAX_POINTS} can be read")
+        check_point_count(points, path.stat().st_size)
         # if positions and values have different units, the values are not lengths
         if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")

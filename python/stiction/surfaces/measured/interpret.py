@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -123,7 +124,7 @@ def _parse_missing_markers(given: Any) -> tuple[tuple[float, ...], tuple[str, ..
             raise ValueError(f"missing_value must be one or more numbers or words, got {given!r}")
         try:
             codes.append(float(part))
-        except ValueError:
+        except (ValueError, OverflowError):
             words.append(str(part).strip())
     return tuple(codes), tuple(words)
 
@@ -299,7 +300,9 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
     unit, caveats, steps = _height_unit(raw, options.height_unit)
     numbers = raw.heights
     for code in (*raw.codes, *options.codes):
-        is_missing = np.abs(numbers - code) <= MISSING_CODE_TOLERANCE * abs(code)
+        tolerance = MISSING_CODE_TOLERANCE * abs(code) if math.isfinite(code) else 0.0
+        with np.errstate(all="ignore"):
+            is_missing = (numbers == code) | (np.abs(numbers - code) <= tolerance)
         if is_missing.any():
             numbers = np.where(is_missing, np.nan, numbers)
             steps.append(f"{int(is_missing.sum())} points of {code:g} are missing points")
@@ -381,17 +384,14 @@ def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> 
 def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) -> None:
     """Reject a grid (spacings in µm) that contradicts the declared spacings or the declared size."""
     for step, declared in zip(spacing, raw.stated_spacings or (), strict=False):
-        declared_length = declared.length * LENGTH_UNITS[declared.unit]
+        declared_length = declared.to_micrometres()
         if abs(declared_length - step) > max(
-            0.51 * declared.digit * LENGTH_UNITS[declared.unit], MAX_STEP_UNEVENNESS * declared_length
+            0.51 * declared.digit_in_micrometres, MAX_STEP_UNEVENNESS * declared_length
         ):
             raise FormatError(f"declares a spacing of {declared_length:g} µm, but its positions are {step:g} µm apart")
     for step, points, declared in zip(spacing, raw.heights.shape, raw.size or (), strict=False):
-        declared_length, digit = (
-            declared.length * LENGTH_UNITS[declared.unit],
-            declared.digit * LENGTH_UNITS[declared.unit],
-        )
-        tolerance = max(0.51 * digit, MAX_STEP_UNEVENNESS * declared_length)
+        declared_length = declared.to_micrometres()
+        tolerance = max(0.51 * declared.digit_in_micrometres, MAX_STEP_UNEVENNESS * declared_length)
         if not (points - 1) * step - tolerance <= declared_length <= points * step + tolerance:
             raise FormatError(
                 f"declares a size of {declared_length:g} µm, but its positions span {(points - 1) * step:g} µm"
@@ -407,9 +407,8 @@ def _spacings_from_size(
     """
     spacings = []
     for declared_size, num_points, given_spacing in zip(size, shape, given, strict=True):
-        unit = LENGTH_UNITS[declared_size.unit]
-        spacing = declared_size.length * unit / num_points
-        tolerance = max(0.51 * declared_size.digit * unit / num_points, MAX_STEP_UNEVENNESS * spacing)
+        spacing = declared_size.to_micrometres() / num_points
+        tolerance = max(0.51 * declared_size.digit_in_micrometres / num_points, MAX_STEP_UNEVENNESS * spacing)
         if given_spacing is not None and abs(given_spacing - spacing) > tolerance:
             raise FormatError(
                 f"declares a size that implies a spacing of {spacing:.7g} µm, but the given spacing is "
@@ -489,8 +488,7 @@ def _declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
     """Return the declared spacing and its tolerance, µm."""
     if raw.stated is None:
         return None
-    factor = LENGTH_UNITS[raw.stated.unit]
-    return raw.stated.length * factor, 0.51 * raw.stated.digit * factor
+    return raw.stated.to_micrometres(), 0.51 * raw.stated.digit_in_micrometres
 
 
 class _PositionResolution:

@@ -2,36 +2,31 @@
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from stiction.surfaces.measured.decode import DecodedText
-from stiction.surfaces.measured.raw import FormatError, ReaderResult
+from stiction.surfaces.measured.raw import FormatError, ReaderResult, parse_number, parse_positive_number
 
 WorkbookSheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells, by sheet name
 
 MAX_DECLARED_COUNT = 100_000_000  # maximum number of points or lines that a header may declare
-_LEADING_NUMBER_PATTERN = re.compile(r"\s*([+-]?[0-9]{0,40}(?:[.,][0-9]{0,40})?(?:[eE][+-]?[0-9]{1,5})?)(?![0-9.,])")
 
 
-def parse_header_number(header: Mapping[str, str], name: str, default: float | None = None) -> float:
-    """Return the finite number at the start of a header value. Raises `FormatError` if there is no number."""
+def parse_header_number(
+    header: Mapping[str, str], name: str, default: float | None = None, *, positive: bool = False
+) -> float:
+    """Return the finite number at the start of a header value; with `positive`, a factor or a length.
+
+    Raises `FormatError` if there is no such number.
+    """
     text = header.get(name.casefold())
-    if text is None and default is not None:
+    if text is None:
+        if default is None:
+            raise FormatError(f"lacks a number for {name} in its header")
         return default
-    match = _LEADING_NUMBER_PATTERN.match(text or "")
-    try:
-        value = float(match[1].replace(",", ".")) if match else math.nan
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise FormatError(
-            f"lacks a number for {name}" if text is None else f"has {text[:40]!r} for {name}, not a number"
-        )
-    return value
+    return (parse_positive_number if positive else parse_number)(text, f"for {name} in its header")
 
 
 def parse_header_integer(
@@ -40,7 +35,9 @@ def parse_header_integer(
     """Return the integer at the start of a header value. Raises `FormatError` if the integer is out of range."""
     value = parse_header_number(header, name)
     if not (value.is_integer() and minimum <= value <= maximum):
-        raise FormatError(f"has {value:g} for {name}, which must be a whole number from {minimum} to {maximum}")
+        raise FormatError(
+            f"has {value:g} for {name} in its header, which must be a whole number from {minimum} to {maximum}"
+        )
     return int(value)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 import unicodedata
 import zipfile
 from collections.abc import Callable, Iterator
@@ -30,6 +32,17 @@ not in words.
 MAX_FILE_BYTES = 2_000_000_000
 # maximum size of a text file in bytes; parsing requires ten times as much memory as the text
 MAX_TEXT_BYTES = 300_000_000
+MAX_POINTS_PER_BYTE = 100  # maximum number of points of a compressed map per byte of its file
+MAX_POINTS_OF_SMALL_MAP = 1_000_000  # maximum number of points of a map that may be larger than its file
+MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH = 1e-6, 1e9  # range of the spacings and sizes that a header can declare, µm
+MIN_DECLARED_NUMBER, MAX_DECLARED_NUMBER = 1e-30, 1e30
+"""Range of the factors and lengths that a header can declare, in any unit."""
+
+_LEADING_NUMBER_PATTERN = re.compile(
+    r"\s*([+-]?[0-9]{0,40}(?:[.,][0-9]{0,40})?(?:[eE][+-]?[0-9]{1,5})?)(?![0-9.,_xX]|[eE](?![^\W\d_]))"
+)
+"""Pattern of a decimal number that a unit may follow. A hexadecimal or incomplete number does not match."""
+
 _ARCHIVE_CHUNK_SIZE = 1 << 16
 # compression methods of archive members that can be read in pieces of limited size
 _COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
@@ -89,6 +102,23 @@ class DeclaredLength:
     length: float
     digit: float
     unit: str
+    line: str = ""  # header line that declares the length
+
+    def to_micrometres(self) -> float:
+        """Return the length in µm. Raises `FormatError` if no spacing or size of a scan can have this length."""
+        value = self.length * LENGTH_UNITS[self.unit]
+        lowest, highest = MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH
+        if not lowest <= value <= highest:
+            raise FormatError(
+                f"has an impossible length in its header line {self.line[:80]!r}; a spacing or size must be between "
+                f"{lowest:g} and {highest:g} µm"
+            )
+        return value
+
+    @property
+    def digit_in_micrometres(self) -> float:
+        """Value of one unit in the last digit, µm."""
+        return self.digit * LENGTH_UNITS[self.unit]
 
 
 @dataclass(frozen=True)
@@ -207,6 +237,40 @@ def parse_length_unit(text: str) -> str | None:
         return plain_text
     casefolded_text = plain_text.casefold()
     return casefolded_text if len(casefolded_text) > 3 and casefolded_text in LENGTH_UNITS else None
+
+
+def check_point_count(points: int, stored_bytes: int) -> None:
+    """Raise `FormatError` if the bytes of a file cannot contain its declared number of points, even if compressed."""
+    if points > max(MAX_POINTS_OF_SMALL_MAP, MAX_POINTS_PER_BYTE * stored_bytes):
+        raise FormatError(f"declares {points} points, but has only {stored_bytes} bytes")
+
+
+def parse_number(text: str, place: str) -> float:
+    """Return the finite number at the start of a text. `place` describes the origin of the text in an error message.
+
+    Raises `FormatError` if there is no such number.
+    """
+    match = _LEADING_NUMBER_PATTERN.match(text)
+    try:
+        value = float(match[1].replace(",", ".")) if match else math.nan
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise FormatError(f"has {text[:40]!r} {place}, not a number")
+    return value
+
+
+def parse_positive_number(text: str, place: str) -> float:
+    """Return the factor or length at the start of a text. Raises `FormatError` if no scan can have this number.
+
+    A negative factor would turn the heights upside down, and a factor of 0 would make them equal.
+    """
+    value = parse_number(text, place)
+    if not MIN_DECLARED_NUMBER <= value <= MAX_DECLARED_NUMBER:
+        raise FormatError(
+            f"has {text[:40]!r} {place}, which must be a number from {MIN_DECLARED_NUMBER:g} to {MAX_DECLARED_NUMBER:g}"
+        )
+    return value
 
 
 # ---- Archives -------------------------------------------------------------------------------------------------------

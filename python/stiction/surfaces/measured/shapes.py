@@ -15,7 +15,6 @@ from stiction._text import printable_text
 from stiction.surfaces.measured.grid import to_grid
 from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN
 from stiction.surfaces.measured.raw import (
-    LENGTH_UNITS,
     ColumnTable,
     FileCaveat,
     FormatError,
@@ -169,7 +168,7 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **att
         stated_spacings=declared.spacings,
     )  # fmt: skip
     raw = replace(raw, **attributes)
-    if (tip := declared.tip_radius) is None:
+    if (tip := declared.tip_radius) is None or not tip.length > 0:
         return raw
     return replace(raw, history=(*raw.history, f"its header gives a tip radius of {tip.length:g} {tip.unit} (--tip)"))
 
@@ -435,7 +434,7 @@ def _read_matrix(table: ColumnTable) -> RawHeights:
     raw = _to_raw_heights(table, table.values, _common_unit(table, _column_units(table)), history=history)
     if (spacings := table.declared.spacings) is None:
         return raw
-    spacing = tuple(stated.length * LENGTH_UNITS[stated.unit] for stated in spacings)
+    spacing = tuple(stated.to_micrometres() for stated in spacings)
     return replace(
         raw, spacing=spacing, position_unit="um", size=None, stated=None, bare_spacing=None, stated_spacings=None
     )

@@ -20,6 +20,8 @@ from stiction.surfaces.measured.raw import (
     FormatError,
     HeightProvenance,
     RawHeights,
+    check_point_count,
+    parse_positive_number,
     read_member_chunks,
 )
 from stiction.surfaces.profile import MAX_POINTS
@@ -191,6 +193,10 @@ class _StoredAxis:
             self.increment = 1.0
         elif self.absolute and not abs(self.increment) > 0:
             raise FormatError(f"has integers for {name}, but no Increment as their factor")
+        elif name == "Z":  # a negative factor would turn the heights upside down
+            self.increment = parse_positive_number(
+                _get_element_text(root, f"{path}/Increment"), f"for {path}/Increment"
+            )
         self.offset = _parse_element_number(root, f"{path}/Offset", 0.0)
 
     def to_lengths(self, stored: NDArray[Any]) -> Floats:
@@ -216,7 +222,11 @@ def _read_columns(
         return _parse_listed_points(root.listed_points, list(stored), points)
     kind = np.dtype(list(stored.items()))
     link, num_bytes = root.folder + _get_element_text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
-    size = archive.getinfo(link).file_size if link in archive.namelist() else num_bytes
+    size = num_bytes
+    if link in archive.namelist():
+        member = archive.getinfo(link)
+        size = member.file_size
+        check_point_count(points, member.compress_size)
     data = b"".join(read_member_chunks(archive, link, num_bytes)) if size == num_bytes else b""
     if len(data) != num_bytes:
         raise FormatError(f"declares {points} points of {kind.itemsize} bytes, but has {len(data) or size} bytes")

@@ -51,7 +51,7 @@ def _apply_channel_comments(table: ColumnTable, comments: Sequence[str]) -> Colu
     width, height = (_LENGTH_COMMENT_PATTERN.fullmatch(line) for line in comments[1:3])
     assert width is not None
     assert height is not None
-    along_y, along_x = parse_length(*height.groups()), parse_length(*width.groups())
+    along_y, along_x = (parse_length(*match.groups(), line=match.string) for match in (height, width))
     assert along_y is not None
     assert along_x is not None
     size = (along_y, along_x)

@@ -20,10 +20,11 @@ import re
 
 import numpy as np
 
+from stiction._text import printable_text
 from stiction.surfaces.measured.decode import NUMBER_LINE_CODE, DecodedText
 from stiction.surfaces.measured.header import is_unit, normalise_line
 from stiction.surfaces.measured.layout import TextLayout
-from stiction.surfaces.measured.raw import FileCaveat, FormatError, RawHeights, parse_length_unit
+from stiction.surfaces.measured.raw import FileCaveat, FormatError, RawHeights, parse_length_unit, parse_positive_number
 from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
 from stiction.surfaces.measured.text import make_height_provenance
 
@@ -52,9 +53,9 @@ def _split_header_rows(text: DecodedText) -> list[list[str]]:
 
 
 def _find_calibration_row(rows: list[list[str]]) -> int | None:
-    """Return the index of the calibration row, which consists of a name, a length and its unit."""
+    """Return the index of the calibration row, which consists of a name, a number and a unit of length."""
     for index, row in enumerate(rows):
-        if len(row) == 3 and _UNSIGNED_NUMBER_PATTERN.fullmatch(row[1]) and parse_length_unit(row[2]) is not None:
+        if len(row) == 3 and parse_length_unit(row[1]) is None and parse_length_unit(row[2]) is not None:
             return index
     return None
 
@@ -71,8 +72,8 @@ def _read(text: DecodedText) -> RawHeights:
     rows = _split_header_rows(text)
     index = _find_calibration_row(rows)
     assert index is not None
-    _, digits, unit = rows[index]
-    spacing = float(digits.replace(",", "."))
+    name, digits, unit = rows[index]
+    spacing = parse_positive_number(digits, f"for {printable_text(name, 40)!r} in its header")
     pairs = [row for row in rows[index + 1 :] if len(row) == 2]
     counts = [int(row[1]) for row in pairs if re.fullmatch("[0-9]{1,6}", row[1])][:2]
     height_unit = next(

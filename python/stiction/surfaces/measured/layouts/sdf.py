@@ -45,14 +45,13 @@ def _read(text: DecodedText) -> RawHeights:
     heights = numbers_in_lines(text, end + 1, last)
     if heights.size != rows * columns:
         raise FormatError(f"declares {rows} profiles of {columns} points, but has {heights.size} heights")
-    spacing = [parse_header_number(header, "Xscale")]
+    spacing = [parse_header_number(header, "Xscale", positive=True)]
     if rows > 1:
-        heights, spacing = heights.reshape(rows, columns), [parse_header_number(header, "Yscale"), *spacing]
-    if not min(spacing) > 0:
-        raise FormatError(f"has a spacing of {min(spacing):g} m, but the spacing must be above 0")
+        heights = heights.reshape(rows, columns)
+        spacing = [parse_header_number(header, "Yscale", positive=True), *spacing]
     source = HeightProvenance(separator="space", decimal_mark=".", lines=(end + 2, last + 1), lines_above=end + 1)
     return RawHeights(
-        heights, unit="um", factor=parse_header_number(header, "Zscale") * 1e6,
+        heights, unit="um", factor=parse_header_number(header, "Zscale", positive=True) * 1e6,
         spacing=tuple(step * 1e6 for step in spacing), position_unit="um", source=source,
     )  # fmt: skip
 

@@ -23,7 +23,7 @@ from stiction.surfaces.measured.raw import FormatError, RawHeights, parse_length
 from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
 from stiction.surfaces.measured.text import make_height_provenance
 
-_HEADER_FIELD_PATTERN = re.compile(r"#?\s*([A-Za-z][\w -]{0,30}?)\s*[=:]\s*(.{1,60}?)\s*")
+_HEADER_FIELD_PATTERN = re.compile(r"#?\s*([A-Za-z][\w -]{0,30}?)\s*[=:]\s*(.{0,60}?)\s*")
 
 
 def _parse_header(text: DecodedText) -> dict[str, str]:
@@ -51,10 +51,14 @@ def _read(text: DecodedText) -> RawHeights:
     units = {header.get(f"{axis}-unit", "nm") for axis in "xy"}
     if len(units) > 1:
         raise FormatError("has lengths along x and y in different units")
-    unit, factor = header.get("z-unit"), None
+    unit, factor = header.get("z-unit") or None, None
     if unit is None:
-        unit, factor = "nm", parse_header_number(header, "bit2nm") if "bit2nm" in header else None
-    spacing = (parse_header_number(header, "y-length") / rows, parse_header_number(header, "x-length") / columns)
+        unit = "nm"
+        factor = parse_header_number(header, "bit2nm", positive=True) if "bit2nm" in header else None
+    spacing = (
+        parse_header_number(header, "y-length", positive=True) / rows,
+        parse_header_number(header, "x-length", positive=True) / columns,
+    )
     return RawHeights(
         block.values, unit=parse_length_unit(unit) or unit, factor=factor, spacing=spacing, position_unit=units.pop(),
         source=make_height_provenance(block),

@@ -18,7 +18,6 @@ nm, and otherwise they are in wavelengths. Pixel sizes are in mm, wavelengths in
 
 from __future__ import annotations
 
-import math
 import re
 
 import numpy as np
@@ -58,11 +57,10 @@ def _read(text: DecodedText) -> RawHeights:
     flags = re.findall(r"[0-9]+", text.line(0).partition("Format")[2])
     factor = None
     if len(flags) < 2 or flags[1] == "0":
-        factor = parse_header_number(header, "Wavelength") / (parse_header_number(header, "Mult", 1.0) or math.nan)
-        if not math.isfinite(factor):
-            raise FormatError("has a factor Mult of 0")
+        wavelength = parse_header_number(header, "Wavelength", positive=True)
+        factor = wavelength / parse_header_number(header, "Mult", 1.0, positive=True)
     pixel_size = abs(parse_header_number(header, "Pixel_size"))
-    spacing = (pixel_size * parse_header_number(header, "Aspect", 1.0), pixel_size)
+    spacing = (pixel_size * parse_header_number(header, "Aspect", 1.0, positive=True), pixel_size)
     return RawHeights(
         np.ascontiguousarray(block.values.T), unit="nm", factor=factor, spacing=spacing, position_unit="mm",
         source=make_height_provenance(block),

@@ -20,14 +20,22 @@ from __future__ import annotations
 import numpy as np
 
 from stiction.surfaces.measured.decode import DecodedText
+from stiction.surfaces.measured.grid import MAX_NODES_PER_POINT, fill_grid
 from stiction.surfaces.measured.layout import TextLayout
-from stiction.surfaces.measured.raw import FormatError, RawHeights
+from stiction.surfaces.measured.raw import (
+    MAX_POINTS_OF_SMALL_MAP,
+    FormatError,
+    RawHeights,
+    parse_number,
+    parse_positive_number,
+)
 from stiction.surfaces.measured.shapes import MAX_TABLE_GRID_POINTS
 from stiction.surfaces.measured.split import Dialect, parse_number_block
 from stiction.surfaces.measured.text import make_height_provenance
 
 # Zero-based index of the header line with the origin and size of the map, and index of the line with the pixel size.
 _MAP_SIZE_LINE_INDEX, _PIXEL_SIZE_LINE_INDEX = 3, 7
+_PIXEL_SIZE_PLACE = f"for the pixel size in line {_PIXEL_SIZE_LINE_INDEX + 1}"
 
 
 def _read(text: DecodedText) -> RawHeights:
@@ -40,26 +48,31 @@ def _read(text: DecodedText) -> RawHeights:
     last = next((index - 1 for index in range(len(text) - 1, first, -1) if text.line(index) == "#"), len(text) - 1)
     try:
         x0, y0, columns, rows = (int(word) for word in text.line(_MAP_SIZE_LINE_INDEX).split()[:4])
-        pixel_size = float(text.line(_PIXEL_SIZE_LINE_INDEX).split()[6])
+        pixel_size_text = text.line(_PIXEL_SIZE_LINE_INDEX).split()[6]
     except (ValueError, IndexError):
         raise FormatError("lacks the map size in line 4, or the pixel size in line 8") from None
-    if not (columns > 0 and rows > 0 and rows * columns <= MAX_TABLE_GRID_POINTS):
-        raise FormatError(
-            f"declares a map of {rows} rows of {columns} points; a map must have from 1 to "
-            f"{MAX_TABLE_GRID_POINTS} points"
-        )
+    spacing = None  # an instrument without lateral calibration writes a pixel size of 0
+    if parse_number(pixel_size_text, _PIXEL_SIZE_PLACE) != 0:
+        spacing = (parse_positive_number(pixel_size_text, _PIXEL_SIZE_PLACE),) * 2
     block = parse_number_block(text, first, last, Dialect(None, "."))
     if block.values.shape[1] != 3:
         raise FormatError(f"{text.describe_line(first)} must contain a column number, a row number and a height")
     column, row, heights = block.values.T
+    max_nodes = max(MAX_NODES_PER_POINT * heights.size, MAX_POINTS_OF_SMALL_MAP)
+    if not (columns > 0 and rows > 0 and rows * columns <= min(max_nodes, MAX_TABLE_GRID_POINTS)):
+        raise FormatError(
+            f"declares a map of {rows} rows of {columns} points in line {_MAP_SIZE_LINE_INDEX + 1}; a map that lists "
+            f"{heights.size} points must have from 1 to {min(max_nodes, MAX_TABLE_GRID_POINTS)} points"
+        )
     column, row = column - x0, row - y0
     if not (np.array_equal(column, np.round(column)) and np.array_equal(row, np.round(row))):
         raise FormatError("lists points between the nodes of its grid")
     if min(column.min(), row.min()) < 0 or column.max() >= columns or row.max() >= rows:
         raise FormatError(f"lists points outside its map of {rows} rows of {columns} points")
-    matrix = np.full((rows, columns), np.nan)
-    matrix[row.astype(np.int64), column.astype(np.int64)] = heights
-    spacing = (pixel_size, pixel_size) if pixel_size > 0 else None
+    matrix, _ = fill_grid(
+        (rows, columns), row.astype(np.int64), column.astype(np.int64), heights,
+        lambda index: f"column {block.values[index, 0]:g}, row {block.values[index, 1]:g}",
+    )  # fmt: skip
     return RawHeights(
         matrix, unit="um", spacing=spacing, position_unit="m" if spacing else None, source=make_height_provenance(block)
     )
