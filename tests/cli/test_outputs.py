@@ -152,3 +152,23 @@ def test_table_command_replaces_a_table_that_an_equal_command_wrote_at_the_same_
     options = {"effective_modulus": "10 GPa", "hurst": "0.8", "rms": "10 nm", "load": "1 MPa,3 MPa,9 MPa"}
     table_command(**options, points=64, repetitions=2, output=tmp_path / "table")
     assert (tmp_path / "table" / "laws.csv").exists()
+
+
+def test_info_prints_one_sentence_for_each_load_including_loads_that_must_not_be_quoted(scans_folder):
+    loads = ["--load", "1 uN,2 mN,8 mN"]
+    command = [word for word in PAIR_COMMAND if word not in ("--load", "2 mN")]
+    call_stiction(*command, *loads, cwd=scans_folder, without_figures=True, without_report=True)
+    sentences = call_stiction("info", "pair", "--sentence", cwd=scans_folder).stdout.splitlines()
+    result = open_result(scans_folder / "pair")
+    assert sentences == result.sentence.splitlines()
+    points = result.summary().headlines
+    assert [point.verdict == "Do not quote" for point in points] == [
+        sentence.startswith("There is no coefficient to quote") for sentence in sentences
+    ]
+    assert len(sentences) == 3
+    for sentence, pressure_load in zip(sentences, ("1 µN", "2 mN", "8 mN"), strict=True):
+        assert f"at {pressure_load} (" in sentence
+    for option in ("--json", "--verbose"):
+        assert_rejected(
+            call_stiction("info", "pair", "--sentence", option, cwd=scans_folder), "--sentence must not be combined"
+        )

@@ -67,6 +67,14 @@ def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None
         print_output(text)
 
 
+def print_sentences(result: Result) -> None:
+    """Print the sentence to quote for each load, each on a line that is not wrapped."""
+    from stiction.views.sentence import no_values_text, quotable_sentences
+
+    summary = _summarize(result)
+    print_output("\n".join(quotable_sentences(summary)) if summary.points else no_values_text(summary))
+
+
 def print_result_json(result: Result, command: str, **fields: Any) -> None:
     """Print a result at the loads of its study as a JSON record of a command, with additional fields."""
     from stiction.views.rows import summary_json

@@ -11,19 +11,40 @@ from stiction._arguments import split_values
 from stiction._text import printable_path
 from stiction.cli.application import command, print_output
 from stiction.cli.options import JsonOption, VerboseOption, option
-from stiction.cli.result_output import open_result_with_warning, print_result, print_result_json, write_figures
+from stiction.cli.result_output import (
+    open_result_with_warning,
+    print_result,
+    print_result_json,
+    print_sentences,
+    write_figures,
+)
 
 DirectoryArgument = Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair` or `run`.")]
 
 
-@command("info", "stiction info figure6", "stiction info pair --verbose", "stiction info figure6 --json")
-def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: JsonOption = False) -> None:
+SentenceOption = Annotated[
+    bool, option("--sentence", "Print only the sentence to quote for each load, with all conditions.")
+]
+
+
+@command("info", "stiction info figure6", "stiction info pair --verbose", "stiction info pair --sentence")
+def info(
+    directory: DirectoryArgument,
+    verbose: VerboseOption = False,
+    as_json: JsonOption = False,
+    sentence: SentenceOption = False,
+) -> None:
     """Show the inputs of a result, its progress, its friction at a few loads, and its reliability."""
     from stiction.studies.result import Result
     from stiction.studies.store import open_stored_result
     from stiction.studies.study import Study, find_table_differences
     from stiction.views.layout import wrap_text
 
+    if sentence:
+        if as_json or verbose:
+            raise ValueError(f"--sentence must not be combined with {'--json' if as_json else '--verbose'}")
+        print_sentences(open_result_with_warning(directory))
+        return
     stored_result = open_stored_result(directory)
     study, num_finished = stored_result.study, stored_result.num_finished
     if as_json:

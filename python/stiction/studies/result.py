@@ -564,10 +564,14 @@ class Result:
 
     @property
     def sentence(self) -> str:
-        """Sentence that contains `value` and all conditions under which it holds."""
-        from stiction.views.sentence import quotable_sentence
+        """Sentences to quote, one for each load on a line of its own, with all conditions under which the value holds.
 
-        return quotable_sentence(self._first_reported_point)
+        Loads whose coefficient must not be quoted have a sentence with the reason. If `mu0` and `tau0` have several
+        values, each combination has a sentence. For generated surfaces, only the first surfaces, mu0 and tau0 do.
+        """
+        from stiction.views.sentence import quotable_sentences
+
+        return "\n".join(quotable_sentences(self.summary()))
 
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 

@@ -78,6 +78,18 @@ def quotable_sentence(point: PointSummary) -> str:
     return "; ".join(sentence_parts) + "."
 
 
+def quotable_sentences(summary: Summary) -> list[str]:
+    """Return the sentences to quote for all reported points; for generated surfaces, for all loads of the first cell.
+
+    A point whose coefficient must not be quoted has a sentence with the reason, so that no load is left out.
+    """
+    points = summary.headlines
+    if not summary.study.is_measured:
+        first_coordinates = {name: value for name, value in points[0].at.items() if name != "load"}
+        points = [point for point in points if first_coordinates.items() <= point.at.items()]
+    return [quotable_sentence(point) for point in points]
+
+
 def covered_inputs_text(point: PointSummary) -> str:
     """Return a phrase that lists the inputs covered by the 95 % interval, or an empty string without an interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
