@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from stiction import Profile, Result
+from stiction import Profile, Result, Surface, pair
 from stiction.studies import resolution
 from stiction.studies.at_load import at_load
 from stiction.studies.contact_forces import build_contact_forces
@@ -317,6 +317,25 @@ def test_contacts_figure_marks_every_contact_and_load_percentages_that_add_up_to
     texts = [text.get_text() for text in figure.legends[0].get_texts()]
     assert sum(int(text.split()[0]) for text in texts) == picture.sizes["contact"]
     assert sum(int(text.split("with ")[1].split()[0]) for text in texts) == pytest.approx(100, abs=1)
+
+
+def test_contacts_figure_frames_the_contact_with_the_largest_load_even_at_the_edge():
+    x = np.linspace(-1, 1, 64)
+    # The highest hill is in a corner; another one is in the middle.
+    heights = 0.14 * np.exp(-((x[:, np.newaxis] + 0.98) ** 2 + (x + 0.98) ** 2) / 0.02)
+    heights += 0.09 * np.exp(-(x[:, np.newaxis] ** 2 + x**2) / 0.02)
+    lower = Surface(heights, spacing=0.1)
+    flat = Surface(np.zeros((64, 64)), spacing=0.1)
+    options = {"effective_modulus": "10 GPa", "mu0": 0.2, "level": "mean", "cutoff": "none", "onset": 0}
+    result = pair(flat, lower, load="1 mN", positions=[(0, 0)], direction=[0, 180], **options)
+    picture = contact_picture(result)
+    strongest = int(picture["contact_force"].values.argmax())
+    assert picture["contact_at_edge"].values[strongest] == 1
+    for axis in ("x", "y"):
+        low, high = picture[f"zoom_{axis}"].values[[0, -1]]
+        assert low <= picture[f"contact_{axis}"].values[strongest] <= high
+    pressure_axes = contacts_and_pressure_figure(picture).axes[1]
+    assert "cut by the edge" in pressure_axes.get_title(loc="left")
 
 
 def test_contact_map_draws_every_contact(maps_at_two_cutoffs, profiles_dataset):

@@ -77,7 +77,7 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     xarray.Dataset or None
         For maps: upper_height and lower_height (µm) with dimensions height_y and height_x, and patch, which is the
         number of the contact at each point, counted from 1. With the half-space also zoom_pressure (GPa) and
-        zoom_height (µm) with dimensions zoom_y and zoom_x, around the interior contact with the largest load. For
+        zoom_height (µm) with dimensions zoom_y and zoom_x, around the contact with the largest load. For
         lines: lower_height and gap (µm) with dimension height_x. With dimension contact: contact_x, contact_y,
         contact_force, contact_patch_area, contact_slope_x, contact_slope_y, contact_at_edge. Attributes: member,
         load_mN, x and y (µm, shift of the upper body). Returns None if the solver failed for all members.
@@ -219,8 +219,7 @@ def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xar
         "height_x": ("height_x", np.arange(0, columns, stride) * dx, length_attributes),
     }
     if pressure is not None:
-        is_interior = ~table.at_edge if (~table.at_edge).any() else np.ones(table.force.size, dtype=bool)
-        largest_contact = int(np.argmax(np.where(is_interior, table.force, -1.0)))
+        largest_contact = int(np.argmax(table.force))
         window_slices = []
         for centre, size in ((table.y[largest_contact] / dy, rows), (table.x[largest_contact] / dx, columns)):
             window_size = min(max(size // ZOOM_FACTOR, MIN_ZOOM_SIDE_POINTS), size)

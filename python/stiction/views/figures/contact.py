@@ -284,7 +284,10 @@ def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, ha
         colour_bar.ax.text(
             0.5, 1.02, "hardness", transform=colour_bar.ax.transAxes, fontsize=6, ha="center", va="bottom"
         )
-    axes.set_title("around the contact with the largest load (frame above)", loc="left", fontsize=6, pad=3)
+    is_at_edge = picture["contact_at_edge"].values[picture["contact_force"].values.argmax()] > 0
+    title = "around the contact with the largest load (frame above)"
+    title += "\nit is cut by the edge of the pressed area" if is_at_edge else ""
+    axes.set_title(title, loc="left", fontsize=6, pad=3)
     axes.set(xlabel=axis_label("x"), ylabel=axis_label("y"))
 
 
@@ -353,9 +356,7 @@ def _draw_profile_contacts(
         picture["contact_x"].values,
         picture["contact_patch_area"].values,
     )  # contact areas in µm² are numerically equal to contact widths in µm, because profiles are 1 µm wide
-    zoom_slice = slice(
-        *np.searchsorted(x, _zoom_range(x, centre_positions, width, picture["contact_force"].values, is_cut))
-    )
+    zoom_slice = slice(*np.searchsorted(x, _zoom_range(x, centre_positions, width, picture["contact_force"].values)))
     for axes, point_slice in zip(panels, (slice(None), zoom_slice), strict=True):
         draw_bodies(axes, x[point_slice], *bodies[:, point_slice])
         axes.set(xlim=x[point_slice][[0, -1]], ylabel=axis_label("height_nm"))
@@ -378,11 +379,9 @@ def _draw_profile_contacts(
             panels[1].plot(positions, heights, color=line_colour, linewidth=line_width, solid_capstyle="round")
 
 
-def _zoom_range(
-    x: Floats, centre_positions: Floats, width: Floats, force: Floats, is_cut: NDArray[np.bool_]
-) -> tuple[float, float]:
-    """Return the ends of the magnified range around the strongest contact that is not cut by the edge."""
-    zoom_centre = centre_positions[np.argmax(np.where(is_cut, -1.0, force))]
+def _zoom_range(x: Floats, centre_positions: Floats, width: Floats, force: Floats) -> tuple[float, float]:
+    """Return the ends of the magnified range around the contact with the largest load."""
+    zoom_centre = centre_positions[np.argmax(force)]
     distances = np.sort(np.abs(centre_positions - zoom_centre))
     min_half_width = max(MIN_ZOOM_POINTS * (x[1] - x[0]), 4 * float(width.max()))
     half_width = float(
