@@ -293,15 +293,24 @@ def test_small_slope_estimate_of_one_scan_assumes_two_equal_surfaces():
     slope = 0.2  # This is the slope of one surface. The slope of the gap is larger by √2.
     heights = slope * np.sqrt(2) / (2 * np.pi) * np.sin(2 * np.pi * x)
     expected_friction = gentle_friction(0.4, rms_gradient=slope * np.sqrt(2), rms_slope=slope * np.sqrt(2))
-    texts = texts_by_label(characterisation_text(Profile(heights, spacing=0.01), periodic=True, band=(0.02, 20.0)))
-    assert texts["friction by slope"].startswith(f"{expected_friction:.3f}: small-slope estimate for two such surfaces")
+
+    def friction_text_of(body, **options):
+        (text,) = (row.texts[0] for row in Characterisation(body, **options).rows if row.label == "friction by slope")
+        return text
+
+    friction_text = friction_text_of(Profile(heights, spacing=0.01), periodic=True, band=(0.02, 20.0))
+    # The rules have the words and the order of the output of a pair.
+    assert re.match(
+        rf"friction at all contacts: μ0; friction at opposing contacts only: {expected_friction:.3f} if μ0 = 0.4",
+        friction_text,
+    )
+    assert "small-slope estimates for two such surfaces" in friction_text
     # For a height map, the text gives an estimate along each axis.
     x, y = np.meshgrid(np.arange(64) * 0.1, np.arange(64) * 0.1)
     random = np.random.default_rng(1)
     heights = 0.03 * np.sin(2 * np.pi * x) + 0.01 * np.sin(2 * np.pi * y) + 1e-3 * random.normal(size=x.shape)
     surface = Surface(heights, spacing=(0.1, 0.1))
-    texts = texts_by_label(characterisation_text(surface))["friction by slope"]
-    slope_x, slope_y = (float(value) for value in re.findall(r"(0\.\d+) along", texts))
+    slope_x, slope_y = (float(value) for value in re.findall(r"(0\.\d+) along", friction_text_of(surface)))
     assert slope_x > slope_y > 0.2
 
 

@@ -44,6 +44,7 @@ from stiction.surfaces.spectrum import (
 )
 from stiction.surfaces.surface import Surface
 from stiction.views.layout import wrap_text
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.rows import caveat_record, json_entry, record_json
 from stiction.views.spreadsheet import frame_to_csv
 
@@ -386,8 +387,8 @@ class Characterisation:
             f"{value:.3f}{axis}" for value, axis in zip(self.friction_estimates, axis_texts, strict=True)
         )
         return (
-            f"{values}: small-slope estimate for two such surfaces, μ0 = {ASSUMED_MU0:g}, and friction at opposing "
-            "contacts only"
+            f"{SLIDING_RULE_DESCRIPTIONS['all']}: μ0; {SLIDING_RULE_DESCRIPTIONS['opposing']}: {values} "
+            f"if μ0 = {ASSUMED_MU0:g}; small-slope estimates for two such surfaces without τ0"
         )
 
     def _wavelength_rows(self) -> list[TableRow]:

@@ -17,6 +17,7 @@ from stiction.views.characterisation import (
     to_characterisation,
 )
 from stiction.views.figures.roughness import characterisation_figure
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.report.page import HtmlPage, escape_html, read_package_file
 from stiction.views.report.pictures import inline_svg
 
@@ -68,8 +69,9 @@ def _interpretation_markup(characterisation: Characterisation) -> str:
             "scan before you quote a number."
         )
     paragraphs = [
-        f"Small-slope estimate for two such surfaces: μₛ = {' and '.join(values)}{axes_text}, for elastic contact "
-        f"without adhesion and μ0 = {ASSUMED_MU0:g}."
+        f"Small-slope estimates for two such surfaces, elastic and without τ0: μₛ = μ0 with "
+        f"{SLIDING_RULE_DESCRIPTIONS['all']}; with {SLIDING_RULE_DESCRIPTIONS['opposing']}, "
+        f"μₛ = {' and '.join(values)}{axes_text} if μ0 = {ASSUMED_MU0:g}."
         if values
         else "The surface is flat, and so has no small-slope estimate.",
         finer_scan_text,
