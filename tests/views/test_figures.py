@@ -7,8 +7,10 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from matplotlib.patches import PathPatch
 from stiction import Profile, Result, Surface, pair
 from stiction.studies import resolution
 from stiction.studies.at_load import at_load
@@ -176,6 +178,40 @@ def test_friction_figure_has_labelled_maps_and_curves(generated_dataset):
     partial_result = Result.of(generated_dataset.isel(repetition=[0, 1, 4]))
     figure_of_part = friction_figure(*evaluate_friction_over_dimension(partial_result, [0.1]))
     assert figure_of_part.get_suptitle() == "unfinished: 3 of 12 repetitions"
+
+
+def test_friction_curves_fill_their_panel_and_no_label_covers_them(generated_dataset):
+    for mu0 in (0.1, 0.4, 2.0):
+        values = evaluate_friction_over_dimension(Result.of(generated_dataset.isel(amplitude=[1])), [mu0])[0]
+        axes = axes_without_colorbars(friction_figure(values))[2]
+        curves = values.curve_points.isel(amplitude=0)
+        mean, upper = (curves["friction_coefficient"].sel(statistic=name).values for name in ("mean", "upper"))
+        shown_values = np.array([*upper[np.isfinite(upper)], *mean[np.isfinite(mean)], mu0])
+        assert mu0 < axes.get_ylim()[1] <= 1.1 * shown_values.max() * (1 + 1e-9)
+        assert all(text.get_bbox_patch() is None for text in axes.texts)
+        legend_texts = [text.get_text() for text in axes.get_legend().get_texts()]
+        assert legend_texts == [rf"$\tau_0$ = {megapascals} MPa" for megapascals in (0, 200)]
+
+
+def test_hatching_of_invalid_cells_leaves_most_of_their_colours_visible(generated_dataset):
+    dataset = generated_dataset.isel(amplitude=[1])
+    figure = friction_figure(*evaluate_friction_over_dimension(Result.of(dataset), [0.4]))
+    axes = axes_without_colorbars(figure)[0]
+    hatched_artists = [artist for artist in axes.artists + axes.patches if isinstance(artist, PathPatch)]
+    assert hatched_artists
+    canvas = FigureCanvasAgg(figure)
+
+    def render_panel():
+        canvas.draw()
+        box = axes.get_window_extent()
+        rows, columns = (slice(int(low), int(high)) for low, high in ((box.y0, box.y1), (box.x0, box.x1)))
+        return np.asarray(canvas.buffer_rgba())[::-1][rows, columns].astype(int)
+
+    with_hatching = render_panel()
+    for artist in hatched_artists:
+        artist.set_visible(False)
+    changed_fraction = (np.abs(render_panel() - with_hatching).max(axis=-1) > 10).mean()
+    assert 0 < changed_fraction < 0.1  # dense hatching changes 0.18 of the pixels of this panel
 
 
 def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset):

@@ -173,6 +173,8 @@ def friction_figure(values: FrictionOverDimension) -> Figure:
         if row == 0:
             ax.set_title(f"at $F_N$ = {format_with_unit(load, 'mN')}", pad=2)
             draw_panel_letter(ax, len(strengths))
+            # The labels are above the panel, where they cover no curve.
+            ax.legend(loc="lower right", bbox_to_anchor=(1.02, 1.08), ncols=2, handlelength=1.2, borderaxespad=0)
         format_fractal_dimension_axis(ax, maps, last=is_last_row)
     _draw_colour_bar(
         figure, (13 / 170, 1 - (margin_above - 5.5) / total_height, 99 / 170, 2.2 / total_height), norm, mu0
@@ -208,15 +210,12 @@ def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[st
         marker = "o" if dimension.size == 1 else None
         style: dict[str, Any] = {"color": colour, "linewidth": 1, "markersize": 2, "marker": marker}
         axes.plot(dimension, value[:, index], ":", **style)
-        axes.plot(dimension, np.where(is_valid[:, index], value[:, index], np.nan), **style)
-    finite_values = value[np.isfinite(value)]
-    # The range of the vertical axis includes all valid values.
-    # It includes invalid values only if there is enough space.
-    valid_upper_ends = upper[np.isfinite(upper) & is_valid]
-    upper_limit = (
-        1.1 * max(2 * mu0, float(valid_upper_ends.max(initial=0.0)), 2.5 * float(np.min(finite_values, initial=1.0)))
-        or 1.0
-    )
+        valid_curve = np.where(is_valid[:, index], value[:, index], np.nan)
+        axes.plot(dimension, valid_curve, label=rf"$\tau_0$ = {strengths[index]}", **style)
+    # The vertical axis contains mu0 and all valid values. Of the invalid values, it contains at least half.
+    valid_ends, valid_values = (array[np.isfinite(array) & is_valid].max(initial=0.0) for array in (upper, value))
+    median_value = float(np.median(value[np.isfinite(value)])) if np.isfinite(value).any() else 0.0
+    upper_limit = 1.1 * max(mu0, float(min(valid_ends, MAX_DRAWN_BAND_RATIO * valid_values)), median_value) or 1.0
     axes.set_ylim(0, upper_limit)
     axes.locator_params("y", nbins=6, steps=[1, 2, 5, 10])
     dimension_range = float(np.ptp(dimension)) or 1.0
@@ -225,22 +224,6 @@ def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[st
     axes.text(
         axes.get_xlim()[1] - 0.01 * dimension_range, mu0, r"$\mu_0$", color="0.4", fontsize=6, va="bottom", ha="right"
     )
-    for index, colour in zip(range(len(strengths)), SHEAR_STRENGTH_COLOURS, strict=False):
-        indices = np.flatnonzero(np.isfinite(value[:, index]))
-        if indices.size:
-            start_index = indices[0]
-            height = min(np.nan_to_num(upper[start_index, index], nan=value[start_index, index]), 0.93 * upper_limit)
-            name = rf"$\tau_0$ = {strengths[index]}"
-            box = {"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 0.5}
-            axes.text(
-                dimension[start_index] + 0.03 * dimension_range,
-                height,
-                name,
-                color=colour,
-                fontsize=6,
-                va="bottom",
-                bbox=box,
-            )
 
 
 def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float], norm: Any, mu0: float) -> None:
@@ -313,14 +296,14 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]
     if vertices:
         codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
         # two lines are drawn, because one of the two colours is visible on any cell
-        for colour, width in (("black", 1.3), ("white", 0.5)):
+        for colour, width in (("black", 0.7), ("white", 0.3)):
             patch = PathPatch(Path(vertices, codes), **_INVALID_CELL_STYLE | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
             axes.add_artist(patch)  # `add_patch` would also compute the limits of the axes from thousands of cells
 
 
-_INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\\\\\", "linewidth": 0}
-"""Style of cells in which the model is not valid."""
+_INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\", "linewidth": 0}
+"""Style of cells in which the model is not valid. The lines are thin and far apart, so that the colours are visible."""
 
 
 def _compute_fading(friction_with_limits: Floats) -> Floats:
@@ -349,7 +332,9 @@ def _legend_handles(maps: xarray.Dataset, *, has_asperities: bool) -> list[Any]:
     handles: list[Any] = []
     if has_asperities and (maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION).any():
         invalid_label = "model not valid (dotted): most load on overlaps $> R/10$"
-        handles.append(Patch(**_INVALID_CELL_STYLE | {"facecolor": tuple(example_colour)}, label=invalid_label))
+        # The small patch of the legend needs denser lines than the map.
+        legend_style = {"facecolor": tuple(example_colour), "hatch": 2 * _INVALID_CELL_STYLE["hatch"]}
+        handles.append(Patch(**_INVALID_CELL_STYLE | legend_style, label=invalid_label))
     fading = _compute_fading(maps["friction_coefficient"].transpose(..., "statistic").values)
     if (fading[~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)] > 0.1).any():
         handles.append(
