@@ -15,6 +15,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tomllib
 from pathlib import Path
 from typing import NamedTuple, get_args
@@ -204,8 +205,84 @@ def has_code(page):
     return any(block.kind in LANGUAGES_RUN_BY_TESTS for block in code_blocks(page))
 
 
+LITERAL_PAGES = [
+    page
+    for page in PAGE_FILES
+    if page in (ROOT / "README.md", ROOT / "docs/index.md") or page.parent == ROOT / "docs/tutorials"
+]
+"""Pages whose commands are run unchanged, in a copy of the tree. On other pages, studies and files are smaller."""
+
+DEV_STUB = """#!/bin/sh
+# Stand-in for ./dev that creates .venv without a network, with the package that is being tested.
+[ "$1" = run ] && shift || exit 2
+if [ ! -d .venv ]; then
+    {python} -m venv --without-pip .venv
+    echo "import site; site.addsitedir('{packages}')" > "$(echo .venv/lib/python*/site-packages)/tested.pth"
+    printf '#!/bin/sh\nexec "{clone}/.venv/bin/python" -m stiction "$@"\n' > .venv/bin/stiction
+    chmod +x .venv/bin/stiction
+fi
+exec .venv/bin/stiction run "$@"
+"""
+
+
+def shell_script(page):
+    """Return all shell and Python blocks of a page as a script. Python cells are left to the build of the docs."""
+    parts = ["set -e"]
+    for block in code_blocks(page):
+        first_line, _, rest = block.text.partition("\n")
+        if block.kind == "sh":
+            parts.append(block.text)
+        elif block.kind == "python":
+            parts.append(f"python - <<'END_OF_BLOCK'\n{block.text}END_OF_BLOCK")
+        elif first_line == "%%sh":
+            parts.append(rest)
+        elif first_line.startswith("%%writefile "):
+            parts.append(f"cat > {first_line.split()[1]} <<'END_OF_BLOCK'\n{rest}END_OF_BLOCK")
+    return "\n".join(parts) + "\n"
+
+
+def run_in_new_terminal(script, folder):
+    """Run a script in a bash whose environment contains no directory of the tested package."""
+    environment = {"PATH": os.defpath, "HOME": str(folder), "LANG": "C.UTF-8", "MPLBACKEND": "agg"}
+    return subprocess.run(
+        ["bash", "-c", script], cwd=folder, env=environment, capture_output=True, text=True, timeout=600, check=False
+    )
+
+
+@pytest.fixture(scope="module")
+def clone_after_readme(tmp_path_factory):
+    """Run the blocks of README in order in one terminal, in a copy of the tree. Return the copy and the process."""
+    clone = tmp_path_factory.mktemp("clone")
+    shutil.copytree(ROOT / "examples", clone / "examples")
+    stub = DEV_STUB.format(python=sys.executable, clone=clone, packages=sysconfig.get_path("purelib"))
+    (clone / "dev").write_text(stub, encoding="utf-8")
+    (clone / "dev").chmod(0o755)
+    return clone, run_in_new_terminal(shell_script(ROOT / "README.md"), clone)
+
+
 @pytest.mark.docs
-@parametrize_pages([page for page in PAGE_FILES if has_code(page) and page.name != "cluster.md"])
+@pytest.mark.timeout(900)
+@pytest.mark.skipif(not (ROOT / "README.md").exists(), reason="README.md is not in this tree")
+def test_commands_of_readme_work_in_order_in_a_fresh_clone(clone_after_readme):
+    _, completed = clone_after_readme
+    assert completed.returncode == 0, completed.stderr
+    (shown_output,) = [block.text for block in code_blocks(ROOT / "README.md") if block.kind == "text"]
+    assert shown_output in completed.stdout
+
+
+@pytest.mark.docs
+@pytest.mark.timeout(900)
+@parametrize_pages([page for page in LITERAL_PAGES if page.name != "README.md"])
+def test_commands_of_index_and_tutorials_work_in_the_clone_after_those_of_readme(page, clone_after_readme):
+    clone, _ = clone_after_readme
+    completed = run_in_new_terminal(f". .venv/bin/activate\n{shell_script(page)}", clone)
+    assert completed.returncode == 0, completed.stderr
+
+
+@pytest.mark.docs
+@parametrize_pages(
+    [page for page in PAGE_FILES if has_code(page) and page not in LITERAL_PAGES and page.name != "cluster.md"]
+)
 def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("upper", "lower", "lapped"):  # Create the files that the pages assume to exist.
