@@ -47,8 +47,8 @@ def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
     return [parse_quantity(name, item, kind) for item in _split_required_values(name, value)]
 
 
-_DECIMAL_COMMA_PATTERN = re.compile(r"(?<![\d.])\d+,\d+(?![\d.])")
-"""Pattern of a comma that may be a decimal comma, as in "0,2" but not in "0, 2" or "0.2,0.3"."""
+_DECIMAL_COMMA_PATTERN = re.compile(r"(?<![\d.])\d+,\d+(?!\d|\.(?!\.))")
+"""Pattern of a comma that may be a decimal comma, as in "0,2" or "0,2..0,3" but not in "0, 2" or "0.2,0.3"."""
 
 
 def reject_decimal_commas(name: str, value: Any) -> None:

@@ -7,6 +7,7 @@ import shlex
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import SimpleNamespace
+from urllib.parse import unquote
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from stiction.app.form import replace_option_names
 from stiction.app.run import SERVER_IDLE_TIMEOUT, is_abandoned
 from stiction.app.server import ALLOWED_OPTIONS_BY_COMMAND
 from stiction.cli import result_output
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from support.command import call_stiction, check_stiction
 
 pytestmark = browser.BROWSER_MARKS
@@ -191,7 +193,7 @@ def test_form_has_a_field_for_each_option_of_the_pair_command(empty_page):
     fill_fields(empty_page, {"upper": "numbers", "lower": "numbers", "mechanics": "half-space", "lay": "grooves"})
     fill_fields(
         empty_page,
-        {"cutoff": "0.1 um,0.2 um", "adhesion": "50", "tip": "10 nm", "mu0": "0,15..0,25", "hardness": "2±0,2"},
+        {"cutoff": "0.1 um,0.2 um", "adhesion": "50", "tip": "10 nm", "mu0": "0.15..0.25", "hardness": "2±0.2"},
     )
     empty_page.execute_script("document.querySelectorAll('[name=columns]')[1].value = 'x,z'")
     options = empty_page.execute_script("return pairOptions()")
@@ -203,9 +205,19 @@ def test_form_has_a_field_for_each_option_of_the_pair_command(empty_page):
         empty_page.execute_script("return [...document.querySelectorAll('#pair [name]')].map(({name}) => name)")
     )
     assert names == set(ALLOWED_OPTIONS_BY_COMMAND["pair"])
-    fill_fields(empty_page, {"missing-value": "-9999,NaN", "accept": "whole-numbers", "width": "1,5 mm"})
+    fill_fields(empty_page, {"missing-value": "-9999,NaN", "accept": "whole-numbers", "load": "1 MPa, 5 MPa"})
+    fill_fields(empty_page, {"outliers": "mask", "crop": "0 um,2 um", "texture": "turned", "junction-growth": "9"})
+    fill_fields(empty_page, {"tilt": "free", "interface": "steel on ice", "mu0": "0,2"})
     options = empty_page.execute_script("return pairOptions()")
-    assert ["width", "1.5 mm"] in options
+    assert ["load", "1 MPa, 5 MPa"] in options
+    assert [option for option in options if option[0] == "outliers"] == [["outliers", "mask"]]
+    assert [value for name, value in options if name == "crop"] == ["0 um,2 um", ""]
+    assert [value for name, value in options if name == "texture"] == ["turned", ""]
+    arguments = {"junction-growth": "9", "tilt": "free", "interface": "steel on ice"}
+    assert arguments.items() <= dict(options).items()
+    assert not {"mu0", "tau0"} & set(dict(options))
+    fill_fields(empty_page, {"interface": ""})
+    assert ["mu0", "0,2"] in empty_page.execute_script("return pairOptions()")
     assert [value for name, value in options if name == "missing-value"] == ["-9999,NaN", ""]
     assert [value for name, value in options if name == "accept"] == ["whole-numbers", ""]
 
@@ -246,6 +258,27 @@ def test_preview_uses_the_latest_options_if_an_older_response_arrives_last(empty
     texts = read_scan_texts(empty_page, "upper")
     assert "64 points; Pq" in texts["hint"]
     assert texts["wrong"] == ""
+
+
+def test_reading_options_opened_by_an_error_are_closed_after_a_readable_scan(empty_page, map_files, tmp_path):
+    text_file = tmp_path / "plain.txt"
+    np.savetxt(text_file, np.random.default_rng(0).standard_normal((24, 24)))
+    is_open = "return document.querySelector('#lower-drop details').open"
+    assert choose_scan(empty_page, "lower", text_file)["wrong"]
+    assert empty_page.execute_script(is_open)
+    message_is_in_view = (
+        "const [message, inputs] = ['#lower-drop .wrong', '#inputs'].map((each) => document.querySelector(each)"
+        ".getBoundingClientRect()); return message.top >= inputs.top && message.bottom <= inputs.bottom"
+    )
+    assert empty_page.execute_script(message_is_in_view)
+    choose_scan(empty_page, "lower", map_files[1])
+    wait_until(lambda: read_scan_texts(empty_page, "lower")["hint"], lambda hint: "Sq" in hint)
+    assert not empty_page.execute_script(is_open)
+    empty_page.find_element("css selector", "#lower-drop summary").click()  # A section that the user opened stays open.
+    choose_scan(empty_page, "lower", text_file)
+    choose_scan(empty_page, "lower", map_files[1])
+    wait_until(lambda: read_scan_texts(empty_page, "lower")["hint"], lambda hint: "Sq" in hint)
+    assert empty_page.execute_script(is_open)
 
 
 def test_late_response_does_not_replace_newer_progress_of_a_job(empty_page):
@@ -327,6 +360,13 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
     wait_for_report(empty_page)
     expected = run_shown_command(empty_page, map_files[0].parent, monkeypatch)
     assert read_displayed_result(empty_page) == expected
+    hints = run_script_in_report(
+        empty_page, "return [...inside.querySelectorAll('#answer .hint')].map((each) => each.textContent)"
+    )
+    interval_titles = [text.split(":")[0] for text in hints if text.startswith("Sampling interval")]
+    assert interval_titles
+    titles_by_rule = [f"Sampling interval, {SLIDING_RULE_DESCRIPTIONS[rule]}" for rule in expected[0]]
+    assert interval_titles == [title for title in titles_by_rule if title in interval_titles]
     report_values = run_script_in_report(empty_page, "return {...inside.getElementById('readout').dataset}")
     np.testing.assert_allclose(
         [float(report_values[name]) for name in ("value", "lower", "upper")],
@@ -362,7 +402,11 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
     ):  # fmt: skip
         status, headers, body = app.request("GET", f"/jobs/{job}/{name}?save")
         assert status == 200
-        assert headers["Content-Disposition"] == f'attachment; filename="{name}"'
+        saved_name = f"upper_face on lower_face.{name.partition('.')[2]}"
+        assert unquote(headers["Content-Disposition"]) in (
+            f"attachment; filename*=utf-8''{saved_name}",
+            f'attachment; filename="{saved_name}"',
+        )
         assert (
             body.decode().lower().startswith(expected_start.lower()) or expected_start in body.decode().splitlines()[0]
         )
@@ -420,6 +464,7 @@ def check_queue_of_two_windows(empty_page, app):
         wait_until(lambda: read_job_state(empty_page), bool)
         assert [job["state"] for job in app.list_jobs()[-2:]] == ["running", "waiting"]
         assert empty_page.find_element("id", "title").text == "Generated profiles"
+        assert empty_page.find_element("id", "words").text == "waiting for upper_face.csv on lower_face.csv"
         empty_page.find_element("id", "stop").click()
         assert wait_until_finished(empty_page) == "stopped"
     finally:
@@ -470,11 +515,23 @@ def test_error_message_of_the_command_is_shown_at_the_form_field_that_caused_the
     write_surface(Surface(0.01 * np.random.default_rng(3).standard_normal((20, 30)), spacing=(0.15, 0.12)), csv_file)
     choose_scan(empty_page, "lower", csv_file)
     fill_fields(empty_page, METAL_FORM_VALUES | {"load": "5 apples"})
+    num_jobs = empty_page.execute_script("return jobs.length")
+    empty_page.find_element("css selector", "#pair .go").send_keys("\n")
+    message = wait_until(lambda: empty_page.find_elements("id", "field-wrong"), bool)[0]
+    assert "'5 apples'" in message.text
+    assert message.is_displayed()
+    assert empty_page.execute_script("return arguments[0].previousElementSibling.control.name", message) == "load"
+    assert empty_page.find_element("name", "load").get_attribute("aria-invalid") == "true"
+    assert empty_page.execute_script("return jobs.length") == num_jobs
+    # A condition that depends on the scans is checked by the job. Its message is shown beside the field, too.
+    fill_fields(empty_page, {"load": "5 MPa", "lay": "grooves"})
+    assert empty_page.find_elements("id", "field-wrong") == []
     press_start_button(empty_page)
     assert wait_until_finished(empty_page).startswith("failed")
-    assert "'5 apples'" in empty_page.find_element("id", "pair-wrong").text
-    assert empty_page.find_element("name", "load").get_attribute("aria-invalid") == "true"
-    fill_fields(empty_page, {"load": "5 MPa"})
+    message = empty_page.find_element("id", "field-wrong")
+    assert empty_page.execute_script("return arguments[0].previousElementSibling.control.name", message) == "lay"
+    assert message.is_displayed()
+    fill_fields(empty_page, {"lay": ""})
     press_start_button(empty_page)
     assert wait_until_finished(empty_page) == "done"
     assert read_displayed_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)

@@ -42,8 +42,8 @@ def test_choices_of_a_form_field_are_valid_values_of_its_option():
 def test_form_has_default_units_for_quantities_but_not_for_text_fields():
     page_data = json.loads(html.unescape(page_data_json()))
     assert page_data["units"]["hardness"] == " GPa"
-    assert set(page_data["units"]) | set(page_data["texts"]) <= set(FORM_FIELDS_BY_FLAG)
-    assert not set(page_data["units"]) & set(page_data["texts"])
+    assert set(page_data["units"]) <= set(FORM_FIELDS_BY_FLAG)
+    assert set(page_data["shared"]) == {"missing", "outliers"}
 
 
 @pytest.mark.parametrize(
@@ -57,6 +57,12 @@ def test_form_has_default_units_for_quantities_but_not_for_text_fields():
         ),
         ("--missing-value -999 marks points", '"missing value" -999 marks points', "missing-value"),
         ("--offsets is for lines; for maps give --lines", "--offsets is for lines; for maps give --lines", ""),
+        (
+            'a.csv lacks 3 heights; missing="mask" (--missing mask) uses only measured points',
+            'a.csv lacks 3 heights; "missing points": leave them out uses only measured points',
+            "",
+        ),
+        ("--crop of UPPER must be", '"crop" of UPPER must be', "crop"),
         ("a.csv: cannot be read", "a.csv: cannot be read", ""),
     ],
 )
@@ -94,6 +100,7 @@ def test_preview_refers_to_form_fields_and_choices_by_their_labels(tmp_path):
     warning = replace_option_names_in_preview(preview)["warning"]
     assert '"missing value" -999' in warning
     assert "--" not in error + warning
+    assert "=" not in error + warning
 
 
 @pytest.mark.parametrize("choice", [value for value, _ in FORM_FIELDS_BY_FLAG["missing"].choices])

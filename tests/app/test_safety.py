@@ -38,6 +38,13 @@ def app(tmp_path_factory):
         yield server
 
 
+@pytest.fixture(scope="module")
+def map_scans(app, tmp_path_factory):
+    """Identifiers of two uploaded maps, as in a request for a job."""
+    paths = write_maps(tmp_path_factory.mktemp("maps"))
+    return {side: app.upload(path) for side, path in zip(("upper", "lower"), paths, strict=True)}
+
+
 def test_access_token_is_valid_only_once_and_cookie_is_inaccessible_to_scripts(app):
     assert "HttpOnly" in app.cookie_line
     assert "samesite=strict" in app.cookie_line.lower()
@@ -148,6 +155,40 @@ def test_server_rejects_jobs_that_the_page_does_not_offer(app, options):
 
 
 @pytest.mark.soak
+@pytest.mark.parametrize(
+    ("option", "text", "reason"),
+    [
+        ("mu0", "abc", '"μ0" must be one or more numbers'),
+        ("mu0", "0,12", '"μ0" must not have a comma between digits'),
+        ("hardness", "2±0,2 GPa", '"hardness" must not have a comma between digits'),
+        ("load", "5 apples", '"load" must be a force or a pressure'),
+        ("shifts", "0", '"positions" must be a whole number'),
+        ("crop", "5", '"crop" of UPPER must be "x0,x1"'),
+        ("junction-growth", "a", '"junction growth α" must be a number'),
+    ],
+)
+def test_invalid_entry_is_reported_with_its_option_before_a_job_is_added(app, map_scans, option, text, reason):
+    num_jobs = len(app.list_jobs())
+    options = {"upper": "brass", "load": "1 MPa", "mu0": "0.2", "tau0": "20 MPa"} | {option: text}
+    response = app.post_json("/jobs", {"command": "pair", "options": list(options.items()), **map_scans})
+    assert response["option"] == option
+    assert response["error"].startswith(reason)
+    assert str(app.folder) not in response["error"]
+    assert len(app.list_jobs()) == num_jobs
+
+
+def test_interface_of_the_form_must_be_published_so_that_no_file_is_read(app, map_scans):
+    request = {"command": "pair", "options": [["load", "1 MPa"], ["interface", "/etc/passwd"]], **map_scans}
+    assert app.request("POST", "/jobs", json.dumps(request).encode())[0] == 400
+
+
+def test_waiting_job_names_the_job_before_it(tmp_path):
+    queue = JobQueue(tmp_path)
+    for number, state in enumerate(("done", "running", "waiting", "waiting"), 1):
+        queue.jobs_by_number[number] = jobs.Job(number, f"pair {number}", ["pair"], tmp_path, state=state)
+    assert [job["words"] for job in queue.page_data()] == ["", "", "waiting for pair 2", "waiting for pair 3"]
+
+
 def test_oversized_upload_is_rejected_before_it_is_received(app):
     size = 3_000_000_000
     assert app.request("PUT", "/scans?name=x.npy", b"", Content_Length=str(size))[0] == 413

@@ -40,24 +40,41 @@ async function requestJson(address, options = {}) {
 }
 const postJson = (address, body = {}) => requestJson(address, {method: "POST", body: JSON.stringify(body)});
 
-/** Show an error message in an element. An empty message hides the element. */
+/** Show an error message in an element, and scroll it into view. An empty message hides the element. */
 function showError(element, text) {
   element.hidden = !text;
   element.textContent = text;
+  if (text) element.scrollIntoView({block: "nearest"});
 }
 
-/** Show the error message of a job next to the scan or the field that is named in the message. */
+/** Remove the messages beside all fields. */
+function clearFieldErrors() {
+  for (const input of document.querySelectorAll("[aria-invalid]")) {
+    for (const name of ["aria-invalid", "aria-describedby"]) input.removeAttribute(name);
+  }
+  for (const message of document.querySelectorAll(".field-wrong")) message.remove();
+}
+
+/** Show an error message beside the scan or the field of an option that is named in the message. */
+function showEntryError(text, option, errorId) {
+  clearFieldErrors();
+  const side = sides.find((name) => scans[name] && (text.startsWith(`${scans[name].name}:`) || RegExp(`\\b(for|of) ${name.toUpperCase()}\\b`).test(text)));
+  const input = option && (side ? byId(`${side}-drop`) : form).querySelector(`[name="${option}"]`);
+  showError(byId(errorId), side || input ? "" : text);
+  if (!input) return side && showError(byId(`${side}-drop`).querySelector(".wrong"), text);
+  const message = createNode("p", {className: "wrong field-wrong", id: "field-wrong", role: "alert"}, text);
+  input.closest("label").after(message);
+  input.setAttribute("aria-invalid", "true");
+  input.setAttribute("aria-describedby", message.id);
+  for (let section = input.closest("details"); section; section = section.parentElement.closest("details")) section.open = true;
+  input.focus();
+  message.scrollIntoView({block: "nearest"});
+}
+
+/** Show the error message of a job with its result, and beside the scan or the field that is named in the message. */
 function showJobError(job) {
-  for (const input of document.querySelectorAll("[aria-invalid]")) input.removeAttribute("aria-invalid");
-  const text = job.error;
-  const side = sides.find((name) => scans[name] && (text.startsWith(`${scans[name].name}:`) || text.endsWith(`, for ${name.toUpperCase()}`)));
-  if (side) showError(byId(`${side}-drop`).querySelector(".wrong"), text);
-  showError(byId(job.command.startsWith("stiction run") ? "run-wrong" : "pair-wrong"), side ? "" : text);
-  showError(byId("job-wrong"), text);
-  const input = (side ? byId(`${side}-drop`) : form).querySelector(`[name="${job.option}"]`);
-  input?.setAttribute("aria-invalid", "true");
-  if (input?.closest("details")) input.closest("details").open = true;
-  input?.focus();
+  showError(byId("job-wrong"), job.error);
+  if (job.error) showEntryError(job.error, job.option, job.command.startsWith("stiction run") ? "run-wrong" : "pair-wrong");
 }
 
 /** Add the controls and event handlers of a drop area. */
@@ -78,7 +95,11 @@ function connectDrop(side) {
       place.classList.toggle("aim", name.startsWith("dragen") || name === "dragover");
       if (name === "drop" && event.dataTransfer.files.length) uploadScan(side, event.dataTransfer.files[0]);
     });
-  for (const option of place.querySelectorAll("[name]")) option.addEventListener("change", () => previewScan(side));
+  for (const option of place.querySelectorAll("[name]")) option.addEventListener("change", () => {
+    if (!SHARED.includes(option.name)) return previewScan(side);
+    for (const name of sides) byId(`${name}-drop`).querySelector(`[name=${option.name}]`).value = option.value;
+    sides.forEach(previewScan);
+  });
 }
 
 /** Upload a scan and show its preview. */
@@ -110,16 +131,22 @@ async function previewScan(side) {
   if (!scan) return;
   const [hint, wrong, image, save] = [".hint", ".wrong", "img", ".save"].map((selector) => place.querySelector(selector));
   hint.textContent = `${scan.name} …`;
-  const reading = new URLSearchParams([...place.querySelectorAll("[name]")].map(({name, value}) => [name, value.trim()]));
+  const readingOptions = new URLSearchParams([...place.querySelectorAll("[name]")].map(({name, value}) => [name, value.trim()]));
   arriving[side] += 1;
   const request = (latestRequests[side] += 1);
-  const preview = await requestJson(`/scans/${scan.scan}?${reading}`).catch(({message}) => ({error: message}));
+  const preview = await requestJson(`/scans/${scan.scan}?${readingOptions}`).catch(({message}) => ({error: message}));
   arriving[side] -= 1;
   if (request !== latestRequests[side]) return;
   scan.holds = preview.holds;
   hint.textContent = preview.error ? scan.name : `${scan.name}: ${preview.words}`;
   showError(wrong, preview.error ?? preview.warning);
-  if (preview.error) place.querySelector("details").open = true;
+  const reading = place.querySelector("details");
+  if (preview.error && !reading.open) reading.dataset.opened = "by an error";
+  if (preview.error) reading.open = true;
+  else if (reading.dataset.opened) {
+    delete reading.dataset.opened;
+    reading.open = false;
+  }
   Object.assign(image, {hidden: Boolean(preview.error), src: preview.picture ?? "data:,", alt: `Heights of ${scan.name}`});
   Object.assign(save, {hidden: !scan.isSample, href: withKey(`/scans/${scan.scan}/${scan.name}`)});
   saveState();
@@ -135,19 +162,19 @@ async function loadSamples() {
   form.requestSubmit();
 }
 
-// Units for numbers without a unit, fields in which a comma separates values, and descriptions of the sliding rules.
-const {units: UNITS, texts: TEXTS, ruleDescriptions: RULE_DESCRIPTIONS} = JSON.parse(document.body.dataset.facts);
-const entry = (name) => form[name].value.trim().replace(",", ".");
+// Units for numbers without a unit, options with one value for both scans, and descriptions of the sliding rules.
+const {units: UNITS, shared: SHARED, ruleDescriptions: RULE_DESCRIPTIONS} = JSON.parse(document.body.dataset.facts);
+const entry = (name) => form[name].value.trim();
 
 /** Convert the entries of the form to options of `stiction pair`. A field for both bodies has two entries. */
 function pairOptions() {
   const options = {};
   for (const [name, text] of new FormData(form)) {
-    const value = TEXTS.includes(name) ? text.trim() : text.trim().replaceAll(",", ".");
+    const value = text.trim();
     const hasUnit = /\p{L}{2}|[A-Z]/u.test(value); // true for "150 HV", false for "1e-3"
     (options[name] ??= []).push(value && !hasUnit ? value + (UNITS[name] ?? "") : value);
   }
-  options.missing = [options.missing.find(Boolean)]; // a single value applies to both scans
+  for (const name of SHARED) options[name] = options[name].slice(0, 1); // both scans have the same value
   if (options.young) {
     for (const side of sides) delete options[side];
     for (const name of ["young", "poisson"]) options[name] = [options[name].join(",")];
@@ -166,6 +193,7 @@ function scanProblem(side) {
 /** Submit the form for a pair of scans, or list the missing entries of the form. */
 async function submitPair(event) {
   event.preventDefault();
+  clearFieldErrors();
   const problems = [...sides.filter(scanProblem).map((side) => [byId(`${side}-file`), scanProblem(side)]),
     ...[...form.querySelectorAll("[required]:enabled")].filter((field) => !field.value.trim())
       .map((field) => [field, `${field.dataset.name ?? field.closest("label").textContent.trim()} is missing`])];
@@ -180,8 +208,11 @@ async function submitPair(event) {
 /** Add a job to the queue and show it; `errorId` is the element for an error message. */
 async function submitJob(errorId, body) {
   showError(byId(errorId), "");
+  clearFieldErrors();
   try {
-    [current, reportAddress, selection] = [(await postJson("/jobs", body)).job, "", null];
+    const {job, error, option} = await postJson("/jobs", body);
+    if (error) return showEntryError(error, option, errorId);
+    [current, reportAddress, selection] = [job, "", null];
     byId("page").hidden = true;
     saveState();
     await poll();
@@ -226,7 +257,7 @@ function render() {
   const isReading = job.state === "stopped" && Boolean(job.words);
   const keptText = isReading ? `: ${job.words}` : job.total ? `: ${job.finished} of ${job.total} are finished and kept` : "";
   const stopText = job.state === "stopped" ? `stopped${keptText}` : "";
-  if (!selection) showResult(job.answer, [stopText, job.by].filter(Boolean).join("; "), !job.by && !isReading);
+  if (!selection) showResult(job.answer, [stopText, job.by, loadText(job)].filter(Boolean).join("; "), !job.by && !isReading);
   byId("command").textContent = equivalentCommand(job);
   byId("share").hidden = !job.versions || isActive || isReading || Boolean(job.by);
   for (const link of byId("share").querySelectorAll("a")) link.href = withKey(`/jobs/${job.number}/${link.dataset.file}?save`);
@@ -261,11 +292,17 @@ function showResult(answer, scope, isFinal) {
     createNode("p", {className: "sentence", id: "sentence", hidden: true}, answer.sentence));
 }
 
+/** Return the load of the displayed values if the job has several loads, or an empty text. */
+function loadText({answer, command}) {
+  if (!answer?.at.load || !/ '?--load=[^']*,/.test(command)) return "";
+  return `at the lowest load, ${Number(answer.at.load.toPrecision(4))} mN; the report and the table contain all loads`;
+}
+
 /** Return the command line that gives the same numbers. */
 function equivalentCommand({command}) {
   if (!selection) return command;
   const [, subcommand, name] = command.split(" ");
-  if (subcommand === "pair" && selection.isStudyLoad)
+  if (subcommand === "pair" && selection.isStudyLoad && command.includes("--mu0="))
     return command.replace(/--mu0=\S+/, `--mu0=${selection.mu0}`).replace(/'--tau0=[^']*'/, `'--tau0=${selection.tau0} MPa'`);
   const folder = subcommand === "info" ? name : `${command} && stiction at ${subcommand === "run" ? "quick" : "pair"}`;
   return `${subcommand === "info" ? "stiction at " : ""}${folder} --load='${selection.load} mN' --mu0=${selection.mu0} --tau0='${selection.tau0} MPa'${selection.d ? ` --d=${selection.d}` : ""}`;
@@ -381,6 +418,11 @@ function showNumbers() {
   });
 }
 
+/** Disable the fields of μ0 and τ0 if an interface contains their values. */
+function showInterface() {
+  for (const name of ["mu0", "tau0"]) form[name].disabled = Boolean(form.interface.value);
+}
+
 /** Copy a text to the clipboard and confirm it on the button. */
 async function copy(button, text) {
   const label = (button.dataset.label ??= button.textContent);
@@ -391,9 +433,11 @@ async function copy(button, text) {
 sides.forEach(connectDrop);
 restoreState();
 showNumbers();
+showInterface();
 updateProfiles();
 form.addEventListener("submit", submitPair);
-form.addEventListener("change", () => { showNumbers(); saveState(); });
+form.addEventListener("change", () => { showNumbers(); showInterface(); saveState(); });
+form.addEventListener("input", ({target}) => { if (target.ariaInvalid) clearFieldErrors(); });
 for (const name of ["mu0", "tau0"]) form[name].addEventListener("input", () => transferToReport(name));
 byId("run").addEventListener("input", updateProfiles);
 byId("run").addEventListener("submit", submitRun);

@@ -5,21 +5,36 @@ from __future__ import annotations
 import html
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
-from stiction.studies.pair_options import PAIR_OPTIONS, FormField, format_command_line_name, split_option_text
+from stiction._errors import ArgumentError
+from stiction.studies.pair_options import (
+    PAIR_OPTIONS,
+    READING_OPTION_NAMES,
+    FormField,
+    format_command_line_name,
+    split_option_text,
+)
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 
+_NAMES_BY_FLAG = {format_command_line_name(name).removeprefix("--"): name for name in PAIR_OPTIONS}
+"""Field names of the options by their names on the command line without dashes."""
+
 FORM_FIELDS_BY_FLAG: dict[str, FormField] = {
-    format_command_line_name(name).removeprefix("--"): option.field
-    for name, option in PAIR_OPTIONS.items()
-    if option.field is not None
+    flag: field for flag, name in _NAMES_BY_FLAG.items() if (field := PAIR_OPTIONS[name].field) is not None
 }
 """Form fields, keyed by the names of their options without dashes."""
 
-FILE_READING_FLAGS = tuple(flag for flag, field in FORM_FIELDS_BY_FLAG.items() if field.place == "scan")
+FILE_READING_FLAGS = tuple(flag for flag in FORM_FIELDS_BY_FLAG if _NAMES_BY_FLAG[flag] in READING_OPTION_NAMES)
 """Names of the reading options for which the form has a separate field for each scan."""
+
+SHARED_FLAGS = tuple(
+    flag
+    for flag, field in FORM_FIELDS_BY_FLAG.items()
+    if field.place == "scan" and not PAIR_OPTIONS[_NAMES_BY_FLAG[flag]].is_repeatable
+)
+"""Names of options that have a field for each scan, but one value for both scans."""
 
 
 def fields_html(place: Literal["scan", "more"]) -> str:
@@ -43,14 +58,27 @@ def _field_html(flag: str, field: FormField) -> str:
 def page_data_json() -> str:
     """Return the data for the page's script as JSON that is escaped for use in an HTML attribute.
 
-    The data are units of plain numbers, options with commas, and descriptions of the sliding rules.
+    The data are units of plain numbers, options with one value for both scans, and descriptions of the sliding rules.
     """
     page_data = {
         "units": {flag: f" {field.unit}" for flag, field in FORM_FIELDS_BY_FLAG.items() if field.unit},
-        "texts": [flag for flag, field in FORM_FIELDS_BY_FLAG.items() if field.has_commas],
+        "shared": SHARED_FLAGS,
         "ruleDescriptions": SLIDING_RULE_DESCRIPTIONS,
     }
     return html.escape(json.dumps(page_data, ensure_ascii=False))
+
+
+def group_option_values(options: Iterable[tuple[str, str]]) -> dict[str, Any]:
+    """Return the keyword arguments of `MeasuredPair.from_values` for pairs of option name and text."""
+    texts_by_name: dict[str, list[str]] = {}
+    for flag, text in options:
+        texts_by_name.setdefault(_NAMES_BY_FLAG[flag], []).append(text)
+    return {name: texts if PAIR_OPTIONS[name].is_repeatable else texts[0] for name, texts in texts_by_name.items()}
+
+
+def format_error(error: Exception) -> str:
+    """Return the message of an error as the command line prints it. Its arguments have the names of options."""
+    return error.translated_message(format_command_line_name) if isinstance(error, ArgumentError) else str(error)
 
 
 def parse_reading_options(texts_by_flag: Mapping[str, str]) -> dict[str, str | tuple[str, ...]]:
@@ -61,6 +89,9 @@ def parse_reading_options(texts_by_flag: Mapping[str, str]) -> dict[str, str | t
 
 _OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")
 """Pattern of an option name and the word after it, which may be the value of the option."""
+
+_PYTHON_ARGUMENT_PATTERN = re.compile(r'\b\w+="[^"]*" \((--[^()]*)\)')
+"""Pattern of a Python argument, followed by the equivalent option in brackets."""
 
 
 def find_first_option_name(message: str) -> str:
@@ -80,7 +111,7 @@ def replace_option_names(message: str) -> str:
         choice = dict(field.choices).get(value)
         return f"{label}: {choice}" if choice else label if value is None else f"{label} {value}"
 
-    return _OPTION_PATTERN.sub(field_label, message)
+    return _OPTION_PATTERN.sub(field_label, _PYTHON_ARGUMENT_PATTERN.sub(r"\1", message))
 
 
 def replace_option_names_in_caveats(record: dict[str, Any]) -> dict[str, Any]:

@@ -64,7 +64,8 @@ class Job:
     folder: Path
     preview: tuple[list[str], Any] | None = None  # scans and options of a preview; the preview uses the asperity model
     state: str = "waiting"  # waiting, running, done, stopped or failed
-    activity: str = "waiting for the previous job"
+    file_stem: str = ""  # name, without extension, under which the files of the result are saved
+    activity: str = ""
     scope: str = ""  # description of the members of an intermediate result; empty for a final result
     finished: int = 0
     total: int = 0
@@ -113,19 +114,36 @@ class JobQueue:
         self._job_lock = asyncio.Lock()
         self._reader_slots = asyncio.Semaphore(2)
 
-    def add(self, title: str, arguments: list[str], *, folder: Path | None = None, preview: Any = None) -> Job:
-        """Add a command to the queue. If a result of the same command is stored, its computation is resumed."""
+    def add(
+        self, title: str, arguments: list[str], *, file_stem: str = "", folder: Path | None = None, preview: Any = None
+    ) -> Job:
+        """Add a command to the queue. If a result of the same command is stored, its computation is resumed.
+
+        Files of the result are saved under the name `file_stem`, which is the title by default.
+        """
         if sum(job.state == "waiting" for job in self.jobs_by_number.values()) >= MAX_WAITING_JOBS:
             raise RejectedRequestError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
         identifying_arguments = [item for item in arguments if not re.match("--(mu0|tau0)=", item)]
         digest = hashlib.sha256("\0".join(identifying_arguments).encode()).hexdigest()[:12]
         folder = folder or self.root / "results" / digest / arguments[0]
         job = self.jobs_by_number[len(self.jobs_by_number) + 1] = Job(
-            len(self.jobs_by_number) + 1, title, arguments, folder, preview
+            len(self.jobs_by_number) + 1, title, arguments, folder, preview, file_stem=file_stem or title
         )
         job.task = asyncio.create_task(self._run_job(job))
         job.task.add_done_callback(_print_unexpected_error)
         return job
+
+    def page_data(self) -> list[dict[str, Any]]:
+        """Return the data of all jobs for the page. A waiting job names the job before it in the queue."""
+        records, previous_title = [], ""
+        for job in self.jobs_by_number.values():
+            record = job.page_data()
+            if job.state == "waiting" and previous_title and not job.is_ending:
+                record["words"] = f"waiting for {previous_title}"
+            if job.state in ("waiting", "running"):
+                previous_title = job.title
+            records.append(record)
+        return records
 
     async def shut_down(self) -> None:
         """Stop all jobs and wait until they have ended. Their results are no longer shown."""

@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from stiction._number_format import to_json
-from stiction.app.form import replace_option_names_in_caveats
+from stiction.app.form import group_option_values, replace_option_names_in_caveats
 from stiction.app.jobs import REPORTED_EXCEPTIONS, hide_private_paths
 from stiction.studies.pair import MeasuredPair
-from stiction.studies.pair_options import PAIR_OPTIONS, format_command_line_name
 from stiction.studies.result import Result, open_result
 from stiction.studies.runner import compute_preview_result
 from stiction.studies.study import Study
@@ -22,12 +21,7 @@ from stiction.views.rows import point_record, summary_json
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
     """Return the study for the asperity-model preview of a `pair` command with the given files and options."""
-    option_names = {format_command_line_name(name): name for name in PAIR_OPTIONS}
-    values: dict[str, list[str]] = {}
-    for flag, text in options:
-        values.setdefault(option_names[f"--{flag}"], []).append(text)
-    arguments = {name: texts if PAIR_OPTIONS[name].is_repeatable else texts[0] for name, texts in values.items()}
-    return MeasuredPair.from_values(upper=files[0], lower=files[1], **arguments).preview_study
+    return MeasuredPair.from_values(upper=files[0], lower=files[1], **group_option_values(options)).preview_study
 
 
 def main() -> None:

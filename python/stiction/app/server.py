@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import html
 import json
 import os
 import re
@@ -30,13 +31,19 @@ from stiction.app.form import (
     FILE_READING_FLAGS,
     FORM_FIELDS_BY_FLAG,
     fields_html,
+    find_first_option_name,
+    format_error,
+    group_option_values,
     page_data_json,
     parse_reading_options,
+    replace_option_names,
     replace_option_names_in_caveats,
     replace_option_names_in_preview,
 )
 from stiction.app.jobs import Job, JobQueue, RejectedRequestError, hide_private_paths
 from stiction.mechanics.materials import materials
+from stiction.studies.interfaces import interfaces
+from stiction.studies.pair import MeasuredPair
 from stiction.studies.store import open_stored_result
 
 MAX_SCAN_BYTES = 300_000_000  # maximum size of an uploaded scan in bytes, equal to the readers' limit for text files
@@ -194,10 +201,11 @@ class Server:
             f'data-poisson="{float(material.poisson_ratio):.3g}">{material.name}</option>'
             for material in sorted(materials(), key=lambda material: material.name)
         )
+        interface_options = "".join(f"<option>{html.escape(name)}</option>" for name in interfaces())
         demo_attribute, menu_attribute = "demo" if self.has_demo else "", "" if sys.platform == "linux" else "hidden"
         text = Template(_read_package_file("app/app.html")).substitute(
-            materials=material_options, demo=demo_attribute, menu=menu_attribute, max_bytes=MAX_SCAN_BYTES,
-            reading=fields_html("scan"), more=fields_html("more"), facts=page_data_json(),
+            materials=material_options, interfaces=interface_options, demo=demo_attribute, menu=menu_attribute,
+            max_bytes=MAX_SCAN_BYTES, reading=fields_html("scan"), more=fields_html("more"), facts=page_data_json(),
         )  # fmt: skip
         return Response(text, media_type="text/html")
 
@@ -299,11 +307,14 @@ class Server:
     async def list_jobs(self, _: Request) -> Response:
         """Return the progress of all jobs."""
         self.last_request_time, self.has_window = asyncio.get_running_loop().time(), True
-        jobs = json.dumps([job.page_data() for job in self.jobs.jobs_by_number.values()])
+        jobs = json.dumps(self.jobs.page_data())
         return Response(hide_private_paths(jobs, self.root), media_type="application/json")
 
     async def add_job(self, request: Request) -> Response:
-        """Add a job to the queue: `pair` for two scans, `run` for generated surfaces, `info` for an existing result."""
+        """Add a job to the queue: `pair` for two scans, `run` for generated surfaces, `info` for an existing result.
+
+        An invalid entry of the form is reported with its option, and no job is added.
+        """
         _request_body_length(request, MAX_REQUEST_BYTES)
         if not isinstance(request_data := await request.json(), dict):
             raise HTTPException(400)
@@ -319,20 +330,32 @@ class Server:
                 raise HTTPException(400)
             if name == "set" and not ALLOWED_STUDY_CHANGE_PATTERN.fullmatch(value):
                 raise HTTPException(400, f"set must be one of the settings on the page, got {short_repr(value)}")
+            if name == "interface" and value not in interfaces():
+                raise HTTPException(400, f"interface must be one of those on the page, got {short_repr(value)}")
         arguments = [f"--{name}={value}" for name, value in options]
         if command == "run":
             return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *arguments]).number})
         scan_identifiers = [request_data.get(side) for side in ("upper", "lower")]
         files = [self._find_scan_path(scan_identifier) for scan_identifier in scan_identifiers]
+        try:
+            await asyncio.to_thread(
+                MeasuredPair.check_entries, upper=files[0], lower=files[1], **group_option_values(options)
+            )
+        except ValueError as error:
+            message = hide_private_paths(format_error(error), self.root)
+            return JSONResponse({"error": replace_option_names(message), "option": find_first_option_name(message)})
         is_preview_possible = all(
             0 < self.points.get(str(scan_identifier), 0) <= MAX_PREVIEWED_SCAN_POINTS
             for scan_identifier in scan_identifiers
         )
         preview = ([str(file) for file in files], options) if is_preview_possible else None
-        title = " on ".join(file.name for file in files)
-        return JSONResponse(
-            {"job": self.jobs.add(title, ["pair", *map(str, files), *arguments], preview=preview).number}
+        job = self.jobs.add(
+            " on ".join(file.name for file in files),
+            ["pair", *map(str, files), *arguments],
+            file_stem=" on ".join(file.stem for file in files),
+            preview=preview,
         )
+        return JSONResponse({"job": job.number})
 
     def _find_job(self, request: Request) -> Job:
         return self.jobs.jobs_by_number.get(request.path_params["job"]) or _raise_not_found()
@@ -352,10 +375,11 @@ class Server:
 
     async def get_result_file(self, request: Request) -> Response:
         """Return the report, JSON, CSV or study file of a job."""
-        folder, name = self._find_job(request).files or _raise_not_found(), request.path_params["name"]
+        job, name = self._find_job(request), request.path_params["name"]
+        folder = job.files or _raise_not_found()
         if name not in [path.name for path in folder.iterdir()]:
             _raise_not_found()
-        saved_name = name if "save" in request.query_params else None
+        saved_name = f"{job.file_stem}{Path(name).suffix}" if "save" in request.query_params else None
         return FileResponse(
             folder / name, filename=saved_name, headers={"content-security-policy": REPORT_SECURITY_POLICY}
         )

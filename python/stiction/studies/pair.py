@@ -80,7 +80,7 @@ class MeasuredPair:
     Invalid options raise an `ArgumentError`.
     """
 
-    def __init__(self, options: PairOptions) -> None:
+    def __init__(self, options: PairOptions, *, reads_scans: bool = True) -> None:
         self.options = options
         num_bodies = (options.upper is not None) + (options.lower is not None)
         if num_bodies != (2 if options.gap is None else 0):
@@ -89,7 +89,7 @@ class MeasuredPair:
             raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{hint}")
         if options.mu0 is None and options.interface is None:
             raise ArgumentError("give {mu0} or {interface}")
-        for name in OPTION_CHECK_ORDER:
+        for name in OPTION_CHECK_ORDER if reads_scans else ():
             if (value := options.option_value(name)) is None:
                 continue
             for condition in PAIR_OPTIONS[name].applies:
@@ -106,6 +106,21 @@ class MeasuredPair:
         The keywords are field names of `PairOptions`.
         """
         return cls(validate_option_values(values))
+
+    @classmethod
+    def check_entries(cls, **values: object) -> None:
+        """Parse the values of options as `from_values` does, but without reading the scans.
+
+        Raises an `ArgumentError` for the first invalid value. Conditions that depend on the scans are not checked.
+        """
+        pair = cls(validate_option_values(values), reads_scans=False)
+        _ = pair.files, pair._given_loads, pair._strengths, pair.elasticity, pair._hardness
+        _ = pair._adhesion_entries, pair._junction_growth
+        for name in ("cutoff", "width", "wait"):
+            if (value := pair.options.option_value(name)) not in (None, "none"):
+                pair._parse_quantities(name, value)
+        if pair.options.direction is not None:
+            parse_numbers("direction", pair.options.direction, integers=True)
 
     def _find_quantity_kind(self, name: str) -> OptionKind:
         kind = PAIR_OPTIONS[name].kind
@@ -139,8 +154,9 @@ class MeasuredPair:
         if options.tip is not None:
             tip_radii = self._parse_quantities("tip", options.tip)
             properties["tip"] = tip_radii[index % len(tip_radii)]
-        if processes := split_values(options.texture or ()):
-            properties["texture"] = self._validate_machining_process(processes[index % len(processes)])
+        processes = split_values(options.texture or ())
+        if processes and (process := processes[index % len(processes)]) != "":
+            properties["texture"] = self._validate_machining_process(process)
         is_array = isinstance(body, np.ndarray)
         if not isinstance(body, (str, Path)):
             for name in READING_OPTION_NAMES:
@@ -298,6 +314,7 @@ class MeasuredPair:
             if not any(isinstance(text, str) and UNCERTAINTY_PATTERN.search(text) for text in texts):
                 continue
             if len(texts) > (2 if name in ("young", "poisson") else 1):
+                reject_decimal_commas(name, self.options.option_value(name))
                 raise ArgumentError(
                     f"{{{name}}} must not be a list if it contains a range, got {{got}}", got=repr(texts)
                 )
@@ -460,12 +477,17 @@ class MeasuredPair:
             remarks.append(GAP_REMARK)
         return remarks
 
-    def _build_study(self, contact: dict[str, Any]) -> Study:
+    @property
+    def _strengths(self) -> dict[str, Any]:
+        """Values of mu0 and tau0 in ascending order."""
         strengths = validate_nonnegative_values(
             "tau0", self._parse_quantities("tau0", self._get_central_option_value("tau0")), self.options.tau0
         )
         coefficients = parse_coefficients("mu0", self._get_central_option_value("mu0"))
-        friction = {"mu0": sorted(set(coefficients)), "tau0": _sort_unique(strengths), "load": self.loads}
+        return {"mu0": sorted(set(coefficients)), "tau0": _sort_unique(strengths)}
+
+    def _build_study(self, contact: dict[str, Any]) -> Study:
+        friction = self._strengths | {"load": self.loads}
         if self.options.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
                 raise ArgumentError("{wait} needs {hardness}, because elastic contacts do not creep")

@@ -22,6 +22,7 @@ from stiction.mechanics.half_space import TiltMode
 from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.model import CurvatureRequirement, DetectionMethod
 from stiction.studies.interfaces import Interface
+from stiction.studies.measured_surfaces import MACHINING_PROCESSES
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.interpret import MissingPointTreatment, OutlierTreatment
 from stiction.surfaces.pairing import SurrogateBodies
@@ -400,7 +401,6 @@ class FormField:
     choices: tuple[tuple[str, str], ...] = ()  # values and labels of a drop-down list
     size: int = 0  # width of the field in characters; 0 for the default width
     unit: str = ""  # unit that is appended to a number without a unit
-    has_commas: bool = False  # True if commas separate values; False if they are decimal commas
     keyboard: Literal["", "numeric", "decimal"] = ""  # virtual keyboard on a phone
 
 
@@ -478,7 +478,7 @@ class SurfaceOptions(OptionGroup):
         "LENGTHS", 'Cutoff wavelength of a Gaussian low-pass filter, "0.1 um". Several cutoffs give several results; '
         '"none" attributes all wavelengths to the surfaces.', kind="length",
         usual="unfiltered; also filtered if some wavelengths may not belong to the surface",
-        key="surfaces.cut_off", field=FormField(label="cutoff wavelength", has_commas=True, example="0.5 um, or none"),
+        key="surfaces.cut_off", field=FormField(label="cutoff wavelength", example="0.5 um, or none"),
     )] = None  # fmt: skip
     rotate: Annotated[Degrees | None, PairOption(
         "DEGREES", "Rotate the upper map in its plane.", usual="0", key="surfaces.rotate",
@@ -496,7 +496,7 @@ class FileReadingOptions(OptionGroup):
         "UNIT", 'Unit of the lengths in the file, "um", or of positions and heights, "mm,um". Required if the file '
         "has no unit.", is_repeatable=True, is_common=True, is_list=True,
         field=FormField(
-            label="unit", place="scan", has_commas=True, empty="its own", choices=(
+            label="unit", place="scan", empty="its own", choices=(
                 ("nm", "nm"), ("um", "um"), ("mm", "mm"), ("m", "m"), ("mm,um", "mm, heights µm"),
                 ("mm,nm", "mm, heights nm"), ("um,nm", "µm, heights nm"),
             ),
@@ -505,7 +505,7 @@ class FileReadingOptions(OptionGroup):
     spacing: Annotated[QuantityInputs | None, PairOption(
         "LENGTH", 'Distance between points, "0.5 um", or between rows and columns, "2 um,0.5 um". Required if the '
         "file has no spacing.", kind="length", is_repeatable=True, is_common=True, is_list=True,
-        field=FormField(label="spacing", place="scan", has_commas=True, example="0.5 um", size=7),
+        field=FormField(label="spacing", place="scan", example="0.5 um", size=7),
     )] = None  # fmt: skip
     missing: Annotated[MissingPointTreatment | None, PairOption(
         "error|mask|interpolate", "Points without a height: reject the file, press only the measured points, or "
@@ -519,34 +519,40 @@ class FileReadingOptions(OptionGroup):
     missing_value: Annotated[QuantityInputs | None, PairOption(
         "NUMBERS|WORDS", 'Numbers or words that mark points without a height, "-9999".', is_repeatable=True,
         is_list=True,
-        field=FormField(label="missing value", place="scan", has_commas=True, example="-9999", size=9),
+        field=FormField(label="missing value", place="scan", example="-9999", size=9),
     )] = None  # fmt: skip
     outliers: Annotated[OutlierTreatment | None, PairOption(
         "keep|mask", "Treat up to 4 adjacent points beyond 6 robust deviations of their neighbors as missing.",
         usual="keep",
+        field=FormField(label="outliers", place="scan", empty="keep them", choices=(("mask", "leave them out"),)),
     )] = None  # fmt: skip
     crop: Annotated[QuantityInputs | None, PairOption(
         "X0,X1[,Y0,Y1]", 'Region of the file to read: "10 um,60 um"; for a map, first along x, then along y.',
         kind="length", is_repeatable=True,
+        field=FormField(label="crop", place="scan", example="10 um,60 um", size=11),
     )] = None  # fmt: skip
     channel: Annotated[QuantityInputs | None, PairOption(
         "NAME|NUMBER", "Channel or sheet to read, by its name or number from 0.", usual="the first of heights",
         is_repeatable=True,
-        field=FormField(label="channel", place="scan", has_commas=True, example="name or number", size=9),
+        field=FormField(label="channel", place="scan", example="name or number", size=9),
     )] = None  # fmt: skip
     columns: Annotated[QuantityInputs | None, PairOption(
         "Z|X,Z|X,Y,Z", "Columns of a table, names or numbers from 0: of heights, or of positions and heights.",
         is_repeatable=True, is_list=True,
-        field=FormField(label="columns", place="scan", has_commas=True, example="0,1 or names", size=9),
+        field=FormField(label="columns", place="scan", example="0,1 or names", size=9),
     )] = None  # fmt: skip
     accept: Annotated[QuantityInputs | None, PairOption(
         "NAMES", 'Names of caveats about a file that you have checked and accept, "whole-numbers".', is_repeatable=True,
         is_list=True,
-        field=FormField(label="settled caveats", place="scan", has_commas=True, example="whole-numbers", size=9),
+        field=FormField(label="settled caveats", place="scan", example="whole-numbers", size=9),
     )] = None  # fmt: skip
     texture: Annotated[QuantityInputs | None, PairOption(
         "PROCESS", "Machining process (turned, milled, ground, ...): lines and humps of the spectrum are then "
         "attributed to the surface.", is_repeatable=True,
+        field=FormField(
+            label="texture", place="scan", empty="not given",
+            choices=tuple((process, process) for process in MACHINING_PROCESSES),
+        ),
     )] = None  # fmt: skip
     tip: Annotated[QuantityInputs | None, PairOption(
         "RADIUS", 'Radius of the stylus or probe, "10 nm", which limits the curvature that it can follow.',
@@ -595,6 +601,7 @@ class MaterialOptions(OptionGroup):
     junction_growth: Annotated[QuantityInput | None, PairOption(
         "NUMBER", 'α of p² + α s² = H², by which plastic contacts grow under shear, "9" or "0..27"; 0 for none.',
         usual="0..27 for metals by name", key="contact.junction_growth", applies=(uses_half_space_model,),
+        field=FormField(label="junction growth α", example="9, or 0..27"),
     )] = None  # fmt: skip
     wait: Annotated[QuantityInputs | None, PairOption(
         "TIMES", 'Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.',
@@ -644,7 +651,7 @@ class FrictionOptions(OptionGroup):
     interface: Annotated[InterfaceInput | None, PairOption(
         "NAME|FILE", "Joint values of {mu0} and {tau0}: a file from stiction calibrate, or a name listed by stiction "
         "interfaces.",
-        key="known.interface", is_common=True,
+        key="known.interface", is_common=True, field=FormField(label="interface", place="load"),
     )] = None  # fmt: skip
     direction: Annotated[QuantityInputs | None, PairOption(
         "DEGREES", 'Directions of motion of the upper body, from +x towards +y, "0,90".', usual="every 30 degrees",
@@ -674,6 +681,9 @@ class ContactOptions(OptionGroup):
     tilt: Annotated[TiltMode | None, PairOption(
         "fixed|free", "Orientation of the slider: fixed, or tilted until the load is centred, as on a ball joint.",
         usual="fixed", key="contact.tilt", applies=(uses_half_space_model,),
+        field=FormField(
+            label="tilt of the slider", empty="fixed", choices=(("free", "free, as on a ball joint"),),
+        ),
     )] = None  # fmt: skip
     law: Annotated[LawChoice | None, PairOption(
         "hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", usual="hertz-sphere",

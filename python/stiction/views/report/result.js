@@ -157,7 +157,7 @@ function answerOf(at, rule, alone) {
   return [
     element("p", {class: "value", "data-rule": rule}, element("i", {}, "μ"), element("sub", {}, "s"), " = ", data(at.value, inDecimals(at.value, at.decimals))),
     element("p", {class: "interval"}, ...interval),
-    ...(sampled && (!at.isCombined || sampled !== ends) ? [element("p", {class: "hint"}, `Sampling interval: ${sampled}`)] : []),
+    ...(sampled && (!at.isCombined || sampled !== ends) ? [element("p", {class: "hint"}, `Sampling interval, ${facts.ruleDescriptions[rule]}: ${sampled}`)] : []),
     ...(alone ? [element("p", {class: "hint"}, "The small-slope estimate is ", data(alone.value, quoted(alone)))] : []),
   ];
 }
