@@ -182,6 +182,16 @@ def test_interface_of_the_form_must_be_published_so_that_no_file_is_read(app, ma
     assert app.request("POST", "/jobs", json.dumps(request).encode())[0] == 400
 
 
+def test_malformed_requests_are_answered_without_a_line_in_the_terminal(tmp_path):
+    with start_server(tmp_path, "--keep") as server:
+        for _ in range(3):
+            with socket.create_connection(("127.0.0.1", int(server.port))) as connection:
+                connection.sendall(b"\x16\x03\x01 no request\r\n\r\n")
+                assert b"400" in connection.recv(100)
+        server.process.send_signal(signal.SIGTERM)
+        assert server.process.stderr.read() == ""
+
+
 def test_waiting_job_names_the_job_before_it(tmp_path):
     queue = JobQueue(tmp_path)
     for number, state in enumerate(("done", "running", "waiting", "waiting"), 1):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import signal
 import socket
 import tempfile
@@ -88,6 +89,8 @@ def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool 
             timeout_graceful_shutdown=2,
             h11_max_incomplete_event_size=2**14,
         )
+        # Uvicorn prints a warning for each malformed request, which any local program can send. Errors are printed.
+        logging.getLogger("uvicorn.error").setLevel(logging.ERROR)
         http_server = uvicorn.Server(config)
         print_message(f"{address}\nThis address works once, in one browser. Press Ctrl-C to stop the server.")
         with suppress(KeyboardInterrupt):
