@@ -211,6 +211,13 @@ def test_line_numbers_in_error_messages_include_line_breaks_inside_quotation_mar
     ]
 
 
+def test_row_of_a_pair_whose_name_starts_with_a_number_sign_is_not_a_comment(tmp_path):
+    path = tmp_path / "tests.csv"
+    path.write_text("# comment\npair,load (mN),coefficient\n#1,1,0.2\n#2 is a comment,2,0.3\n#1,3,0.4\n")
+    tests = parse_friction_tests(path, {"#1": Ball("5 mm", "3 GPa")})
+    assert [test.coefficient for test in tests] == [0.2, 0.4]
+
+
 def test_units_in_a_file_of_friction_tests_are_converted(tmp_path):
     (tmp_path / "a.csv").write_text("load (mN),coefficient (%),uncertainty (mN)\n2000,50,20\n")
     (tmp_path / "b.csv").write_text("load (N),friction force (N),uncertainty (%)\n2,1,2\n")

@@ -22,6 +22,7 @@ from stiction import (
 from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.studies.resolution import evaluate_at_cutoffs, find_resolution_limits
 from stiction.studies.store import open_stored_result
+from stiction.surfaces.measured.spectrum_file import is_spectrum_file
 from stiction.surfaces.pairing import SpectralSurfacePairs
 from support.command import assert_rejected, call_stiction, check_stiction
 
@@ -213,6 +214,28 @@ def test_spectrum_file_preserves_all_digits(spectra, tmp_path):
         write_spectrum(spectrum_read, tmp_path / "joined.txt")
     with pytest.raises(ValueError, match="must be a JoinedSpectrum"):
         write_spectrum("joined", tmp_path / "other.csv")
+
+
+@pytest.mark.parametrize(
+    "name", ["a#1.csv", "#1", "a,b", '"a"', 'a"b', "a\r\n#b", " a  b ", "", "\udcff", "\u2028z", "=1+1", "a\0b",
+             "a, from 1 to 2 um, ended by b", "C2D (um4)"]
+)  # fmt: skip
+def test_spectrum_file_preserves_any_name_of_a_scan(spectra, tmp_path, name):
+    names = (name, *spectra[0].names[1:])
+    write_spectrum(replace(spectra[0], names=names), tmp_path / "joined.csv")
+    spectrum_read = read_spectrum(tmp_path / "joined.csv")
+    assert spectrum_read.names == names
+    assert np.array_equal(spectrum_read.contribution, spectra[0].contribution, equal_nan=True)
+    assert is_spectrum_file(tmp_path / "joined.csv")
+
+
+def test_spectrum_of_files_with_number_signs_in_their_names_is_read(tmp_path):
+    for side in ("upper", "lower"):
+        scan = self_affine_surface(1, hurst_exponent=0.8, rms=0.1, shape=(64, 64), spacing=0.01, side=side)
+        write_surface(scan, tmp_path / f"{side}#1, new.csv")
+    files = ("upper#1, new.csv", "lower#1, new.csv")
+    check_stiction("characterise", *files, "--together", "-o", "j.csv", cwd=tmp_path)
+    assert read_spectrum(tmp_path / "j.csv").names == files
 
 
 def test_checksum_of_a_spectrum_in_memory_depends_on_all_digits_of_its_wave_numbers(spectra):

@@ -205,3 +205,16 @@ def test_pair_rejects_more_positions_than_the_maps_have_before_it_creates_the_di
     with pytest.raises(ValueError, match=r"the maps have \d+ relative positions"):
         pair(*rough_surfaces(), mu0=0.2, directory=tmp_path / "r", **PAIR_OPTIONS | {"shifts": 400_000})
     assert not (tmp_path / "r").exists()
+
+
+@pytest.mark.parametrize("text", ["a#1", "a,b", '"a"', "a: b", "\udcff", "a\0b", "=1+1", "# c"])
+def test_interface_file_preserves_one_line_entries_and_escapes_control_characters(tmp_path, text):
+    write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "a.csv", {"operator": text})
+    expected_text = {"\udcff": "\\udcff", "a\0b": "a\\x00b"}.get(text, text)
+    assert read_interface(tmp_path / "a.csv").about["operator"] == expected_text
+
+
+@pytest.mark.parametrize("key", ["sliding", "a: b", "a\nb", "", "\udcff"])
+def test_interface_entry_that_could_not_be_read_back_is_rejected(tmp_path, key):
+    with pytest.raises(ValueError, match="about must have names of other entries as keys"):
+        write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "a.csv", {key: "x"})

@@ -7,7 +7,7 @@ import warnings
 
 import numpy as np
 import pytest
-from stiction import FormatError, FormatWarning, Surface, read_measurement, write_surface
+from stiction import FormatError, FormatWarning, Profile, Surface, read_measurement, write_profile, write_surface
 from stiction.surfaces.measured.decode import decode_text
 from stiction.surfaces.measured.layouts import TEXT_LAYOUTS
 from stiction.surfaces.measured.reading import read_with_interpretation
@@ -1069,3 +1069,18 @@ def test_large_map_that_omits_a_third_of_its_points_is_read(tmp_path):
     surface = read_scan_or_none(tmp_path / "a.xyz", missing="mask")
     assert surface.heights.shape == shape
     assert 0.3 < surface.missing.mean() < 0.36
+
+
+@pytest.mark.parametrize("name", ['VK-"a","5","nm"', "a\0b", "\udcff", "# x: 5 nm", "ImageDataCsv"])
+@pytest.mark.parametrize("extension", ["csv", "npy"])
+def test_written_scans_are_read_back_exactly_whatever_their_history_contains(tmp_path, name, extension):
+    histories = ((f"read from {name}",), (name, "5 nm", "7 nm", "9 nm", "3 um"))
+    for index, history in enumerate(histories):
+        surface = Surface(HEIGHTS, spacing=(0.5, 0.25), history=history)
+        profile = Profile(LINE_HEIGHTS, spacing=0.25, history=history)
+        for body, write in ((surface, write_surface), (profile, write_profile)):
+            path = tmp_path / f"{index}{type(body).__name__}.{extension}"
+            write(body, path)
+            body_read = read_scan_or_none(path)
+            assert np.array_equal(body_read.heights, body.heights)
+            assert body_read.spacing == body.spacing

@@ -24,8 +24,8 @@ import numpy as np
 
 from stiction._checks import Floats, check_choice, check_instance, validate_number
 from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes, replace_file_atomically
-from stiction._text import printable_path
-from stiction._units import is_pressure, loads_to_core_units, to_core_units
+from stiction._text import printable_path, printable_text
+from stiction._units import is_pressure, loads_to_core_units, short_repr, to_core_units
 from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
 from stiction.mechanics.friction import LOAD_SUM_NAMES, ForcesPerLoad, FrictionCurve
 from stiction.mechanics.model import SlidingRule
@@ -793,8 +793,12 @@ def _format_interface(interface: Interface, about: Mapping[str, str]) -> bytes:
         "area_per_load": repr(interface.area_per_load),
         "variation": repr(interface.variation),
         "separated": "yes" if interface.separated else "no",
-        **{key: " ".join(str(value).split()) for key, value in {**interface.about, **about}.items()},
     }
+    for key, value in {**interface.about, **about}.items():
+        text = " ".join(str(value).split())
+        if not key.strip() or key in header or ": " in f"{key} " or key != printable_text(key):
+            raise ValueError(f"about must have names of other entries as keys, got {short_repr(key)}")
+        header[key] = printable_text(text, len(text))
     file_text = io.StringIO()
     file_text.write(
         "\n".join(

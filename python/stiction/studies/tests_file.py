@@ -56,7 +56,11 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
         raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
     except (ValueError, UnreadableFileError) as error:
         raise ValueError(f"{printable_path(path)} is not a table of friction tests: {error}") from None
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not _is_comment(line, bodies)
+    ]
     if len(lines) < 2:
         raise ValueError(
             f"{printable_path(path)} has no tests; it must have a line of column names and a line for each test"
@@ -73,6 +77,11 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
         return tuple(table.parse_rows())
     except (ValueError, csv.Error) as error:
         raise ValueError(f"{printable_path(path)}: {error}") from None
+
+
+def _is_comment(line: str, bodies: Mapping[str, Any]) -> bool:
+    """Return whether a line starts with "#", unless the first cell is the name of a body such as "#1"."""
+    return line.startswith("#") and re.split("[\t;,]", line)[0].strip().rstrip("/") not in bodies
 
 
 def _parse_column_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import re
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 
 from stiction._checks import check_instance, make_read_only
 from stiction._files import UnreadableFileError, create_file_atomically, read_file_bytes
-from stiction._text import printable_path
+from stiction._text import printable_path, printable_text
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 
@@ -24,6 +25,7 @@ FRACTION_COLUMN_PREFIX, RATIO_COLUMN_PREFIX = "fraction of ", "power over the jo
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
 )
+_HASH_LINE_PATTERN = re.compile(r"^#.*\n?", re.MULTILINE)
 _NUM_HEADER_BYTES = 100_000  # number of bytes at the beginning of a file in which column names are searched for
 # relative tolerance of the ratio of successive wave numbers, due to rounding of printed numbers
 _RATIO_TOLERANCE = 1e-3
@@ -66,9 +68,9 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
     path = Path(path)
     if path.suffix.lower() != ".csv":
         raise FormatError(f"{path}: cannot be written: its name must end in .csv")
-    names = [" ".join(name.split()) for name in spectrum.names]
+    names = [_format_scan_name(name) for name in spectrum.names]
     if len(set(names)) < len(names):
-        names = [f"{name} ({index})" for index, name in enumerate(names, 1)]
+        names = [_format_scan_name(f"{name} ({index})") for index, name in enumerate(spectrum.names, 1)]
     roughness = spectrum.roughness()
     columns: dict[str, Any] = {
         "wavelength (um)": roughness.wavelength, "rms gradient down to this wavelength": roughness.gradient,
@@ -84,6 +86,20 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
     with create_file_atomically(path, FormatError) as partial_file:
         text = pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n")
         partial_file.write_text("".join(scans) + text, encoding="utf-8")
+
+
+def _format_scan_name(name: str) -> str:
+    """Return the name of a scan as one line of text: unchanged if possible, otherwise as a JSON string."""
+    is_plain = name == printable_text(name, len(name)) and name == " ".join(name.split()) and name[:1] not in ("", '"')
+    return name if is_plain else json.dumps(name)
+
+
+def _parse_scan_name(text: str) -> str:
+    try:
+        name = json.loads(text) if text.startswith('"') else text
+    except ValueError:
+        return text
+    return name if isinstance(name, str) else text
 
 
 def is_spectrum_file(path: Path) -> bool:
@@ -139,14 +155,14 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     try:
         text = read_file_bytes(path, MAX_TEXT_BYTES).decode("utf-8-sig", "replace")
         # pandas before version 3 would round numbers
-        table = pandas.read_csv(io.StringIO(text), comment="#", dtype=str)
+        table = pandas.read_csv(io.StringIO(_HASH_LINE_PATTERN.sub("", text)), dtype=str)
     except OSError as error:
         raise FormatError(f"{printable_path(path)}: cannot be read: {error.strerror}") from None
     except UnreadableFileError as error:
         raise FormatError(f"{printable_path(path)}: {error}") from None
     except ValueError:  # raised by pandas
         raise FormatError(f"{printable_path(path)} is not a table with the columns of a spectrum") from None
-    scans = [match for line in text.splitlines() if (match := _SCAN_LINE_PATTERN.fullmatch(line))]
+    scans = [match for line in text.split("\n") if (match := _SCAN_LINE_PATTERN.fullmatch(line.rstrip("\r")))]
     names = [match["name"] for match in scans]
     try:
         q, density = (np.array(table[name], np.float64) for name in (WAVE_NUMBER_COLUMN, DENSITY_COLUMN))
@@ -177,5 +193,5 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     return JoinedSpectrum(
         wave_number=make_read_only(q), density=make_read_only(density), count=make_read_only(count),
         contribution=make_read_only(contribution), ratio=make_read_only(ratio), bands=bands,
-        reasons=tuple(match["reason"] for match in scans), names=tuple(names),
+        reasons=tuple(match["reason"] for match in scans), names=tuple(map(_parse_scan_name, names)),
     )  # fmt: skip

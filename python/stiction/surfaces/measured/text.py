@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -38,6 +39,8 @@ MAX_HISTORY_STEPS = 1000
 MAX_FOOTER_FRACTION = 0.1
 # Minimum number of rows of a separate block above the data. A smaller block is a size or a count.
 MIN_BLOCK_ROWS = 2
+_OWN_FIRST_LINE_PATTERN = re.compile(r"# spacing(?: along y)?: [0-9.e+-]{1,30} um")
+"""Pattern of the first line that `write_profile` and `write_surface` write."""
 
 
 def read_text(data: bytes, words: tuple[str, ...] = ()) -> ReaderResult:
@@ -55,6 +58,9 @@ def find_layout(text: DecodedText) -> TextLayout | None:
     """Return the instrument layout that recognises a text, or None."""
     from stiction.surfaces.measured.layouts import TEXT_LAYOUTS
 
+    # the history of a file of this package may contain names that look like the header of an instrument
+    if _OWN_FIRST_LINE_PATTERN.fullmatch(text.line(0)):
+        return None
     return next((layout for layout in TEXT_LAYOUTS if layout.recognises(text)), None)
 
 

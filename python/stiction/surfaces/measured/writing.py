@@ -11,9 +11,11 @@ import numpy as np
 
 from stiction._checks import Floats, check_instance
 from stiction._files import create_file_atomically
+from stiction._text import printable_text
 from stiction.surfaces.measured.npy import write_npy
 from stiction.surfaces.measured.raw import FormatError
 from stiction.surfaces.measured.shapes import MIN_MATRIX_COLUMNS
+from stiction.surfaces.measured.text import MAX_HISTORY_STEP_LENGTH
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -106,7 +108,8 @@ def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: lis
             with partial_file.open("wb") as binary_file:
                 write_npy(binary_file, heights_with_nan(body), body.spacings, body.history)
             return
-        history = [f"# history: {' '.join(step.split())}\n" for step in body.history]
+        steps = (" ".join(step.split()) for step in body.history)
+        history = [f"# history: {printable_text(step, MAX_HISTORY_STEP_LENGTH)}\n" for step in steps]
         with partial_file.open("w", encoding="utf-8", newline="\n") as file:
             file.writelines(itertools.chain(head, history, rows))
 
