@@ -172,3 +172,19 @@ def test_info_prints_one_sentence_for_each_load_including_loads_that_must_not_be
         assert_rejected(
             call_stiction("info", "pair", "--sentence", option, cwd=scans_folder), "--sentence must not be combined"
         )
+
+
+def test_pair_of_a_file_with_an_instruction_in_its_name_has_all_outputs(scans_folder):
+    name = r"$\write18{id}$.csv"
+    (scans_folder / "upper.csv").rename(scans_folder / name)
+    check_stiction("pair", name, *PAIR_COMMAND[2:], "-o", "mine", cwd=scans_folder)
+    assert (scans_folder / "mine/friction.png").stat().st_size > 1000
+    report = (scans_folder / "mine/report.html").read_text(encoding="utf-8")
+    assert r"$\write18{id}$" in report
+    for output in ("table.tex", "table.csv"):
+        check_stiction("export", "mine", output, cwd=scans_folder)
+    assert r"\write18" not in (scans_folder / "table.tex").read_text(encoding="utf-8")
+    check_stiction("characterise", name, "lower.csv", "-o", "scans.csv", cwd=scans_folder)
+    with (scans_folder / "scans.csv").open(newline="", encoding="utf-8") as file:
+        assert [row[0] for row in csv.reader(file)][1:] == [name, "lower.csv"]
+    check_stiction("characterise", name, "-o", "scan.html", cwd=scans_folder)

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.patches import PathPatch
 from stiction import Profile, Result, Surface, pair
+from stiction._text import printable_text
 from stiction.studies import resolution
 from stiction.studies.at_load import at_load
 from stiction.studies.contact_forces import build_contact_forces
@@ -44,7 +45,7 @@ from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
 from stiction.views.report.pictures import inline_svg, list_panels
 from stiction.views.rows import summary_json, summary_table
-from stiction.views.style import FIGURE_FORMATS, save_figure, spread_label_positions
+from stiction.views.style import FIGURE_FORMATS, literal_text, save_figure, spread_label_positions
 from support.generated_studies import SMALL_STUDY, empty_dataset
 from support.report_numbers import ReportEvaluator
 from support.studies_of_files import run_pair_of_maps
@@ -511,3 +512,16 @@ def test_report_and_plot_draw_the_same_figure_over_the_cutoff(maps_at_two_cutoff
     assert legends[0] == legends[1]
     # both show the combined interval
     assert all("combined" in figure.legends[0].get_title().get_text() for figure in figures)
+
+
+@pytest.mark.parametrize(
+    "name", [r"$\write18{id}$", "$a__b$", "_a", "a_b^2", r"\$x$", "$", "a\nb", "\u202eb", "$\\frac$ $"]
+)
+def test_names_of_files_are_drawn_as_literal_text(name):
+    figure = Figure()
+    axes = figure.add_subplot()
+    axes.set_title(f"{literal_text(name)}, $\\mu_0$ = 0.2")
+    axes.plot([0, 1], label=literal_text(name))
+    (label,) = axes.legend().get_texts()
+    figure.canvas.draw()
+    assert label.get_text().replace(r"\$", "$").strip() == printable_text(name)

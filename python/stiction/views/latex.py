@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections.abc import Sequence
 
 from stiction._number_format import format_significant
+from stiction._text import printable_text
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import column_title_and_factor
 from stiction.studies.study_description import describe_study
@@ -96,8 +98,8 @@ def _caption_text(summary: Summary, points: Sequence[PointSummary], *, has_area:
 
 
 def _to_latex(text: str) -> str:
-    """Return text in which LaTeX typesets all characters and symbols."""
-    return _SYMBOL_PATTERN.sub(lambda match: _LATEX_SYMBOLS[match[0]], text)
+    """Return text as one line in which LaTeX typesets all characters and symbols."""
+    return _SYMBOL_PATTERN.sub(lambda match: _LATEX_SYMBOLS[match[0]], printable_text(text, sys.maxsize))
 
 
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:

@@ -27,6 +27,7 @@ from stiction.views.style import (
     NOT_OPPOSING_COLOUR,
     OPPOSING_COLOUR,
     PAGE_WIDTH,
+    literal_text,
     new_figure,
 )
 
@@ -147,7 +148,7 @@ def _draw_spectra_panel(axes: Axes, joined: JoinedSpectrum) -> None:
             "o",
             color=SCAN_COLOURS[scan_index % len(SCAN_COLOURS)],
             markersize=2.5,
-            label=label,
+            label=literal_text(label),
         )
     axes.plot(wavelengths, joined.density, color="black", linewidth=0.8, label="joined")
     is_gap = joined.count == 0

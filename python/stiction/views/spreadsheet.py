@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pandas
 
-FORMULA_START_CHARACTERS = ("=", "+", "-", "@", "\t", "\r")
+FORMULA_START_CHARACTERS = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
 """Characters at the start of a cell that make a spreadsheet program interpret it as a formula."""
 
 

@@ -13,6 +13,7 @@ from stiction._checks import Floats
 from stiction._core import __version__
 from stiction._files import replace_file_atomically
 from stiction._repr import write_png
+from stiction._text import printable_text
 from stiction.mechanics.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ INCHES_PER_MILLIMETRE = 1 / 25.4
 # width of a one-column figure; with this width, no text is smaller than 6 pt
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
 PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width of a two-column figure
+MAX_LITERAL_TEXT_LENGTH = 300  # maximum number of characters of a text from a file or a user in a figure
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {
     **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize"), 7),
@@ -104,6 +106,12 @@ def axis_label(name: str) -> str:
     quantity = QUANTITIES[name]
     unit = {"1": "", "um": " (µm)", "um^2": " (µm²)"}.get(quantity.unit, f" ({quantity.unit})")
     return f"{quantity.words} ${quantity.symbol}${unit}"
+
+
+def literal_text(text: str) -> str:
+    """Return text from a file or a user for a figure, in which Matplotlib interprets neither "$" nor a leading "_"."""
+    escaped_text = printable_text(text, MAX_LITERAL_TEXT_LENGTH).replace("$", r"\$")
+    return f" {escaped_text}" if escaped_text.startswith("_") else escaped_text  # a legend omits labels such as "_a"
 
 
 def fractal_dimension_colours(dimensions: ArrayLike) -> Floats:

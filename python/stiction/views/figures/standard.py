@@ -40,7 +40,7 @@ from stiction.views.figures.ensemble import area_figure, friction_figure, length
 from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, friction_by_load_figure
 from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
-from stiction.views.style import MATPLOTLIB_STYLE, parse_formats, save_figure
+from stiction.views.style import MATPLOTLIB_STYLE, literal_text, parse_formats, save_figure
 
 if TYPE_CHECKING:
     from stiction.studies.height_scale import ScaledBodies
@@ -105,7 +105,7 @@ def select_figures(
 
 def format_print_title(pair_name: str) -> str:
     """Return the title of a pair for print: file names without extensions, with spaces instead of underscores."""
-    return re.sub(r"\.\w+(?= on |$)", "", pair_name).replace("_", " ")
+    return literal_text(re.sub(r"\.\w+(?= on |$)", "", pair_name).replace("_", " "))
 
 
 # ---- Figures of generated surfaces -----------------------------------------------------------------------------------
