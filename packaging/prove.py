@@ -30,6 +30,9 @@ ARCHIVE_STEM = f"{PROJECT_METADATA['name']}-{PROJECT_METADATA['version']}"
 MAX_GLIBC = (2, 34)
 """Newest glibc version that a wheel may require, as documented in docs/howto/installing.md."""
 
+MAX_SYMBOL_VERSIONS = {"GLIBC": MAX_GLIBC, "GLIBCXX": (3, 4, 29), "CXXABI": (1, 3, 13)}
+"""Newest symbol versions of glibc and libstdc++ that the extension may require. RHEL 9 (GCC 11) has these versions."""
+
 MAX_IMPORT_SECONDS = 5.0
 """Largest accepted time of `import stiction`. An idle machine takes 0.3 s."""
 
@@ -126,8 +129,8 @@ def check_wheel(wheel: Path, folder: Path) -> None:
         check_metadata(archive.read(f"{ARCHIVE_STEM}.dist-info/METADATA"))
         extension = Path(archive.extract(extensions[0], folder))
     if sys.platform == "linux":
-        check_min_glibc(wheel)
         check_extension(extension)
+        check_min_glibc(wheel)
 
 
 def check_metadata(text: bytes) -> None:
@@ -155,7 +158,23 @@ def check_min_glibc(wheel: Path) -> None:
         exit_with_error(f"docs/howto/installing.md does not say {requirement_text!r}")
 
 
+def find_newer_symbol_versions(extension: Path) -> list[str]:
+    """Return the symbol versions, such as GLIBCXX_3.4.30, that an extension requires beyond `MAX_SYMBOL_VERSIONS`."""
+    names = set(re.findall(rb"(?<=\0)(?:GLIBC|GLIBCXX|CXXABI)_[0-9.]+(?=\0)", extension.read_bytes()))
+    newer_versions = []
+    for name in sorted(name.decode() for name in names):
+        library, version = name.split("_")
+        if tuple(map(int, version.split("."))) > MAX_SYMBOL_VERSIONS[library]:
+            newer_versions.append(name)
+    return newer_versions
+
+
 def check_extension(extension: Path) -> None:
+    if newer_versions := find_newer_symbol_versions(extension):
+        exit_with_error(
+            f"the extension requires {', '.join(newer_versions)}, but the oldest supported systems have versions up to "
+            + ", ".join(f"{library}_{'.'.join(map(str, version))}" for library, version in MAX_SYMBOL_VERSIONS.items())
+        )
     dynamic_section = run_command("readelf", "--wide", "--dynamic", extension)
     needed_libraries = re.findall(r"\(NEEDED\).*\[(.*)\]", dynamic_section)
     foreign_libraries = [library for library in needed_libraries if not SYSTEM_LIBRARY_PATTERN.fullmatch(library)]

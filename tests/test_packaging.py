@@ -1,6 +1,7 @@
 """Test that packaging files agree with each other and with the sources."""
 
 import importlib.util
+import platform
 import re
 import sys
 import tomllib
@@ -8,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import stiction._core
 from stiction import read_profile, read_surface
 
 ROOT = Path(__file__).parents[1]
@@ -87,6 +89,24 @@ def test_wheel_that_requires_a_newer_glibc_is_rejected(release_script, name, pas
     with pytest.raises(SystemExit):
         sys.modules["prove"].check_min_glibc(wheel)
     assert name in capsys.readouterr().err
+
+
+@pytest.mark.skipif(
+    platform.libc_ver()[0] != "glibc" or tuple(map(int, platform.libc_ver()[1].split("."))) > (2, 36),
+    reason="compilers of systems newer than Debian 12 use newer symbols, and build no wheels for older systems",
+)
+def test_core_requires_no_symbols_that_the_oldest_supported_systems_lack(release_script):
+    core = Path(stiction._core.__file__)
+    assert b"GLIBCXX_3.4\0" in core.read_bytes()
+    assert sys.modules["prove"].find_newer_symbol_versions(core) == []
+
+
+def test_newer_symbol_versions_are_found_in_an_extension(release_script, tmp_path):
+    extension = tmp_path / "core.so"
+    extension.write_bytes(b"\0GLIBC_2.34\0GLIBCXX_3.4.30\0GLIBCXX_3.4.9\0CXXABI_1.3.14\0GLIBC_2.4\0GLIBC_2.100\0")
+    assert sys.modules["prove"].find_newer_symbol_versions(extension) == [
+        "CXXABI_1.3.14", "GLIBCXX_3.4.30", "GLIBC_2.100",
+    ]  # fmt: skip
 
 
 def test_release_checks_report_missing_dates_and_versions(release_script, tmp_path, monkeypatch):

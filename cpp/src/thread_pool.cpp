@@ -1,15 +1,44 @@
 #include "stiction/thread_pool.hpp"
 
+#include <pthread.h>
+
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <exception>
 #include <mutex>
+#include <new>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
 
 namespace stiction {
+namespace {
+
+// Condition variable of a std::mutex.
+// `std::condition_variable` is not used: compiled by GCC 12 or newer, it requires the libstdc++ of GCC 12
+// (symbol version GLIBCXX_3.4.30), which the oldest supported Linux systems lack.
+class Condition {
+ public:
+  Condition() = default;
+  ~Condition() { pthread_cond_destroy(&condition_); }
+  Condition(const Condition&) = delete;
+  Condition& operator=(const Condition&) = delete;
+
+  template <class Predicate>
+  void wait(std::unique_lock<std::mutex>& lock, Predicate is_met) {
+    while (!is_met()) {
+      pthread_cond_wait(&condition_, lock.mutex()->native_handle());
+    }
+  }
+  void notify_one() { pthread_cond_signal(&condition_); }
+  void notify_all() { pthread_cond_broadcast(&condition_); }
+
+ private:
+  pthread_cond_t condition_ = PTHREAD_COND_INITIALIZER;
+};
+
+}  // namespace
 
 // A round is the set of tasks of one call of `run`.
 // A round ends without waiting for threads that have not started any task of the round.
@@ -24,8 +53,8 @@ struct ThreadPool::Workers {
   };
 
   std::mutex mutex;
-  std::condition_variable round_started;
-  std::condition_variable round_finished;
+  Condition round_started;
+  Condition round_finished;
   Round round;
   // Number of the round in the upper 32 bits, and next task in the lower 32 bits.
   std::atomic<std::uint64_t> next_task{0};
@@ -36,8 +65,8 @@ struct ThreadPool::Workers {
   std::vector<std::thread> threads;
 
   explicit Workers(std::size_t size) {
-    for (std::size_t thread = 1; thread <= size; ++thread) {
-      threads.emplace_back([this, thread] { run(thread); });
+    threads.reserve(size);
+    while (threads.size() < size && start_thread()) {
     }
   }
 
@@ -49,6 +78,20 @@ struct ThreadPool::Workers {
     round_started.notify_all();
     for (std::thread& thread : threads) {
       thread.join();
+    }
+  }
+
+  // Start one thread. Return false if the system cannot create it, for example at a limit on the number of threads.
+  // An exception would have to join the threads that have already started, and would end a calculation that the
+  // calling thread can finish.
+  bool start_thread() {
+    try {
+      threads.emplace_back([this, thread = threads.size() + 1] { run(thread); });
+      return true;
+    } catch (const std::system_error&) {
+      return false;
+    } catch (const std::bad_alloc&) {
+      return false;
     }
   }
 
@@ -95,7 +138,9 @@ struct ThreadPool::Workers {
         }
       } catch (...) {
         const std::lock_guard lock(mutex);
-        exception = std::current_exception();
+        if (!exception) {
+          exception = std::current_exception();
+        }
         stopped = true;
       }
       if (++finished_tasks == current.tasks) {

@@ -1,6 +1,9 @@
 import copy
+import os
 import pickle
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -931,3 +934,36 @@ def test_half_space_load_curve_and_onset_result_can_be_pickled_and_copied():
     for curve_copy in (pickle.loads(pickle.dumps(onset)), copy.deepcopy(onset)):
         assert (curve_copy.tangential_load == onset.tangential_load).all()
         assert curve_copy.energy_lost([0.5 * onset.sliding_load]) == onset.energy_lost([0.5 * onset.sliding_load])
+
+
+LIMITED_THREADS_SCRIPT = """
+import re, resource
+import numpy as np
+import scipy.fft
+from stiction import half_space
+heights = np.random.default_rng(1).normal(0, 0.01, (2, 64, 64))
+with scipy.fft.set_workers(4):
+    expected = half_space(*heights, [1.0], spacing=0.1, effective_modulus=10, boundary="periodic")
+    size = 1024 * int(re.search("VmSize:[^0-9]+([0-9]+) kB", open("/proc/self/status").read())[1])
+    resource.setrlimit(resource.RLIMIT_AS, (size + 3 * 2**29, size + 3 * 2**29))
+    curve = half_space(*heights, [1.0], spacing=0.1, effective_modulus=10, boundary="periodic")
+print(curve.contact_area.tobytes() == expected.contact_area.tobytes())
+"""
+"""Script in which the system can create the first of three threads only: each takes 1 GiB, and 1.5 GiB are left."""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space applies to threads on Linux only")
+def test_half_space_uses_the_threads_that_the_system_can_create():
+    import resource
+
+    stack_size = 2**30
+    if 0 <= resource.getrlimit(resource.RLIMIT_STACK)[1] < stack_size:
+        pytest.skip("the stack size is limited")
+    completed = subprocess.run(
+        [sys.executable, "-c", LIMITED_THREADS_SCRIPT],
+        check=False, capture_output=True, text=True, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},
+        preexec_fn=lambda: resource.setrlimit(
+            resource.RLIMIT_STACK, (stack_size, resource.getrlimit(resource.RLIMIT_STACK)[1])
+        ),
+    )  # fmt: skip
+    assert (completed.returncode, completed.stdout) == (0, "True\n"), completed.stderr

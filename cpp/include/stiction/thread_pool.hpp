@@ -12,7 +12,8 @@
 
 namespace stiction {
 
-/// Pool of `threads` threads, including the caller's thread. If `threads` is 1, no thread is started.
+/// Pool of at most `threads` threads, including the caller's thread. If `threads` is 1, no thread is started.
+/// If the system cannot create all of them, the pool has fewer threads, at least the caller's thread.
 /// Results must not depend on the thread that runs a task, so that they are bit-identical for any number of threads.
 /// Only one calculation may use a pool at a time.
 class ThreadPool {
@@ -27,7 +28,7 @@ class ThreadPool {
 
   /// Run `work(task, thread)` for each task, and return when all tasks are done.
   /// The calling thread is number 0 and checks for cancellation after each of its tasks.
-  /// Exceptions thrown by a task or by the cancellation check are rethrown.
+  /// The first exception thrown by a task or by the cancellation check is rethrown.
   void run(std::size_t tasks, const std::function<void(std::size_t, std::size_t)>& work) const;
 
   /// Run `work(first, last)` on consecutive chunks of at most `chunk` indices.
