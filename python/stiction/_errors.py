@@ -1,4 +1,4 @@
-"""Errors that name arguments as function parameters or as command-line options."""
+"""Errors of arguments, named as function parameters or as command-line options, and errors of solvers."""
 
 from __future__ import annotations
 
@@ -27,3 +27,11 @@ class ArgumentError(ValueError):
     def translated_message(self, translate: Callable[[str], str]) -> str:
         """Return the message with argument names translated, for example to command-line options."""
         return self._message.format_map(_MessageValues(self._values, translate))
+
+
+class NoSolutionError(RuntimeError):
+    """Error raised if a solver finds no solution.
+
+    Callers that go on without the solution catch only this error. All other errors end the computation, for example
+    if a thread cannot start.
+    """

@@ -16,6 +16,7 @@ from stiction import (
     scale_dependent_roughness,
     self_affine,
 )
+from stiction._errors import NoSolutionError
 from stiction.mechanics.brackets import (
     friction_range_for_finer_scans,
     kappa_uncertainty_factor,
@@ -288,7 +289,7 @@ def test_resolution_result_is_nan_at_an_unsolved_load_and_reported_progress_stil
 
     def failing_half_space(upper, lower, loads, **options):
         if max(loads) > 1:
-            raise RuntimeError("no solution")
+            raise NoSolutionError("no solution")
         return original_half_space(upper, lower, loads, **options)
 
     monkeypatch.setattr(module, "half_space", failing_half_space)

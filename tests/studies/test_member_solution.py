@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from stiction import Profile, approach_at_load, flipped, half_space, levelled, press
+from stiction._errors import NoSolutionError
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import member_solution
 from stiction.studies.layout import (
@@ -104,7 +105,7 @@ def test_member_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, mo
 
     def solve_or_fail(upper, lower, loads, **rest):
         if np.isclose(loads, study.contact.loading_steps()[1]).any():
-            raise RuntimeError("no solution")
+            raise NoSolutionError("no solution")
         return half_space(upper, lower, loads, **rest)
 
     monkeypatch.setattr(member_solution, "half_space", solve_or_fail)

@@ -15,14 +15,16 @@ import numpy as np
 import pytest
 import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
+from stiction.mechanics import half_space_problem
 from stiction.mechanics.quantities import SUM_QUANTITIES
 from stiction.studies import executors, member_solution, members, runner
 from stiction.studies.layout import compute_bytes_per_member
-from stiction.studies.member_solution import estimate_member_time
+from stiction.studies.member_solution import compute_member_arrays, estimate_member_time
 from stiction.studies.store import StoreError
 from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.values import StudyError
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, with_repetitions
+from support.studies_of_files import create_study_from_files, write_maps
 
 RUNNER_STUDY = TINY_STUDY.with_changes(
     {
@@ -245,3 +247,32 @@ def test_remaining_time_is_estimated_from_the_time_of_the_first_block():
     )  # The new estimate is close to the first one.
     assert runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 8.0, 2, 1.0) == ""  # Little time remains.
     assert runner._format_revised_time_estimate(TINY_STUDY, missing, 4, 480.0, 4, 8.5) == ""  # No repetitions remain.
+
+
+def test_run_continues_with_the_threads_that_can_start(monkeypatch):
+    start, started = threading.Thread.start, []
+
+    def start_first(thread):
+        if started:
+            raise RuntimeError("can't start new thread")
+        started.append(thread)
+        start(thread)
+
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: range(4))
+    monkeypatch.setattr(threading.Thread, "start", start_first)
+    dataset = run(TINY_STUDY).dataset
+    monkeypatch.undo()
+    assert len(started) == 1
+    assert_same_bits(dataset, run(TINY_STUDY, executor=InlineExecutor()).dataset)
+
+
+def test_error_other_than_a_missing_solution_ends_a_run(tmp_path, monkeypatch):
+    """Check that a member does not store NaN if, for example, a library cannot start a thread."""
+    study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), members=1)
+
+    def fail_to_start_thread(*_, **__):
+        raise RuntimeError("Resource temporarily unavailable")
+
+    monkeypatch.setattr(half_space_problem, "grid_slopes", fail_to_start_thread)
+    with pytest.raises(RuntimeError, match="Resource temporarily unavailable"):
+        compute_member_arrays(study, 0)

@@ -20,6 +20,7 @@ import numpy as np
 
 import stiction._core as _core
 from stiction._checks import Floats
+from stiction._errors import NoSolutionError
 from stiction.mechanics.half_space_problem import (
     AdhesionState,
     ContactSolution,
@@ -60,7 +61,7 @@ MAX_REFINEMENT_SOLVES = 6  # maximum number of additional contact solutions at i
 MAX_TRIAL_LOADS = 24  # maximum number of external loads that are tried during separation
 
 
-class EquilibriumNotFoundError(RuntimeError):
+class EquilibriumNotFoundError(NoSolutionError):
     """Error raised if the iteration finds no equilibrium with the adhesive attraction."""
 
 
@@ -403,8 +404,8 @@ def solve_with_adhesion(
     for load in loads.tolist():
         try:
             state = solver.at(load / total_area, state)
-        except RuntimeError as error:
-            raise RuntimeError(f"no solution at {load:g} mN: {error}") from None
+        except EquilibriumNotFoundError as error:
+            raise NoSolutionError(f"no solution at {load:g} mN: {error}") from None
         solutions.append(to_contact_solution(problem, state, load, state.attraction))
     return solutions
 

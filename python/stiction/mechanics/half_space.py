@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, make_read_only, validate_fraction, validate_number
+from stiction._errors import NoSolutionError
 from stiction._repr import PlotReprMixin, axes_or_new_axes
 from stiction._units import loads_to_core_units, to_core_units
 from stiction.mechanics.friction import FrictionCurve
@@ -624,12 +625,12 @@ def solve_together_or_separately(
     """
     try:
         return [(np.arange(loads.size), solve(loads))]
-    except RuntimeError:
+    except NoSolutionError:
         curves = []
         for index in range(loads.size):
             try:
                 curves.append((np.array([index]), solve(loads[index : index + 1])))
-            except RuntimeError:
+            except NoSolutionError:
                 continue
         return curves
 
@@ -638,5 +639,5 @@ def solve_at_zero_load(solve: Callable[[Floats], HalfSpaceCurve]) -> HalfSpaceCu
     """Return the contact of adhering surfaces at zero load, or None if there is no solution."""
     try:
         return solve(np.zeros(1))
-    except RuntimeError:
+    except NoSolutionError:
         return None

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 import stiction._core as _core
 from stiction._caching import cached_property
 from stiction._checks import Floats, float_array, make_read_only
+from stiction._errors import NoSolutionError
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.patches import PatchSums, grid_slopes, patch_sums
 from stiction.surfaces.profile import Profile, combine_missing_masks
@@ -430,15 +431,15 @@ class ContactSolver:
         )
 
     def at(self, step: float, near: Floats | None) -> _core.HalfSpaceSolution:
-        """Solve the contact at a load or an approach. Raises a `RuntimeError` if the error exceeds the tolerance."""
+        """Solve the contact at a load or an approach. Raises a `NoSolutionError` if the error exceeds the tolerance."""
         problem, is_load = self.problem, self.name == "loads"
         value = step / (problem.cell_area * problem.gap.size) if is_load else step
         solve_step = self._core.at if is_load else self._core.at_approach
         solution = solve_step(value, near=near, threads=solver_thread_count(), progress=self.report)
         if problem.missing is not None and solution.pressure.reshape(problem.gap.shape)[problem.missing].any():
-            raise RuntimeError(f"no solution at {step:g}: missing points would come into contact")
+            raise NoSolutionError(f"no solution at {step:g}: missing points would come into contact")
         if not solution.error * self.scale <= self.tolerance:
-            raise RuntimeError(
+            raise NoSolutionError(
                 f"no solution at {step:g} {'mN' if is_load else 'µm'}: "
                 f"error {solution.error * self.scale:.2g} after "
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"

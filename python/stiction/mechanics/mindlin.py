@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 import stiction._core as _core
 from stiction._checks import Floats, validate_number
+from stiction._errors import NoSolutionError
 from stiction.mechanics.half_space_problem import solver_thread_count
 from stiction.mechanics.law import HertzCylinder, parse_contact_law
 from stiction.mechanics.model import ContactModel
@@ -231,7 +232,7 @@ class HalfSpaceTangentialProblem:
             load_fraction * self.mean_bound, near=initial_traction, threads=solver_thread_count()
         )
         if not solution.error <= self.tolerance:
-            raise RuntimeError(
+            raise NoSolutionError(
                 f"no solution at {load:g} mN ({load_fraction:g} of the sliding load): error {solution.error:.2g} after "
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )

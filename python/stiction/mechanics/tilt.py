@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from stiction._checks import Floats
+from stiction._errors import NoSolutionError
 from stiction.mechanics.half_space_problem import (
     ContactSolution,
     ContactSolver,
@@ -109,7 +110,7 @@ def solve_with_balanced_tilt(
             fine_tolerance = INDENTATION_TOLERANCE * float(np.ptp(displacement)) / gap_deviation
             contact_solution = search_balance(rigid_problem, load, None, min(tolerance, fine_tolerance))
         if contact_solution is None:
-            raise RuntimeError(f"no solution at {load:g} mN: the search for the tilt did not converge")
+            raise NoSolutionError(f"no solution at {load:g} mN: the search for the tilt did not converge")
         problem, near = contact_solution.problem, contact_solution.on_grid(contact_solution.values).ravel()
         contact_solutions.append(contact_solution)
     return contact_solutions

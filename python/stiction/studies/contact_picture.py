@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, validate_whole_number
+from stiction._errors import NoSolutionError
 from stiction._units import short_repr
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
 from stiction.mechanics.model import PROFILE_WIDTH
@@ -134,7 +135,7 @@ def compute_loading_cycle(result: Result) -> xarray.Dataset | None:
         loads = np.append(loads[loads < max_load], max_load)
         loading, unloading = solve(loads), solve(loads[::-1])
         curves = [loading, unloading, unloading.parting]
-    except (RuntimeError, ValueError, OSError):
+    except (NoSolutionError, ValueError, OSError):
         return None
     names = ("load", "contact_load", "contact_area", "approach")
     table = {name: ("point", np.concatenate([getattr(curve, name) for curve in curves])) for name in names}

@@ -39,14 +39,26 @@ def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
         raise StudyError(WORKER_DIED_MESSAGE) from None
 
 
+class _ThreadPool(ThreadPoolExecutor):
+    """Thread pool that works with fewer threads if the system cannot start all of them."""
+
+    def _adjust_thread_count(self) -> None:
+        try:
+            super()._adjust_thread_count()
+        except RuntimeError:
+            if not self._threads:
+                raise
+
+
 @contextlib.contextmanager
 def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
     """Provide a thread pool as a context. By default, it has one thread per core.
 
-    Raises a `RuntimeError` if no thread can start.
+    If the system limits the number of threads, the pool works with the threads that can start. Raises a `RuntimeError`
+    if no thread can start.
     """
     num_cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    pool = ThreadPoolExecutor(workers or num_cores or 1, thread_name_prefix="stiction")
+    pool = _ThreadPool(workers or num_cores or 1, thread_name_prefix="stiction")
     pool.submit(int)
     try:
         yield pool

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 import stiction._core as _core
 from stiction._checks import Floats, make_read_only
+from stiction._errors import NoSolutionError
 from stiction.mechanics.candidates import candidates
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import STATUS_OK, STATUSES
@@ -307,7 +308,7 @@ class PressedPair:
         if isinstance(contact, HalfSpaceSettings):
             try:
                 curve = half_space(upper, lower, [load], **contact.solver_arguments(), sliding="all")
-            except RuntimeError:
+            except NoSolutionError:
                 return None
             return cls(upper, lower, curve)
         model = replace(contact.contact_model(), shear="+x", direction=None, sliding="all")
