@@ -96,7 +96,7 @@ def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(
 def test_missing_points_at_an_edge_are_masked_in_maps_and_cropped_in_profiles(tmp_path):
     heights = np.where(np.arange(36).reshape(6, 6) < 8, np.nan, 1.0)
     np.save(tmp_path / "corner.npy", heights)
-    with pytest.raises(ValueError, match='missing="mask"'):
+    with pytest.raises(ValueError, match="--missing mask"):
         read_surface(tmp_path / "corner.npy", missing="interpolate", **READ_OPTIONS)
     scan = read_surface(tmp_path / "corner.npy", missing="mask", **READ_OPTIONS)
     assert np.array_equal(scan.missing, np.isnan(heights))

@@ -590,8 +590,8 @@ def _crop_and_fill_gaps(
         position = f"point {first[0]}" if is_gap.ndim == 1 else f"row {first[0]}, column {first[1]}"
         raise FormatError(
             f"lacks {int(is_gap.sum())} of {is_gap.size} heights, the first at {position}, counted from 0; "
-            'missing="mask" (--missing mask) uses only measured points, and missing="interpolate" '
-            "(--missing interpolate) interpolates between their neighbours"
+            "use only the measured points (--missing mask), or interpolate between their neighbours (--missing "
+            "interpolate)"
         )
     if options.outliers == "mask" and (outlier_mask := find_outliers(heights)).any():
         missing = "mask" if missing == "error" else missing
@@ -613,7 +613,7 @@ def _crop_and_fill_gaps(
     if num_left := int(np.isnan(filled_heights).sum()):
         raise FormatError(
             f"has {num_left} missing points at its edges, which lack neighbours on one side for interpolation; "
-            'missing="mask" (--missing mask) uses only measured points'
+            "use only the measured points (--missing mask)"
         )
     treatment = "masked" if missing == "mask" else "interpolated"
     steps.append(f"{int(is_gap.sum())} missing points {treatment}, {describe_missing_points(is_gap, spacing)}")
