@@ -437,6 +437,14 @@ def test_pair_command_writes_a_report_about_scans_with_missing_points(scans_fold
         (["--upper", "upper.csv", "--lower", "lower.csv"], ["materials", "the first two arguments are the files"]),
         ([*PROFILE_FILES, "--upper", "upper.csv"], ["--upper must be", "material", "'upper.csv'"]),
         ([*PROFILE_FILES, "--upper", "stele"], ["--upper must be", "steel"]),
+        (
+            [*PROFILE_FILES, "--upper", "TiN", "--lower", "steel"],
+            [
+                "'TiN'; the nearest are tin",
+                "a coating much thinner",
+                "give --young, --poisson and --hardness as numbers",
+            ],
+        ),
         (PROFILE_FILES, ["--effective-modulus", "--young", "--upper"]),
         (
             [*PROFILE_FILES, "--lower", "glass", "--young", "3 MPa"],

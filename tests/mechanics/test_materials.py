@@ -87,6 +87,24 @@ def test_error_about_an_unknown_material_suggests_the_nearest_name(name, message
         material(name)
 
 
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [("TiN", "nearest are tin"), ("tiN", "nearest are tin"), ("Ti-N", "nearest are tin"), ("Pa", "nearest are "),
+     ("siC", "SiC"), ("CrN", "a coating much thinner"), ("MoS2", "a coating much thinner"), ("TiC", "a coating much"),
+     ("TiN coated steel", "a coating much thinner"), ("DLC coating", "a coating much thinner")],
+)  # fmt: skip
+def test_formula_that_differs_from_a_name_by_case_is_rejected(name, hint):
+    with pytest.raises(ValueError, match=rf"must be the name of a known material, got '{name}'.*{hint}"):
+        material(name)
+
+
+def test_formulas_and_words_in_their_usual_case_are_accepted():
+    for name in ("Si", "SiC", "Si3N4", "WC", "Al2O3", "ZrO2", "DLC", "a-C:H", "ta-C", "100Cr6", "Ti-6Al-4V"):
+        assert material(name)
+    assert material("Tin") is material("tin") is material("TIN")
+    assert material("Mild Steel") is material("MILD STEEL") is material("mild-steel")
+
+
 def test_modulus_and_compliance_and_hardness_of_two_materials_equal_closed_forms():
     steel, brass = material("steel"), material("brass")
     expected_modulus = 1 / sum((1 - item.poisson_ratio**2) / item.young_modulus for item in (steel, brass))

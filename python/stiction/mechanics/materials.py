@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 import tomllib
 from dataclasses import dataclass
 from functools import cache
@@ -12,6 +13,20 @@ from typing import Any, Literal, get_args
 
 from stiction._units import short_repr
 
+COATING_FORMULAS = (
+    "TiN", "TiC", "TiCN", "TiAlN", "AlTiN", "TiB2", "CrN", "CrC", "CrAlN", "AlCrN", "ZrN", "HfN", "TaN", "NbN", "BN",
+    "cBN", "B4C", "MoS2", "WS2", "WC/C", "DLC",
+)  # fmt: skip
+"""Formulas and abbreviations of common coatings."""
+
+_ELEMENTS = (
+    "HHeLiBeBCNOFNeNaMgAlSiPSClArKCaScTiVCrMnFeCoNiCuZnGaGeAsSeBrKrRbSrYZrNbMoTcRuRhPdAgCdInSnSbTeIXeCsBa"
+    "LaCePrNdPmSmEuGdTbDyHoErTmYbLuHfTaWReOsIrPtAuHgTlPbBiPoAtRnFrRaAcThPaU"
+)
+"""Symbols of the chemical elements, without separators."""
+
+_ELEMENT_PATTERN = "|".join(sorted(re.findall("[A-Z][a-z]?", _ELEMENTS), key=len, reverse=True))
+_FORMULA_PATTERN = re.compile(f"(?:(?:{_ELEMENT_PATTERN})[0-9]*)+")
 MaterialKind = Literal["metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"]
 
 # Bodies with an E* (GPa) below this limit are assumed to consist of rubber or gel, which do not yield.
@@ -106,7 +121,8 @@ def material(name: str) -> Material:
     Parameters
     ----------
     name : str
-        Name or alias of one of the `materials`. Case, spaces and hyphens are ignored.
+        Name or alias of one of the `materials`. Spaces and hyphens are ignored, and so is the case of words. A chemical
+        formula must have its case: "TiN" is not tin.
 
     Returns
     -------
@@ -136,15 +152,17 @@ def material(name: str) -> Material:
     if not isinstance(name, str):
         raise ValueError(f"name must be the name of a material, got {short_repr(name)}")
     result = by_name.get(_normalise_name(name))
-    if result is None:
+    if result is None or _is_formula_of_another_material(name, result):
         matches = difflib.get_close_matches(_normalise_name(name), by_name, n=3, cutoff=0.5)
         names = [
             name for match in matches for name in _names_and_aliases(by_name[match]) if _normalise_name(name) == match
         ]
         names = names or [item.name for item in materials()]
         introduction = "the nearest are" if matches else "there are"
+        is_coating = "coat" in name.casefold() or is_coating_formula(name)
+        hint = "; a coating much thinner than the contacts are wide deforms like its substrate" if is_coating else ""
         raise ValueError(
-            f"name must be the name of a known material, got {name[:80]!r}; {introduction} {', '.join(names)}"
+            f"name must be the name of a known material, got {name[:80]!r}; {introduction} {', '.join(names)}{hint}"
         )
     return result
 
@@ -269,6 +287,22 @@ def softest_material(*bodies: Material) -> Material | None:
 def names_match(text: str, name: str) -> bool:
     """Return True if two names are equal apart from case, blanks and punctuation. Aliases are not considered."""
     return _normalise_name(text) == _normalise_name(name)
+
+
+def is_coating_formula(name: str) -> bool:
+    """Return whether a name is a formula of a hard or a solid lubricant coating, in any case."""
+    return _normalise_name(name) in {_normalise_name(formula) for formula in COATING_FORMULAS}
+
+
+def _is_formula_of_another_material(name: str, found: Material) -> bool:
+    """Return whether a name has the letters of a material in the case of a formula, as "TiN" has those of tin."""
+    letters = "".join(character for character in name if character.isalnum())
+    exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(found))
+    if letters in exact_names or letters in (letters.lower(), letters.upper()):
+        return False
+    words = re.findall(r"[^\W\d_]+", name)
+    has_word_case = all(word in (word.lower(), word.upper(), word.capitalize()) for word in words)
+    return not has_word_case or _FORMULA_PATTERN.fullmatch(letters) is not None
 
 
 def _validate_material(name: str, body: Any) -> Material:

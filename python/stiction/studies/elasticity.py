@@ -11,7 +11,13 @@ from stiction._arguments import parse_numbers, parse_quantities, parse_quantity
 from stiction._errors import ArgumentError
 from stiction._units import short_repr
 from stiction.mechanics.closed_forms import effective_modulus
-from stiction.mechanics.materials import compliance_fraction, material, names_match, softest_material
+from stiction.mechanics.materials import (
+    compliance_fraction,
+    is_coating_formula,
+    material,
+    names_match,
+    softest_material,
+)
 
 
 @dataclass(frozen=True)
@@ -147,7 +153,9 @@ def _combine_materials(upper: str, lower: str) -> PairElasticity:
 def _format_alias_note(name_pairs: Iterable[tuple[str, str]]) -> str:
     """Return a note that lists the standard names of materials that were entered under alternative names."""
     aliases = [
-        f'"{alternative}"{{}} as {name}' for alternative, name in name_pairs if not names_match(alternative, name)
+        f'"{alternative}"{{}} as {name}'
+        for alternative, name in name_pairs
+        if not names_match(alternative, name) or (alternative.isupper() and is_coating_formula(alternative))
     ]
     text = ", ".join(alias.format("" if index else " is taken") for index, alias in enumerate(aliases))
     return f"{text} (stiction materials lists others)" if len(aliases) == 1 else text
@@ -167,7 +175,10 @@ def _load_material(argument: str, name: str) -> Any:
                 "the first two arguments are the files",
                 got=repr(name),
             ) from None
-        raise ArgumentError(f"{{{argument}}} {{why}}", why=str(error).removeprefix("name ")) from None
+        raise ArgumentError(
+            f"{{{argument}}} {{why}}; for another material, give {{young}}, {{poisson}} and {{hardness}} as numbers",
+            why=str(error).removeprefix("name "),
+        ) from None
 
 
 def _round_to_three_digits(value: float) -> float:
