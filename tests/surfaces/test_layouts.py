@@ -1084,3 +1084,13 @@ def test_written_scans_are_read_back_exactly_whatever_their_history_contains(tmp
             body_read = read_scan_or_none(path)
             assert np.array_equal(body_read.heights, body.heights)
             assert body_read.spacing == body.spacing
+
+
+@pytest.mark.parametrize(("word", "quoted_word"), [("#DIV/0!", "'#DIV/0!'"), ("(1.5)", "'(1.5)'"), ("1\t2", r"'1\t2'")])
+def test_recommended_missing_value_can_be_pasted_into_a_shell(tmp_path, word, quoted_word):
+    rows = format_rows(HEIGHTS, ";")
+    first, _, *others = rows[3].split(";")
+    rows[3] = ";".join([first, word, *others])
+    (tmp_path / "a.csv").write_text("\n".join(rows))
+    with pytest.raises(FormatError, match=rf"--missing-value {re.escape(quoted_word)} treats it"):
+        read_measurement(tmp_path / "a.csv", unit="um", spacing="0.5 um")

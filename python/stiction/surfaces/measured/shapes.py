@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -310,7 +311,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
             raise FormatError(
                 f"has words in {text}: {column.words}; select columns of numbers with the option columns "
                 f"(--columns {example}) to ignore the words, or specify the word for missing points with missing_value "
-                f"(--missing-value {column.rarest})"
+                f"(--missing-value {shlex.quote(column.rarest)})"
             )
         else:
             history_entry = f"the words in {text} are ignored"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+import shlex
 from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction._text import printable_text
 from stiction.surfaces.measured.decode import (
     BLANK_LINE_CODE,
     MAX_CELLS_PER_LINE,
@@ -450,7 +452,7 @@ def _parse_number_lines(text: DecodedText, lines: LineNumbers, width: int, colum
                 word = token.decode("utf-8", "replace")[:40]
                 raise FormatError(
                     f"{text.describe_line(line)} has {word!r} in cell {place % width + 1}, which is not a number; "
-                    f"--missing-value {word} treats it as a missing point"
+                    f"--missing-value {shlex.quote(printable_text(word))} treats it as a missing point"
                 ) from None
         raise
     return np.asarray(frame["z"].to_numpy(), dtype=np.float64)

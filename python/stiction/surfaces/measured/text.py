@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -208,7 +209,7 @@ def _repeats_words(text: DecodedText, dialect: Dialect, kinds: list[str | None],
 def _reject_word(text: DecodedText, line: int, word: str) -> None:
     raise FormatError(
         f"{text.describe_line(line)} is between numbers, but {word[:40]!r} is not a number; "
-        f"--missing-value {word[:40]} treats it as a missing point"
+        f"--missing-value {shlex.quote(printable_text(word[:40]))} treats it as a missing point"
     )
 
 
