@@ -29,7 +29,7 @@ _PUBLIC_NAMES_BY_MODULE = {
     "stiction.studies.maps": "area_map friction_map stiffness_map",
     "stiction.studies.members": "pair_of",
     "stiction.studies.result": "Result open_result",
-    "stiction.studies.runner": "run",
+    "stiction.studies.pipeline": "run",
     "stiction.studies.study": "Study study_names",
     "stiction.surfaces.cut_off": "cut_off",
     "stiction.surfaces.filters": "filtered",

@@ -64,7 +64,7 @@ from stiction.studies.maps import area_map as area_map, friction_map as friction
 from stiction.studies.layout import nondimensional as nondimensional
 from stiction.studies.members import pair_of as pair_of
 from stiction.studies.result import Result as Result, open_result as open_result
-from stiction.studies.runner import run as run
+from stiction.studies.pipeline import run as run
 from stiction.studies.study import Study as Study, study_names as study_names
 from stiction.surfaces.cut_off import cut_off as cut_off
 from stiction.surfaces.filters import filtered as filtered

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 from dataclasses import astuple, replace
-from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -21,7 +20,6 @@ from stiction.studies.alternatives import (
 from stiction.studies.assessment import Caveat
 from stiction.studies.at_load import at_load
 from stiction.studies.budget import add_uncertainty
-from stiction.studies.result import Result
 from stiction.studies.summary import summarize
 from stiction.studies.values_at_nodes import evaluate_measured_nodes
 from stiction.surfaces.preparation import levelled
@@ -39,10 +37,12 @@ PAIR_OPTIONS = {
 }  # fmt: skip
 
 
-class ResultWithoutAlternatives(Result):
-    """Result whose interval does not include alternative preparations of the scans."""
-
-    alternatives: ClassVar = {}
+def open_without_alternatives(result):
+    """Return a stored result whose interval does not include alternative preparations of the scans."""
+    folder = result.path.with_name(f"{result.path.name}-without-alternatives")
+    if not folder.exists():
+        shutil.copytree(result.path, folder, ignore=shutil.ignore_patterns(ALTERNATIVES_FOLDER))
+    return open_result(folder)
 
 
 def scan_with_tip(surface, radius=TIP_RADIUS):
@@ -104,7 +104,7 @@ def spiked_result(spiked_scans, tmp_path_factory):
 
 
 def test_interval_of_elastic_pair_includes_result_without_blunt_tip(blunt_result, true_value):
-    result_without_estimate = ResultWithoutAlternatives(blunt_result.stored)
+    result_without_estimate = open_without_alternatives(blunt_result)
     assert blunt_result.value == result_without_estimate.value > true_value
     assert contains(blunt_result.interval, true_value)
     assert not contains(result_without_estimate.interval, true_value)
@@ -126,7 +126,7 @@ def test_interval_of_pair_with_spikes_includes_result_for_masked_outliers(spiked
     # The same load acts on a nominal area without the masked points.
     assert alternative.value == pytest.approx(masked_result.value, rel=1e-2)
     assert covers(spiked_result.interval, alternative.interval)
-    result_without_estimate = ResultWithoutAlternatives(spiked_result.stored)
+    result_without_estimate = open_without_alternatives(spiked_result)
     assert covers(spiked_result.interval, result_without_estimate.interval)
     assert spiked_result.interval != result_without_estimate.interval
     (spike_caveat,) = (each for each in spiked_result.caveats if "rms heights" in each.text)
@@ -159,7 +159,7 @@ def test_interval_with_alternative_is_the_same_in_all_outputs(name, request):
 @pytest.mark.parametrize("name", ["blunt_result", "spiked_result"])
 def test_interval_of_the_true_area_includes_the_alternative(name, request):
     result = request.getfixturevalue(name)
-    own = ResultWithoutAlternatives(result.stored).summary().first
+    own = open_without_alternatives(result).summary().first
     (alternative,) = result.alternatives.values()
     for quantity in ("contact_area", "contact_area_fraction", "mean_pressure"):
         estimate = result.summary().first.quantities[quantity]
@@ -171,14 +171,14 @@ def test_interval_of_the_true_area_includes_the_alternative(name, request):
 def test_figure_states_that_the_area_band_includes_errors_of_the_scans(blunt_result):
     legend_titles = [
         result.figure("friction").legends[0].get_title().get_text()
-        for result in (blunt_result, ResultWithoutAlternatives(blunt_result.stored))
+        for result in (blunt_result, open_without_alternatives(blunt_result))
     ]
     assert ["errors of the scans" in title for title in legend_titles] == [True, False]
 
 
 def test_budget_lists_the_interval_without_the_alternative(blunt_result):
     budget = blunt_result.budget.set_index("input")
-    own_interval = ResultWithoutAlternatives(blunt_result.stored).interval
+    own_interval = open_without_alternatives(blunt_result).interval
     row = budget.loc[ALTERNATIVE_LABELS["tip"]]
     assert (row["lower"], row["upper"]) == own_interval
     assert row["width"] == pytest.approx(own_interval[1] - own_interval[0])
@@ -192,7 +192,7 @@ def test_combined_interval_covers_alternatives_at_every_load_and_strength(blunt_
         for each in (blunt_result, blunt_result.alternatives["tip"])
     )
     own = add_uncertainty(
-        at_load(blunt_result, loads, **strengths), ResultWithoutAlternatives(blunt_result.stored), budget=False
+        at_load(blunt_result, loads, **strengths), open_without_alternatives(blunt_result), budget=False
     )["friction_combined"].values
     np.testing.assert_array_equal(combined[..., 0], own[..., 0])
     np.testing.assert_array_equal(combined[..., 1], np.minimum(own[..., 1], other[..., 1]))
@@ -225,7 +225,7 @@ def test_area_interval_of_pair_with_hardness_includes_result_without_blunt_tip(t
     true_result = pair(*true_surfaces, cutoff="none", **options)
     estimate, own_estimate, true_estimate = (
         each.summary().first.quantities["contact_area"]
-        for each in (result, ResultWithoutAlternatives(result.stored), true_result)
+        for each in (result, open_without_alternatives(result), true_result)
     )
     assert estimate.value == own_estimate.value
     assert contains(estimate.interval, true_estimate.value)
@@ -260,7 +260,7 @@ def test_result_without_stored_alternative_has_own_interval_until_pair_runs_agai
     shutil.copytree(blunt_result.path, folder)
     shutil.rmtree(folder / ALTERNATIVES_FOLDER)
     old_result = open_result(folder)
-    assert old_result.interval == ResultWithoutAlternatives(blunt_result.stored).interval
+    assert old_result.interval == open_without_alternatives(blunt_result).interval
     assert any("the interval does not include this" in caveat.text for caveat in old_result.caveats)
     resumed_result = pair(*blunt_scans, tip=TIP_RADIUS, directory=folder, **PAIR_OPTIONS)
     assert resumed_result.interval == open_result(folder).interval == blunt_result.interval
@@ -272,7 +272,7 @@ def test_failure_of_an_alternative_keeps_the_result(blunt_scans, blunt_result, m
 
     monkeypatch.setattr(pipeline, "build_alternative_study", fail)
     result = pair(*blunt_scans, tip=TIP_RADIUS, **PAIR_OPTIONS)
-    assert result.interval == ResultWithoutAlternatives(blunt_result.stored).interval
+    assert result.interval == open_without_alternatives(blunt_result).interval
     assert any("the interval does not include this" in caveat.text for caveat in result.caveats)
 
 
@@ -311,7 +311,7 @@ def test_spikes_do_not_improve_the_assessment(seed):
     surfaces = rough_maps(seed, points=40, rms=0.005)
     options = PAIR_OPTIONS | {"hardness": "2 GPa", "load": "10 MPa", "cutoff": "none"}
     clean_result, result = pair(*surfaces, **options), pair(*map(add_spikes, surfaces), **options)
-    own_point = ResultWithoutAlternatives(result.stored).summary().first
+    own_point = open_without_alternatives(result).summary().first
     assert own_point.verdict == "Quote with care"
     assert own_point.bracket is not None
     point = result.summary().first
@@ -353,7 +353,7 @@ def test_interval_with_uncertain_hardness_and_dwell_times_covers_the_alternative
     options = PAIR_OPTIONS | {"hardness": "1..3 GPa", "wait": "1 h", "junction_growth": 9, "creep": "0.02..0.05"}
     result = pair(*spiked_scans, cutoff="none", **options)
     alternative = result.alternatives["spikes"]
-    own = ResultWithoutAlternatives(result.stored)
+    own = open_without_alternatives(result)
     assert covers(result.interval, alternative.interval)
     assert result.interval == (
         min(own.interval[0], alternative.interval[0]), max(own.interval[1], alternative.interval[1])
@@ -373,4 +373,4 @@ def test_report_area_and_friction_cover_the_alternative(blunt_result):
     area = quantities["contact_area"].sel(load=load).squeeze().values
     assert area.tolist() == pytest.approx(astuple(blunt_result.summary().first.quantities["contact_area"]))
     assert evaluate_measured_nodes(blunt_result.nodes).has_alternatives
-    assert not evaluate_measured_nodes(ResultWithoutAlternatives(blunt_result.stored).nodes).has_alternatives
+    assert not evaluate_measured_nodes(open_without_alternatives(blunt_result).nodes).has_alternatives

@@ -18,7 +18,7 @@ from stiction.studies.executors import thread_pool_executor
 from stiction.studies.hardness import choose_hardness_and_modulus_nodes, compute_areas_at_nodes, find_uncertain_inputs
 from stiction.studies.input_uncertainty import Z_95, parse_uncertain_input
 from stiction.studies.junction_growth import build_area_interpolator
-from stiction.studies.member_values import interpolate_member_sums
+from stiction.studies.member_values import compute_mean_areas, interpolate_member_sums
 from stiction.studies.summary import summarize
 from stiction.studies.values import StudyError
 from support.rough_surfaces import rough_maps
@@ -131,7 +131,7 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
     point_index = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
     sums, areas = (
         interpolate_member_sums(result.source, table["load"].values),
-        build_area_interpolator(table, result.source),
+        build_area_interpolator(table, result, compute_mean_areas(result)),
     )
     friction = ForcesPerLoad.from_contact_sums(sums.sel(sliding="all").mean())
     variables = dict(table.variables) | _compute_pressure_and_growth_under_shear(table, result.study, areas)
@@ -271,7 +271,7 @@ def test_area_interpolated_over_modulus_agrees_with_direct_elastic_solutions() -
     kwargs = dict(load="0.2 MPa", mu0=0.2, tau0="50 kPa", **PAIR_OPTIONS)
     result = pair(*rough_surfaces(rms=0.01, points=LARGE_MAP_POINTS), effective_modulus="1.5..6 MPa", **kwargs)
     table, study = result.at_study_loads, result.study
-    areas = build_area_interpolator(table, result.source)
+    areas = build_area_interpolator(table, result, compute_mean_areas(result))
 
     def mean_contact_area(pair_result):
         return pair_result.at_study_loads["contact_area"].sel(statistic="mean").item()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from stiction import Result, Study, open_result, pair, run, self_affine_surface, write_surface
 from stiction.cli import application
-from stiction.studies import budget, input_caveats, summary
+from stiction.studies import evaluation
 from support.generated_studies import TINY_STUDY, empty_dataset
 
 COMMAND_OPTIONS = [
@@ -48,9 +48,9 @@ def call_counts(surface_folder):
 
             monkeypatch.setattr(module, name, call_and_count)
 
-        patch_to_count_calls(summary, "summarize")
-        patch_to_count_calls(budget, "add_uncertainty")
-        patch_to_count_calls(input_caveats, "find_study_caveats")
+        patch_to_count_calls(evaluation, "summarize")
+        patch_to_count_calls(evaluation, "add_uncertainty")
+        patch_to_count_calls(evaluation, "find_study_caveats")
         monkeypatch.setattr("matplotlib.figure.Figure.draw", lambda *_: None)
         run_command(
             monkeypatch,

@@ -11,8 +11,8 @@ from stiction._number_format import to_json
 from stiction.app.form import group_option_values, replace_option_names_in_caveats
 from stiction.app.jobs import REPORTED_EXCEPTIONS, hide_private_paths
 from stiction.studies.pair import MeasuredPair
+from stiction.studies.pipeline import compute_preview_result
 from stiction.studies.result import Result, open_result
-from stiction.studies.runner import compute_preview_result
 from stiction.studies.study import Study
 from stiction.views.files import result_csv
 from stiction.views.report import report_page

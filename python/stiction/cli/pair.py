@@ -199,7 +199,7 @@ def compute_preview_line(study: Study) -> str:
 
     Raises `ValueError` if the surfaces do not touch.
     """
-    from stiction.studies.runner import compute_preview_result
+    from stiction.studies.pipeline import compute_preview_result
     from stiction.views.text import preview_text
 
     return preview_text(compute_preview_result(study).summary())

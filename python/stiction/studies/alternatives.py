@@ -7,13 +7,11 @@ result: *spikes* masks outliers, and *tip* estimates the roughness that a blunt 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, open_stored_result
 from stiction.studies.study import Study, find_member_differences
-
-if TYPE_CHECKING:
-    from stiction.studies.result import Result
 
 ALTERNATIVES_FOLDER = "alternatives"
 """Name of the subfolder of a result folder that contains a study for each alternative preparation."""
@@ -68,16 +66,19 @@ def get_alternative_folder(path: Path, name: AlternativeName) -> Path:
     return path / ALTERNATIVES_FOLDER / name
 
 
-def load_alternatives(result: StoredResult) -> dict[AlternativeName, Result] | None:
+def load_stored_alternatives(sums: MemberSums) -> dict[AlternativeName, MemberSums]:
+    """Return the results for alternative preparations that are stored alongside a result, by name."""
+    return sums.load_companion(_open_alternatives) or {}
+
+
+def _open_alternatives(result: StoredResult) -> dict[AlternativeName, MemberSums] | None:
     """Open the finished results of all alternative preparations that are stored alongside a result.
 
     The results are opened with the friction parameters of the given result. Returns None if none are stored.
     """
-    from stiction.studies.result import Result
-
     if not result.study.is_measured or not (result.path / ALTERNATIVES_FOLDER).is_dir():
         return None
-    alternatives: dict[AlternativeName, Result] = {}
+    alternatives: dict[AlternativeName, MemberSums] = {}
     for name in get_args(AlternativeName):
         folder = get_alternative_folder(result.path, name)
         if not (folder / STUDY_FILE).exists():
@@ -91,5 +92,5 @@ def load_alternatives(result: StoredResult) -> dict[AlternativeName, Result] | N
             stored_result.num_finished == study.ensemble.repetitions == stored_result.study.ensemble.repetitions
             and not find_member_differences(stored_result.study, study)
         ):
-            alternatives[name] = Result(StoredResult(stored_result.path, study, stored_result.blocks))
+            alternatives[name] = MemberSums(StoredResult(stored_result.path, study, stored_result.blocks))
     return alternatives or None

@@ -23,15 +23,16 @@ from stiction.studies.junction_growth import apply_junction_growth, build_member
 from stiction.studies.load_range import find_negligible_load
 from stiction.studies.maps import MAP_CELL_DIMENSIONS, choose_mu0_and_tau0
 from stiction.studies.member_means import average_members
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.member_values import LoadDefinition, MemberKind, evaluate_members_before_growth
-from stiction.studies.result import Result
 
 if TYPE_CHECKING:
     import xarray
 
 
 def at_load(
-    result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
+    result: MemberSums | xarray.Dataset, loads: ArrayLike, *,
+    mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
     reading: LoadDefinition | None = None, member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate friction, true area and contact statistics at given loads, and compute their 95 % intervals.
@@ -71,7 +72,7 @@ def at_load(
     ValueError
         If a load, mu0 or tau0 is outside its range, or there are no members of the kind.
     """
-    result = Result.of(result)
+    result = MemberSums.of(result)
     study = result.study
     is_measured = study.is_measured
     reading = reading or ("elastic" if is_measured else "mean")

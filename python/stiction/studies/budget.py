@@ -14,7 +14,7 @@ from stiction._estimate import extend_intervals
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.friction import LOAD_SUM_NAMES, ForcesPerLoad
 from stiction.mechanics.quantities import quantity_attributes
-from stiction.studies.alternatives import ALTERNATIVE_LABELS, AlternativeName
+from stiction.studies.alternatives import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
 from stiction.studies.at_load import at_load
 from stiction.studies.coefficient_samples import (
     INTERFACE_INPUT_NAME,
@@ -28,8 +28,8 @@ from stiction.studies.hardness import AreaInterpolator, find_junction_growth, fi
 from stiction.studies.interfaces import HARDNESS_HEADER_ENTRY, find_interface
 from stiction.studies.intervals import ScanPairMean, average_scan_pairs
 from stiction.studies.junction_growth import build_area_interpolator, compute_area_growth_ratio
-from stiction.studies.member_values import interpolate_member_sums, member_values
-from stiction.studies.result import Result
+from stiction.studies.member_sums import MemberSums
+from stiction.studies.member_values import compute_mean_areas, interpolate_member_sums, member_values
 
 if TYPE_CHECKING:
     import xarray
@@ -52,7 +52,7 @@ _INTERVAL_VARIABLES = (
 
 
 def add_uncertainty(
-    at: xarray.Dataset, result: Result | xarray.Dataset, *, budget: bool = True, tests: bool = True
+    at: xarray.Dataset, result: MemberSums | xarray.Dataset, *, budget: bool = True, tests: bool = True
 ) -> xarray.Dataset:
     """Add combined intervals, predictions and the uncertainty budget to a dataset returned by `at_load`.
 
@@ -68,17 +68,18 @@ def add_uncertainty(
     All these intervals, and the intervals of the true area, cover the results for the alternative preparations of the
     scans that are stored with the result. Each of these preparations is an `input` too.
     """
-    result = Result.of(result)
+    result = MemberSums.of(result)
     if not result.study.is_measured or at.attrs.get("reading") != "elastic":
         return at
     own = _add_own_uncertainty(at, result, budget=budget, tests=tests)
-    if not result.alternatives:
+    stored_alternatives = load_stored_alternatives(result)
+    if not stored_alternatives:
         return own
     names = [name for name in (*AREA_NAMES, "contact_count") if name in at]
     loads, mu0, tau0 = (at[name].values for name in ("load", "mu0", "tau0"))
     alternatives = {
         name: add_uncertainty(at_load(other, loads, mu0=mu0, tau0=tau0, names=names), other, budget=budget, tests=tests)
-        for name, other in result.alternatives.items()
+        for name, other in stored_alternatives.items()
     }
     return _cover_alternatives(own, alternatives)
 
@@ -86,7 +87,7 @@ def add_uncertainty(
 _Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and values of variables, by name
 
 
-def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, tests: bool) -> xarray.Dataset:
+def _add_own_uncertainty(at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool) -> xarray.Dataset:
     """Add the variables of `add_uncertainty` without the results for alternative preparations of the scans."""
     is_study_load = np.isin(at["load"].values, [float(load) for load in result.study.friction.load])
     load_groups = _group_loads(is_study_load, result)
@@ -111,7 +112,7 @@ def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, te
     return at.assign(variables).assign_coords(coordinates[0])
 
 
-def _group_loads(is_study_load: NDArray[np.bool_], result: Result) -> list[NDArray[np.intp]]:
+def _group_loads(is_study_load: NDArray[np.bool_], result: MemberSums) -> list[NDArray[np.intp]]:
     """Return groups of load indices. The loads of a group are evaluated together.
 
     The loads of the study form a separate group if other loads would change their intervals. All loads of a group share
@@ -138,7 +139,7 @@ def _merge_load_groups(groups: Sequence[_Tables], load_indices: Sequence[NDArray
 
 
 def _evaluate_uncertainty(
-    at: xarray.Dataset, result: Result, *, is_budgeted: NDArray[np.bool_] | None, tests: bool
+    at: xarray.Dataset, result: MemberSums, *, is_budgeted: NDArray[np.bool_] | None, tests: bool
 ) -> tuple[_Tables, dict[str, Any]]:
     """Evaluate the variables of `add_uncertainty` and their coordinates for loads that are evaluated together.
 
@@ -229,7 +230,7 @@ def _find_inputs_and_strengths(study: Study) -> tuple[dict[str, Any], list[Stren
 
 
 def _average_pairs_of_scans(
-    result: Result, at: xarray.Dataset, dims: Sequence[str]
+    result: MemberSums, at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[tuple[int, ...], ScanPairMean | None]:
     """Return the mean of each coefficient over pairs of scans, with its variance split by source.
 
@@ -246,11 +247,12 @@ def _average_pairs_of_scans(
 
 
 def _iterate_samples(
-    result: Result, at: xarray.Dataset, dims: Sequence[str], inputs: Mapping[str, Any],
+    result: MemberSums, at: xarray.Dataset, dims: Sequence[str], inputs: Mapping[str, Any],
     strengths: Sequence[StrengthArrays], scan_means: Mapping[tuple[int, ...], ScanPairMean | None],
 ) -> Iterator[tuple[tuple[int, ...], CoefficientSamples]]:  # fmt: skip
     """Yield the indices of each coefficient (along `dims`) and the samples of its inputs."""
-    study, areas = result.study, build_area_interpolator(at, result)
+    study = result.study
+    areas = build_area_interpolator(at, result, result.compute_once(compute_mean_areas))
     interval_variables = {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}
     values_by_name = _get_arrays_over_dims(
         interval_variables | _compute_pressure_and_growth_under_shear(at, study, areas), at, dims

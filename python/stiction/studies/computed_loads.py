@@ -13,7 +13,7 @@ from stiction.studies.point import is_unloaded
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.result import Result
+    from stiction.studies.member_sums import MemberSums
 
 _ROUND_OFF = 1e-6  # relative round-off of a load that is the mean over members
 
@@ -21,7 +21,7 @@ NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLV
 """Statuses of points whose load was not computed. All other statuses are properties of the contact."""
 
 
-def find_loads_without_values(result: Result, values: xarray.Dataset) -> list[float]:
+def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> list[float]:
     """Return the loads (mN) at which a dataset from `Result.at` has no coefficient because they were not computed.
 
     At a computed load, a point without a coefficient may be self-locked, for example. Such loads are not returned, and
@@ -37,7 +37,7 @@ def find_loads_without_values(result: Result, values: xarray.Dataset) -> list[fl
     return [float(load) for load in loads[is_missing] if not is_unloaded(values.sel(load=load))]
 
 
-def find_computed_load_range(result: Result, values: xarray.Dataset | None = None) -> tuple[float, float]:
+def find_computed_load_range(result: MemberSums, values: xarray.Dataset | None = None) -> tuple[float, float]:
     """Return the smallest and the largest computed elastic load (mN), averaged over members.
 
     If `values`, a selection from `Result.at`, is given, only its cells are considered.
@@ -54,7 +54,7 @@ def find_computed_load_range(result: Result, values: xarray.Dataset | None = Non
     return float(computed_loads.min(initial=np.inf)), float(computed_loads.max(initial=0.0))
 
 
-def find_loads_outside_range(result: Result, values: xarray.Dataset) -> list[float]:
+def find_loads_outside_range(result: MemberSums, values: xarray.Dataset) -> list[float]:
     """Return the loads (mN) of a dataset outside the computed range, except negligible loads on adhesive bodies."""
     lowest, highest = find_computed_load_range(result, values)
     return [

@@ -15,10 +15,10 @@ from stiction.surfaces.profile import Profile
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.result import Result
+    from stiction.studies.member_sums import MemberSums
 
 
-def compute_contact_forces(result: Result) -> xarray.Dataset | None:
+def compute_contact_forces(result: MemberSums) -> xarray.Dataset | None:
     """Compute the forces on the upper profile of one pair.
 
     For measured profiles, the pair is the first member with contacts at the first load of the study. For generated
@@ -104,7 +104,7 @@ _PairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, flo
 """Upper and lower profile, approach (µm), coordinates of the cell, and attributes."""
 
 
-def _find_first_touching_pair(result: Result) -> _PairAtApproach | None:
+def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
     """Return the first pair of measured profiles that touches at the first load of the study, or None if none does."""
     load = float(result.study.friction.load[0])
     for piece in result.pieces(["approach", "contact_count"]):
@@ -121,7 +121,7 @@ def _find_first_touching_pair(result: Result) -> _PairAtApproach | None:
     return None
 
 
-def _generate_middle_pair(result: Result) -> _PairAtApproach | None:
+def _generate_middle_pair(result: MemberSums) -> _PairAtApproach | None:
     """Generate the first pair at the middle fractal dimension, or return None if no pair has contacts."""
     study, cells = result.study, result.study.surfaces.cell_coordinates()
     counts = result.means(["contact_count"])["contact_count"].transpose("approach", ...).values

@@ -24,9 +24,9 @@ from stiction.studies.contact_tables import HalfSpaceSettings
 from stiction.studies.maps import find_cell_dimensions
 from stiction.studies.measured_surfaces import MeasuredSurfaceSettings
 from stiction.studies.member_solution import PressedPair
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.member_values import member_values
 from stiction.studies.members import load_bodies, pair_of
-from stiction.studies.result import Result
 from stiction.studies.store import StoredResult, read_companion_file
 from stiction.studies.stored_values import ANY_STORED_VALUE, POSITIVE_STORED_VALUE, AttributeSpec, VariableSpec
 from stiction.studies.study import Study
@@ -63,7 +63,7 @@ _CONTACT_VARIABLE_SPECS = {
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 
-def contact_picture(result: Result | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
+def contact_picture(result: MemberSums | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
     """Return heights, contacts and pressures of a typical member. Its true area is nearest to the mean area.
 
     Parameters
@@ -88,7 +88,7 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     ValueError
         If files of the study are missing.
     """
-    result = Result.of(result)
+    result = MemberSums.of(result)
     study = result.study
     if not isinstance(study.surfaces, MeasuredSurfaceSettings):
         return None
@@ -112,7 +112,7 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     return picture.assign_attrs({"member": index, "load_mN": load, "x": member.x, "y": member.y})
 
 
-def compute_loading_cycle(result: Result) -> xarray.Dataset | None:
+def compute_loading_cycle(result: MemberSums) -> xarray.Dataset | None:
     """Compute the load, contact area and approach of a typical adhesive member during loading and unloading.
 
     Returns None for bodies without adhesion, or if the solver fails.
@@ -251,7 +251,7 @@ def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
 
 
 def build_contact_table(
-    result: Result, loads: ArrayLike, members: int | Sequence[int] | None = None
+    result: MemberSums, loads: ArrayLike, members: int | Sequence[int] | None = None
 ) -> pandas.DataFrame:
     """Return a table of the contacts in the selected members at loads (mN) of the elastic solution.
 

@@ -21,8 +21,8 @@ from stiction.studies import intervals
 from stiction.studies.intervals import INTERVAL_STATISTICS
 from stiction.studies.maps import evaluate_ensemble_quantities, find_cell_dimensions
 from stiction.studies.member_means import find_axes_with_both_directions
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.member_values import interpolate_member_sums, member_values
-from stiction.studies.result import Result
 from stiction.studies.study import find_step_dimension
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads needed to compu
 
 
 def average_ensemble(
-    result: Result, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
+    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
 ) -> xarray.Dataset:
     """Compute ensemble means at given mean normal loads. The dimension `statistic` contains means and interval limits.
 
@@ -88,7 +88,7 @@ def _list_ensemble_quantities(head: xarray.Dataset) -> list[str]:
 
 
 def _evaluate_direction_groups(
-    result: Result, loads: Floats, mu0: Floats, tau0: Floats, quantities: Sequence[str],
+    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, quantities: Sequence[str],
     groups: NDArray[np.intp] | None = None, *, includes_validity: bool,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
     """Evaluate quantities at given mean normal loads, after averaging over each group of directions.
@@ -110,7 +110,7 @@ def _evaluate_direction_groups(
     )
 
 
-def _average_unloaded_members(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> dict[str, Any]:
+def _average_unloaded_members(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> dict[str, Any]:
     """Average the pull-off force, the marks of lower bounds, and the friction at no load over the members."""
     import xarray
 
@@ -134,7 +134,7 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
 
 
 def compute_ensemble_friction(
-    result: Result | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats
+    result: MemberSums | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats
 ) -> xarray.DataArray:
     """Compute the ratio mean(F_T) / mean(F_N) at elastic loads (mN), with its jackknife interval.
 

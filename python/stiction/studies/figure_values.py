@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._units import exact_quantity
+from stiction.studies.evaluation import Evaluation
 from stiction.studies.members import generate_phases, generate_unscaled_profile, pair_of
-from stiction.studies.result import Result
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.surfaces.profile import Profile
 
@@ -34,7 +34,7 @@ CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 # ---- Measured surfaces -----------------------------------------------------------------------------------------------
 
 
-def evaluate_positions(result: Result, point: xarray.Dataset) -> xarray.Dataset:
+def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Dataset:
     """Add the friction coefficients of single members to a point of `Result.at`.
 
     The added variable `member_friction` has the dimensions repetition, direction and sliding.
@@ -45,7 +45,7 @@ def evaluate_positions(result: Result, point: xarray.Dataset) -> xarray.Dataset:
     return point.assign(member_friction=values.transpose("repetition", "direction", ...))
 
 
-def evaluate_positions_at_first_load(result: Result) -> xarray.Dataset:
+def evaluate_positions_at_first_load(result: Evaluation) -> xarray.Dataset:
     """Evaluate the friction coefficients of single members at the first load, mu0 and tau0 in the study."""
     first_load = float(result.study.friction.load[0])
     points = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0)
@@ -62,7 +62,7 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 
 
 def evaluate_height_factors(
-    result: Result, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
+    result: Evaluation, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:
     """Evaluate a result at its stored height factors, for the first load and one pair of mu0 and tau0 in the study.
 
@@ -104,7 +104,7 @@ class FrictionOverDimension:
     strengths: list[str]
 
 
-def iterate_motions(result: Result) -> Iterator[tuple[str, Result]]:
+def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
     """Yield a file name suffix and a result for each combination of sliding rule and direction."""
     dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
     if not dims:
@@ -113,10 +113,10 @@ def iterate_motions(result: Result) -> Iterator[tuple[str, Result]]:
     for index in np.ndindex(*(result.head.sizes[dim] for dim in dims)):
         selection = result.dataset.isel(dict(zip(dims, index, strict=True)))
         names = [f"{selection[dim].item():g}" if dim == "direction" else str(selection[dim].item()) for dim in dims]
-        yield "".join(f"_{name}" for name in names), Result(selection)
+        yield "".join(f"_{name}" for name in names), Evaluation(selection)
 
 
-def evaluate_friction_over_dimension(result: Result, mu0: Sequence[float]) -> list[FrictionOverDimension]:
+def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -> list[FrictionOverDimension]:
     """Evaluate friction of generated surfaces for each mu0, and for the lowest and the highest tau0 in the study."""
     strengths = list(result.study.friction.tau0)
     strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
@@ -132,7 +132,7 @@ def evaluate_friction_over_dimension(result: Result, mu0: Sequence[float]) -> li
     ]
 
 
-def _find_commonly_reached_load(result: Result, lowest: float) -> float:
+def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
     """Return a load (mN) that nine of ten cells reach. Powers of ten from `lowest` upwards are preferred."""
     highest_loads = result.mean_elastic_loads.max(result.study.step_quantity).values
     common_load = float(np.quantile(highest_loads[highest_loads > 0], 0.1))
@@ -140,7 +140,7 @@ def _find_commonly_reached_load(result: Result, lowest: float) -> float:
     return float(power_of_ten if power_of_ten >= lowest else max(common_load, lowest))
 
 
-def evaluate_area_over_load(result: Result) -> xarray.Dataset:
+def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
     """Evaluate the true area of generated surfaces over the load range of the result, for the first mu0 and tau0.
 
     The dataset contains at most `MAX_DRAWN_CURVES` fractal dimensions.
@@ -153,7 +153,7 @@ def evaluate_area_over_load(result: Result) -> xarray.Dataset:
     return points.isel(fractal_dimension=_evenly_spaced_indices(points.sizes["fractal_dimension"], MAX_DRAWN_CURVES))
 
 
-def evaluate_onset_over_dimension(result: Result) -> xarray.Dataset | None:
+def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
     """Evaluate the onset of sliding of generated surfaces at a few loads, or return None if it is not computed.
 
     mu0 and tau0 are taken from the onset table of the study. Raises a `ValueError` if no pair is in contact.

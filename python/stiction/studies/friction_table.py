@@ -15,7 +15,7 @@ from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_P
 from stiction.studies import intervals
 from stiction.studies.ensemble_means import compute_ensemble_friction
 from stiction.studies.maps import choose_mu0_and_tau0
-from stiction.studies.result import Result
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.study import Study
 from stiction.studies.values import validate_table
 
@@ -145,7 +145,7 @@ def _require_positive_values(name: str, values: ArrayLike) -> list[float]:
 
 
 def friction_table(
-    result: Result | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
+    result: MemberSums | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
     r"""Compute friction, true area and stiffness as functions of pressure, and fit laws to the area and the stiffness.
 
@@ -192,7 +192,7 @@ def friction_table(
     """
     import xarray
 
-    result = Result.of(result)
+    result = MemberSums.of(result)
     dataset, study = result.dataset, result.study
     if "load" not in dataset.dims or study.surfaces.kind != "surface":
         raise ValueError("result must be from a study of generated height maps with the half-space model")

@@ -35,7 +35,7 @@ from stiction.surfaces.pairing import SIDES
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.result import Result
+    from stiction.studies.member_sums import MemberSums
 
 AREAS_BY_HARDNESS_FILE = "hardness.nc"
 """Name of the companion file with the true areas of the first members at the nodes."""
@@ -398,7 +398,7 @@ class AreasAtNodes:
         return np.asarray(self.errors[np.abs(self.loads - loads[:, np.newaxis]).argmin(axis=1)])
 
 
-def has_areas_at_nodes(result: Result) -> bool:
+def has_areas_at_nodes(result: MemberSums) -> bool:
     """Return whether true areas at several hardnesses or moduli are stored with a result."""
     return result.load_companion(AreasAtNodes.from_result) is not None
 
@@ -476,7 +476,7 @@ class AreaInterpolator:
 
     @classmethod
     def from_result(
-        cls, loads: Floats, ratio: Floats, gradient: float, growth: Floats, study: Study, result: Result
+        cls, loads: Floats, ratio: Floats, gradient: float, growth: Floats, study: Study, result: MemberSums
     ) -> AreaInterpolator:
         """Create an interpolator for a result. Areas that are stored with the result are used if available.
 

@@ -28,8 +28,8 @@ from stiction.studies.measured_surfaces import MAX_HEIGHT_FACTOR as MAX_FACTOR
 from stiction.studies.measured_surfaces import MIN_HEIGHT_FACTOR as MIN_FACTOR
 from stiction.studies.member_means import AREA_ABOVE_NOMINAL_STATUS
 from stiction.studies.member_solution import estimate_member_time
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.members import get_first_pair
-from stiction.studies.result import Result
 from stiction.studies.secondary_study import (
     complete_secondary_study,
     compute_missing_areas,
@@ -190,12 +190,12 @@ def get_factor_folder(path: Path, factor: float, scaled: ScaledBodies) -> Path:
     return path / HEIGHT_SCALE_FOLDER / f"{scaled}-{factor:.6g}"
 
 
-def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[float, Result]:
+def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[float, MemberSums]:
     """Open all finished results that are stored for height factors, and sort them by factor.
 
     The given result is included as factor 1. All results are opened with its friction parameters.
     """
-    results = {1.0: Result(result)}
+    results = {1.0: MemberSums(result)}
     for folder in (result.path / HEIGHT_SCALE_FOLDER).glob(f"{scaled}-*"):
         try:
             factor = float(folder.name.removeprefix(f"{scaled}-"))
@@ -209,7 +209,7 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
         stored_result = StoredResult(stored_result.path, expected_study, stored_result.blocks)
         if stored_result.num_finished < expected_study.ensemble.repetitions:
             continue
-        factor_result = Result(stored_result)
+        factor_result = MemberSums(stored_result)
         if not lacks_areas_at_nodes(factor_result):
             results[factor] = factor_result
     return dict(sorted(results.items()))

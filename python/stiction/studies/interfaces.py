@@ -44,7 +44,8 @@ from stiction.studies.input_uncertainty import (
     parse_uncertain_input,
 )
 from stiction.studies.junction_growth import build_area_interpolator
-from stiction.studies.member_values import interpolate_member_sums, member_values
+from stiction.studies.member_sums import MemberSums
+from stiction.studies.member_values import compute_mean_areas, interpolate_member_sums, member_values
 from stiction.studies.moduli import UncertainModulus, parse_elasticity
 from stiction.studies.study import Study, parse_study_of_dataset
 
@@ -236,8 +237,8 @@ class _AreaFactorFromResult(_AreaFactor):
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
         """Return the area factor of a result, or None if no uncertain input, creep or growth affects the area."""
-        source = getattr(result, "source", result)
-        study = parse_study_of_dataset(getattr(result, "dataset", result))
+        sums = MemberSums.of(result)
+        study = sums.study
         uncertain_inputs = {
             name: each.estimate for name, each in find_uncertain_inputs(study).items() if name not in ("mu0", "tau0")
         }
@@ -246,10 +247,10 @@ class _AreaFactorFromResult(_AreaFactor):
             raise ValueError("wait requires a result that was computed with the options wait and creep")
         if not uncertain_inputs and creep is None and find_junction_growth(study) is None:
             return None
-        members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
+        members = member_values(sums, [load], mu0=[0.0], tau0=[0.0])
         means = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
-        areas, dataset = build_area_interpolator(means, source), getattr(result, "dataset", result)
-        error_name = f"{_AREA_ERROR_NAME} after {wait:g} s, {dataset.attrs['study']}" if areas.errors.any() else None
+        areas = build_area_interpolator(means, sums, sums.compute_once(compute_mean_areas))
+        error_name = f"{_AREA_ERROR_NAME} after {wait:g} s, {sums.head.attrs['study']}" if areas.errors.any() else None
         return cls(uncertain_inputs | ({} if creep is None else {"creep": creep}), areas, study, wait, error_name)
 
     @property

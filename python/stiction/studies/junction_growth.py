@@ -13,7 +13,7 @@ from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.quantities import is_requested, quantity_attributes
 from stiction.studies.hardness import AreaInterpolator
 from stiction.studies.maps import MOTION_DIMENSIONS, find_cell_dimensions
-from stiction.studies.result import Result
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.study import Study
 
 if TYPE_CHECKING:
@@ -22,19 +22,21 @@ if TYPE_CHECKING:
 ADHESIVE_SUMS = ("normal_adhesive", "tangential_adhesive")  # contact sums that increase with junction growth
 
 
-def build_area_interpolator(dataset: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpolator:
-    """Create an interpolator that returns true areas for given hardness and E* at the loads of a dataset."""
-    result = Result.of(result)
+def build_area_interpolator(dataset: xarray.Dataset, result: MemberSums, mean_areas: Floats) -> AreaInterpolator:
+    """Create an interpolator that returns true areas for given hardness and E* at the loads of a dataset.
+
+    `mean_areas` are the values of `compute_mean_areas`.
+    """
     study, loads = result.study, dataset["load"].values
     area = dataset["contact_area"].sel(statistic="mean")
     area_per_load = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
     gradient = float(dataset["rms_gradient"].sel(statistic="mean").mean())
     return AreaInterpolator.from_result(
-        loads, area_per_load, gradient, compute_area_load_exponent(result, loads), study, result
+        loads, area_per_load, gradient, compute_area_load_exponent(study, mean_areas, loads), study, result
     )
 
 
-def build_member_area_interpolator(members: xarray.Dataset, result: Result) -> AreaInterpolator:
+def build_member_area_interpolator(members: xarray.Dataset, result: MemberSums) -> AreaInterpolator:
     """Create an interpolator that returns true areas for a given hardness at the loads of the member values."""
     loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
     area_per_load = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
@@ -44,11 +46,14 @@ def build_member_area_interpolator(members: xarray.Dataset, result: Result) -> A
     )
 
 
-def compute_area_load_exponent(result: Result, loads: Floats) -> Floats:
-    """Return d ln(A/F) / d ln F at the given loads F (mN), where A is the mean true area."""
-    step_loads = result.study.contact.loading_steps()
+def compute_area_load_exponent(study: Study, mean_areas: Floats, loads: Floats) -> Floats:
+    """Return d ln(A/F) / d ln F at the given loads F (mN), where A is the mean true area.
+
+    `mean_areas` (µm²) are the mean true areas at the loading steps of the study.
+    """
+    step_loads = study.contact.loading_steps()
     if step_loads.size > 1:
-        area_per_load = result.mean_areas / step_loads
+        area_per_load = mean_areas / step_loads
         is_known = np.isfinite(area_per_load) & (area_per_load > 0)
         if is_known.sum() > 1:
             exponent = np.gradient(np.log(area_per_load[is_known]), np.log(step_loads[is_known]))

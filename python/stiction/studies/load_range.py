@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._checks import Floats
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.point import NEGLIGIBLE_LOAD_RATIO
-from stiction.studies.result import Result
 from stiction.studies.study import find_step_dimension
 
 if TYPE_CHECKING:
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 NUM_DEFAULT_LOADS = 3  # number of loads for which results are shown if the study specifies no loads
 
 
-def choose_loads_in_range(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
+def choose_loads_in_range(result: MemberSums | xarray.Dataset, steps: int = 80) -> Floats:
     """Return loads (mN) in a geometric series that covers the load range of a result."""
-    elastic_loads = Result.of(result).mean_elastic_loads
+    elastic_loads = MemberSums.of(result).mean_elastic_loads
     highest_load = float(elastic_loads.max())
     if not highest_load > 0:
         raise ValueError("no pair of this result is in contact at any step, so there is nothing to draw")
@@ -31,7 +31,7 @@ def choose_loads_in_range(result: Result | xarray.Dataset, steps: int = 80) -> F
     return np.asarray(np.geomspace(lowest_load, highest_load, steps))
 
 
-def choose_default_loads(result: Result) -> Floats:
+def choose_default_loads(result: MemberSums) -> Floats:
     """Return the loads (mN) of the study. If the study has none, return a few loads within the range of the result.
 
     Raises a `ValueError` if there is no contact.
@@ -44,7 +44,7 @@ def choose_default_loads(result: Result) -> Floats:
     return np.unique([float(f"{load:.0e}") for load in loads])
 
 
-def has_only_negligible_loads(result: Result) -> bool:
+def has_only_negligible_loads(result: MemberSums) -> bool:
     """Return whether the loads of the study are all negligible compared with the largest mean pull-off force."""
     study = result.study
     if not (study.contact.adheres and study.friction.load):
@@ -52,13 +52,13 @@ def has_only_negligible_loads(result: Result) -> bool:
     return float(study.friction.load[-1]) < NEGLIGIBLE_LOAD_RATIO * max(_average_pull_off_by_piece(result))
 
 
-def find_negligible_load(result: Result) -> float:
+def find_negligible_load(result: MemberSums) -> float:
     """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest load step."""
     negligible_load = NEGLIGIBLE_LOAD_RATIO * min(_average_pull_off_by_piece(result))
     smallest_step = float(result.study.contact.loading_steps()[0])
     return smallest_step if smallest_step < negligible_load else 0.1 * negligible_load
 
 
-def _average_pull_off_by_piece(result: Result) -> list[float]:
+def _average_pull_off_by_piece(result: MemberSums) -> list[float]:
     """Return the mean pull-off force (mN) of the members in each piece of a result. One piece is read at a time."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]

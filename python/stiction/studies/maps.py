@@ -22,7 +22,7 @@ from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, Validity
 from stiction.mechanics.quantities import COMMON_VALIDITY_QUANTITIES, QUANTITIES, SUM_QUANTITIES, quantity_attributes
 from stiction.studies import intervals
 from stiction.studies.executors import executor_or_thread_pool
-from stiction.studies.result import Result
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.study import find_step_dimension
 
 if TYPE_CHECKING:
@@ -54,7 +54,11 @@ def _list_required_variables(quantity: str) -> tuple[str, ...]:
 
 
 def friction_map(
-    result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
+    result: MemberSums | xarray.Dataset,
+    loads: ArrayLike,
+    *,
+    mu0: ArrayLike | None = None,
+    tau0: ArrayLike | None = None,
 ) -> xarray.Dataset:
     """Compute the friction coefficient mean(F_T) / mean(F_N) of the ensemble at given normal loads.
 
@@ -100,7 +104,11 @@ def friction_map(
 
 
 def area_map(
-    result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
+    result: MemberSums | xarray.Dataset,
+    loads: ArrayLike,
+    *,
+    mu0: ArrayLike | None = None,
+    tau0: ArrayLike | None = None,
 ) -> xarray.Dataset:
     """Compute the mean true contact area of the ensemble at given normal loads.
 
@@ -140,7 +148,11 @@ def area_map(
 
 
 def stiffness_map(
-    result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
+    result: MemberSums | xarray.Dataset,
+    loads: ArrayLike,
+    *,
+    mu0: ArrayLike | None = None,
+    tau0: ArrayLike | None = None,
 ) -> xarray.Dataset:
     """Compute the normal stiffness of the ensemble at given normal loads.
 
@@ -184,7 +196,7 @@ def stiffness_map(
     >>> stiffness_map(run(Study.named("quick").with_changes(small)), [1e-3])["normal_stiffness"].dims
     ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
     """
-    result = Result.of(result)
+    result = MemberSums.of(result)
     head = result.head
     step_dimension = find_step_dimension(head)
     if head.sizes.get(step_dimension, 0) < 3:
@@ -208,7 +220,7 @@ def move_repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArr
 
 
 def iterate_solved_pieces(
-    result: Result, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
+    result: MemberSums, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
     """Yield the pieces of a result, omitting members for which the solver failed at any load."""
     for piece in result.pieces(names):
@@ -222,13 +234,13 @@ def iterate_solved_pieces(
 
 
 def _evaluate_ensemble_quantity(
-    result: Result | xarray.Dataset, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, name: str
+    result: MemberSums | xarray.Dataset, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, name: str
 ) -> xarray.Dataset:
-    return evaluate_ensemble_quantities(Result.of(result), loads, mu0, tau0, [name])[name]
+    return evaluate_ensemble_quantities(MemberSums.of(result), loads, mu0, tau0, [name])[name]
 
 
 def evaluate_ensemble_quantities(
-    result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, names: Sequence[str],
+    result: MemberSums, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, names: Sequence[str],
     transform: DatasetTransformation | None = None, *, includes_validity: bool = True,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
     """Apply `transform` to each piece of the result, and evaluate ensemble quantities at given mean normal loads.
@@ -473,7 +485,7 @@ def _average_sums(
     return [each.apply(lambda values: values / max(count, 1)) for each in total_sums], count
 
 
-def choose_mu0_and_tau0(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
+def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
     """Return mu0 and tau0 (GPa) as arrays. Values that are None are replaced by those in the study."""
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study

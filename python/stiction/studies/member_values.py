@@ -35,7 +35,7 @@ from stiction.mechanics.quantities import (
 from stiction.studies.intervals import LoadCrossings
 from stiction.studies.junction_growth import ADHESIVE_SUMS, apply_junction_growth, build_member_area_interpolator
 from stiction.studies.maps import MOTION_DIMENSIONS, choose_mu0_and_tau0, find_cell_dimensions
-from stiction.studies.result import Result
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.study import Study, find_step_dimension
 
 if TYPE_CHECKING:
@@ -58,7 +58,8 @@ MemberKind = Literal["shifts", "surrogates"]
 
 
 def member_values(
-    result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
+    result: MemberSums | xarray.Dataset, loads: ArrayLike, *,
+    mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
     reading: LoadDefinition = "elastic", member_kind: MemberKind | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate friction and contact quantities at given loads for each member of a result.
@@ -79,7 +80,7 @@ def member_values(
     """
     if reading == "mean":
         raise ValueError("reading must be 'elastic' or 'normal', because a single member has no mean load")
-    result = Result.of(result)
+    result = MemberSums.of(result)
     unique_loads = np.unique(np.atleast_1d(float_array("loads", loads)))
     strengths = choose_mu0_and_tau0(result, mu0, tau0)
     members = evaluate_members_before_growth(result, unique_loads, *strengths, reading, member_kind)
@@ -95,7 +96,8 @@ def member_values(
 
 
 def evaluate_members_before_growth(
-    result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: LoadDefinition, member_kind: MemberKind | None,
+    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, reading: LoadDefinition,
+    member_kind: MemberKind | None,
     names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate each member of a result at given loads, without the effect of junction growth.
@@ -110,7 +112,7 @@ def evaluate_members_before_growth(
 
 
 def interpolate_member_sums(
-    result: Result | xarray.Dataset,
+    result: MemberSums | xarray.Dataset,
     loads: Floats,
     names: Sequence[str] = LOAD_SUM_NAMES,
     *,
@@ -122,7 +124,7 @@ def interpolate_member_sums(
     """
     import xarray
 
-    result = Result.of(result)
+    result = MemberSums.of(result)
     study = result.study
 
     def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
@@ -138,11 +140,8 @@ def interpolate_member_sums(
     return _evaluate_pieces(result, member_kind, evaluate_piece)
 
 
-def compute_mean_areas(result: Result) -> Floats:
-    """Return the true area (µm²) at each computed load, averaged over the members.
-
-    `Result.mean_areas` caches these areas.
-    """
+def compute_mean_areas(result: MemberSums) -> Floats:
+    """Return the true area (µm²) at each computed load, averaged over the members."""
     zero_strength = np.zeros(1)
     areas = evaluate_members_before_growth(
         result, result.study.contact.loading_steps(), zero_strength, zero_strength, "elastic", None, ()
@@ -151,7 +150,7 @@ def compute_mean_areas(result: Result) -> Floats:
 
 
 def _evaluate_pieces(
-    result: Result, member_kind: MemberKind | None, evaluate: Callable[[xarray.Dataset], xarray.Dataset]
+    result: MemberSums, member_kind: MemberKind | None, evaluate: Callable[[xarray.Dataset], xarray.Dataset]
 ) -> xarray.Dataset:
     import xarray
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction.studies.alternatives import load_stored_alternatives
 from stiction.studies.at_load import at_load
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.coefficient_samples import SAME_INPUT_TOLERANCE
@@ -26,8 +27,8 @@ from stiction.studies.load_range import choose_loads_in_range
 if TYPE_CHECKING:
     import xarray
 
+    from stiction.studies.member_sums import MemberSums
     from stiction.studies.member_values import MemberKind
-    from stiction.studies.result import Result
     from stiction.studies.study import Study
 
 VALUE_TOLERANCE = 1e-4  # largest relative error of an interpolated value; the report prints up to four digits
@@ -187,7 +188,7 @@ class InterpolationNodes:
         few points between nodes.
     """
 
-    def __init__(self, result: Result) -> None:
+    def __init__(self, result: MemberSums) -> None:
         self.result, self.study = result, result.study
 
     @cached_property
@@ -249,7 +250,9 @@ class InterpolationNodes:
         quantities = [
             at_load(self.result, self.loads, mu0=[0.0], tau0=[0.0], member_kind=kind) for kind in self.member_kinds
         ]
-        if self.result.alternatives:  # the intervals of the true area cover those of alternative preparations
+        if load_stored_alternatives(
+            self.result
+        ):  # the intervals of the true area cover those of alternative preparations
             quantities[0] = add_uncertainty(quantities[0], self.result, budget=False, tests=False)
         return tuple(quantities)
 

@@ -22,6 +22,7 @@ from stiction.studies.hardness import AREAS_BY_HARDNESS_FILE
 from stiction.studies.input_caveats import find_alternatives
 from stiction.studies.load_range import has_only_negligible_loads
 from stiction.studies.member_solution import estimate_member_time
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.onset import (
     ONSET_FILE,
     ONSET_TABLE_FILE,
@@ -32,7 +33,7 @@ from stiction.studies.onset import (
 )
 from stiction.studies.resolution import CUTOFF_STUDY_FOLDER, build_cutoff_study
 from stiction.studies.result import Result
-from stiction.studies.runner import complete_blocks, prepare_result_folder
+from stiction.studies.runner import complete_blocks, compute_member_sums, compute_preview_sums, prepare_result_folder
 from stiction.studies.secondary_study import complete_secondary_study, compute_missing_areas, remove_result
 from stiction.studies.store import CHECKSUM_PREFIX, StoredResult, StoreError, export, open_result_to_complete
 from stiction.studies.study import Study, find_table_differences, format_study_differences
@@ -52,6 +53,55 @@ _COMPANION_FILES = {
 
 def _ignore_line(_: str) -> None:
     """Ignore a line of output. Runs that print nothing use this function."""
+
+
+def run(
+    study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
+) -> Result:
+    """Run a study, and return its result.
+
+    Parameters
+    ----------
+    study : Study
+    executor : concurrent.futures.Executor, optional
+        Executor that computes the repetitions, by default with one thread per core. Results are bitwise equal for all
+        executors.
+    store : path, optional
+        Folder for the blocks of repetitions. Workers that can reach the folder write their blocks themselves. A folder
+        with repetitions of the same study is resumed: finished repetitions are not computed again, and the number of
+        repetitions may increase. Without a store the result is kept in memory.
+    progress : bool
+        True to draw a progress bar on the terminal.
+
+    Returns
+    -------
+    Result
+        Its `dataset` has the variables of `LoadCurve` over fractal_dimension, amplitude (µm), repetition and approach
+        (µm). Attributes store the units, the study and the version of stiction. Areal surfaces have the variables of
+        `SurfaceLoadCurve`, and the half-space has those of `HalfSpaceCurve` over load (mN) instead of approach. A list
+        of sliding rules or directions adds the dimension sliding or direction (degrees). Measured bodies have the
+        cutoff (µm) instead of fractal_dimension and amplitude, and contact statistics in addition.
+
+    Raises
+    ------
+    ValueError
+        If the study cannot be computed, or its result takes more than 16 GiB of memory without a store. Also if the
+        store cannot be written, is damaged, contains another study, or is incomplete and was created by another
+        version of stiction.
+
+    Examples
+    --------
+    >>> from stiction import Study, run
+    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    >>> run(Study.named("quick").with_changes(small)).dataset["contact_area"].dims
+    ('fractal_dimension', 'amplitude', 'repetition', 'approach')
+    """
+    return Result.of(compute_member_sums(study, executor=executor, store=store, progress=progress))
+
+
+def compute_preview_result(study: Study) -> Result:
+    """Compute a preview result from the first few members of a study. Parameters and errors as for `run`."""
+    return Result.of(compute_preview_sums(study))
 
 
 def complete_result(
@@ -135,7 +185,7 @@ def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: flo
         print_remark(f"{task}: about {format_duration(seconds)} of one core")
 
 
-def _compute_areas_if_possible(result: Result, executor: Executor, print_remark: LinePrintFunction) -> None:
+def _compute_areas_if_possible(result: MemberSums, executor: Executor, print_remark: LinePrintFunction) -> None:
     """Compute areas at other hardnesses and moduli. Do nothing if files of the bodies are missing."""
     with contextlib.suppress(ValueError):
         compute_missing_areas(

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from stiction._checks import Floats
+from stiction.studies.evaluation import Evaluation
 from stiction.studies.figure_values import (
     evaluate_height_factors,
     evaluate_onset_over_dimension,
     evaluate_positions_at_first_load,
     find_opposing_contacts,
 )
-from stiction.studies.result import Result
 from stiction.studies.study_description import StudyDescription, describe_study
 from stiction.studies.values_at_nodes import (
     GeneratedValuesAtNodes,
@@ -148,7 +148,7 @@ class GeneratedReportData(ReportData):
 
 
 def collect_report_data(
-    result: Result, picture: xarray.Dataset | None = None
+    result: Evaluation, picture: xarray.Dataset | None = None
 ) -> MeasuredReportData | GeneratedReportData:
     """Evaluate everything that the report on a result shows.
 
@@ -157,7 +157,7 @@ def collect_report_data(
     return _collect_measured_data(result, picture) if result.study.is_measured else _collect_generated_data(result)
 
 
-def _collect_common_data(result: Result) -> dict[str, Any]:
+def _collect_common_data(result: Evaluation) -> dict[str, Any]:
     study = result.study
     return {
         "study": study, "description": describe_study(study), "version": result.version,
@@ -169,7 +169,7 @@ def _collect_common_data(result: Result) -> dict[str, Any]:
 # ---- Measured surfaces -----------------------------------------------------------------------------------------------
 
 
-def _collect_measured_data(result: Result, picture: xarray.Dataset | None) -> MeasuredReportData:
+def _collect_measured_data(result: Evaluation, picture: xarray.Dataset | None) -> MeasuredReportData:
     study, head = result.study, result.head
     picture = result.contact_picture if picture is None else picture
     first_direction = float(study.contact.direction_angles()[0])
@@ -202,7 +202,7 @@ def _read_body_history(body: MeasuredBodySettings, history: str | None) -> BodyH
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
 
-def _collect_generated_data(result: Result) -> GeneratedReportData:
+def _collect_generated_data(result: Evaluation) -> GeneratedReportData:
     study, head, nodes, num_solved = result.study, result.head, result.nodes, result.num_solved
     has_contact = bool(nodes.loads.size)
     return GeneratedReportData(

@@ -15,6 +15,7 @@ from stiction._units import exact_quantity_text
 from stiction.mechanics import brackets
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
 from stiction.studies.at_load import at_load
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.members import find_body_attributes, load_bodies
 from stiction.studies.point import (
     compute_plastic_adhesive_friction,
@@ -26,7 +27,6 @@ from stiction.studies.point import (
     mean_contact_pressure,
     mean_over_directions,
 )
-from stiction.studies.result import Result
 from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, open_stored_result
 from stiction.studies.study import Study, find_member_differences
 from stiction.surfaces.hurst import HurstEstimate
@@ -124,7 +124,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
     ):
         return None
     return at_load(
-        Result(stored_result),
+        MemberSums(stored_result),
         [float(load) for load in study.friction.load],
         mu0=list(study.friction.mu0),
         tau0=[float(strength) for strength in study.friction.tau0],

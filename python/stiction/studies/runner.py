@@ -34,8 +34,8 @@ from stiction.studies.layout import (
     stack_members,
 )
 from stiction.studies.member_solution import compute_member_arrays, estimate_member_time
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.members import check_last_member, count_grid_points, find_body_attributes
-from stiction.studies.result import Result
 from stiction.studies.store import (
     BLOCKS_FOLDER,
     STUDY_FILE,
@@ -77,47 +77,10 @@ def choose_block_size(study: Study) -> int:
 # ---- Runs -----------------------------------------------------------------------------------------------------------
 
 
-def run(
+def compute_member_sums(
     study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
-) -> Result:
-    """Run a study, and return its result.
-
-    Parameters
-    ----------
-    study : Study
-    executor : concurrent.futures.Executor, optional
-        Executor that computes the repetitions, by default with one thread per core. Results are bitwise equal for all
-        executors.
-    store : path, optional
-        Folder for the blocks of repetitions. Workers that can reach the folder write their blocks themselves. A folder
-        with repetitions of the same study is resumed: finished repetitions are not computed again, and the number of
-        repetitions may increase. Without a store the result is kept in memory.
-    progress : bool
-        True to draw a progress bar on the terminal.
-
-    Returns
-    -------
-    Result
-        Its `dataset` has the variables of `LoadCurve` over fractal_dimension, amplitude (µm), repetition and approach
-        (µm). Attributes store the units, the study and the version of stiction. Areal surfaces have the variables of
-        `SurfaceLoadCurve`, and the half-space has those of `HalfSpaceCurve` over load (mN) instead of approach. A list
-        of sliding rules or directions adds the dimension sliding or direction (degrees). Measured bodies have the
-        cutoff (µm) instead of fractal_dimension and amplitude, and contact statistics in addition.
-
-    Raises
-    ------
-    ValueError
-        If the study cannot be computed, or its result takes more than 16 GiB of memory without a store. Also if the
-        store cannot be written, is damaged, contains another study, or is incomplete and was created by another
-        version of stiction.
-
-    Examples
-    --------
-    >>> from stiction import Study, run
-    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
-    >>> run(Study.named("quick").with_changes(small)).dataset["contact_area"].dims
-    ('fractal_dimension', 'amplitude', 'repetition', 'approach')
-    """
+) -> MemberSums:
+    """Compute the contact sums of all members of a study, in memory or in a folder. Parameters as for `run`."""
     size = study.ensemble.repetitions * compute_bytes_per_member(study)
     if store is None and size > MAX_BYTES_IN_MEMORY:
         raise StudyError(
@@ -125,10 +88,10 @@ def run(
             f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; give a store, or reduce ensemble.repetitions"
         )
     if store is None:
-        return Result(_run_in_memory(study.with_checksums(), executor, progress))
+        return MemberSums(_run_in_memory(study.with_checksums(), executor, progress))
     with FolderClaim(store) as claim:
         stored_result = prepare_result_folder(study, store, claim)
-        return Result(complete_blocks(stored_result, executor=executor, progress=progress))
+        return MemberSums(complete_blocks(stored_result, executor=executor, progress=progress))
 
 
 def compute_missing_blocks(
@@ -466,7 +429,7 @@ def compute_block_arrays(version: str, study: Study, members: range) -> ArraysBy
 NUM_PREVIEW_MEMBERS = 4
 
 
-def compute_preview_result(study: Study) -> Result:
+def compute_preview_sums(study: Study) -> MemberSums:
     """Compute a preview result from the first few members of a study.
 
     Raises a `ValueError` if their contact cannot be computed.
@@ -475,4 +438,4 @@ def compute_preview_result(study: Study) -> Result:
     """
     members = range(min(NUM_PREVIEW_MEMBERS, study.ensemble.repetitions))
     arrays = stack_members(study, [compute_member_arrays(study, member) for member in members])
-    return Result(build_dataset(study, members, arrays, find_body_attributes(study)))
+    return MemberSums(build_dataset(study, members, arrays, find_body_attributes(study)))

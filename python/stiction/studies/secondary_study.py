@@ -20,8 +20,8 @@ from stiction.studies.hardness import (
 )
 from stiction.studies.load_range import has_only_negligible_loads
 from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
+from stiction.studies.member_sums import MemberSums
 from stiction.studies.onset import ONSET_FILE, ONSET_TABLE_FILE
-from stiction.studies.result import Result
 from stiction.studies.runner import complete_blocks, prepare_result_folder
 from stiction.studies.store import (
     BLOCKS_FOLDER,
@@ -40,7 +40,7 @@ TimeAnnouncer = Callable[[float], Any]  # function that receives the estimated t
 def complete_secondary_study(
     study: Study, folder: Path, executor: Executor, *, progress: bool = False,
     announce_time: TimeAnnouncer = lambda _: None,
-) -> Result:  # fmt: skip
+) -> MemberSums:  # fmt: skip
     """Compute the members of a secondary study that its folder does not contain yet, and return the result.
 
     A stored study with other members, for example of another pair, is removed first. Raises the errors of
@@ -53,10 +53,12 @@ def complete_secondary_study(
         stored_result = prepare_result_folder(study, folder, claim)
         if num_missing := study.ensemble.repetitions - stored_result.num_finished:
             announce_time(num_missing * estimate_member_time(study))
-        return Result(complete_blocks(stored_result, executor=executor, progress=progress))
+        return MemberSums(complete_blocks(stored_result, executor=executor, progress=progress))
 
 
-def compute_missing_areas(result: Result, executor: Executor, *, announce_time: TimeAnnouncer = lambda _: None) -> None:
+def compute_missing_areas(
+    result: MemberSums, executor: Executor, *, announce_time: TimeAnnouncer = lambda _: None
+) -> None:
     """Compute the true areas at other hardnesses and moduli that a stored result requires, unless they are stored.
 
     Raises a `ValueError` if files of the bodies are missing.
@@ -74,7 +76,7 @@ def estimate_areas_time(study: Study) -> float:
     return count_contact_solutions_at_nodes(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
 
 
-def lacks_areas_at_nodes(result: Result) -> bool:
+def lacks_areas_at_nodes(result: MemberSums) -> bool:
     """Return whether a result requires true areas at hardnesses or moduli other than its own, and has none."""
     hardnesses, _ = choose_hardness_and_modulus_nodes(result.study)
     return bool(hardnesses.size) and not has_only_negligible_loads(result) and not has_areas_at_nodes(result)

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from stiction._files import check_replaceable, create_file_atomically, replace_file_atomically
 from stiction._text import printable_path
-from stiction.studies.result import Result
+from stiction.studies.evaluation import Evaluation
 from stiction.views.latex import latex_table
+from stiction.views.rows import summary_table
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.style import FIGURE_FILE_SIGNATURES
 
@@ -42,20 +43,20 @@ def write_new_text_file(path: Path, text: str) -> None:
         partial_path.write_text(text, encoding="utf-8")
 
 
-def result_csv(result: Result) -> str:
+def result_csv(result: Evaluation) -> str:
     """Return the values of a result as CSV, computed at the loads of the study."""
-    return frame_to_csv(result.to_dataframe())
+    return frame_to_csv(summary_table(result.summary()))
 
 
-EXPORT_WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
-    ".nc": ("the whole result", Result.to_netcdf),
+EXPORT_WRITERS: dict[str, tuple[str, Callable[[Evaluation, Path], None]]] = {
+    ".nc": ("the whole result", Evaluation.to_netcdf),
     ".csv": ("a table", lambda result, path: write_new_text_file(path, result_csv(result))),
     ".tex": ("a LaTeX table", lambda result, path: write_new_text_file(path, latex_table(result.summary()))),
 }
 """Description and writer of each output format, by file name extension."""
 
 
-def write_result(result: Result, path: Path) -> None:
+def write_result(result: Evaluation, path: Path) -> None:
     """Write a result to a new file in the format that the file extension selects.
 
     Raises a `ValueError` if the file exists, if it cannot be written, or if its ending is not in `EXPORT_WRITERS`.

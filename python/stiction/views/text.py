@@ -48,7 +48,7 @@ from stiction.views.sentence import (
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.result import Result
+    from stiction.studies.evaluation import Evaluation
     from stiction.studies.study import Study
 
 MIN_STATED_GROOVE_EFFECT = 0.01  # relative difference of friction along the axes below which no grooves are reported
@@ -196,7 +196,7 @@ def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> 
     return format_paragraph([text])
 
 
-def missing_loads_text(result: Result, values: xarray.Dataset, missing_loads: Sequence[float]) -> str:
+def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads: Sequence[float]) -> str:
     """Return a sentence that names loads without values, the range of the computed loads, and how to compute others.
 
     `values` is a dataset of `Result.at`, or a selection from it.

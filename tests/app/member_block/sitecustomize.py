@@ -11,7 +11,7 @@ BLOCKED_MEMBER_FILE = Path(os.environ.get("STICTION_TEST_HOLD", "/nowhere"))
 if BLOCKED_MEMBER_FILE.exists():
     from stiction.studies import runner
 
-    compute_sums, compute_preview = runner.compute_member_arrays, runner.compute_preview_result
+    compute_sums, compute_preview = runner.compute_member_arrays, runner.compute_preview_sums
 
     def is_blocked(member):
         try:
@@ -25,7 +25,7 @@ if BLOCKED_MEMBER_FILE.exists():
             time.sleep(0.02)
         return compute_sums(study, member)
 
-    def compute_preview_result(study):
+    def compute_preview_sums(study):
         """Return the preview, which is never blocked."""
         runner.compute_member_arrays = compute_sums
         try:
@@ -33,4 +33,4 @@ if BLOCKED_MEMBER_FILE.exists():
         finally:
             runner.compute_member_arrays = compute_member_arrays
 
-    runner.compute_member_arrays, runner.compute_preview_result = compute_member_arrays, compute_preview_result
+    runner.compute_member_arrays, runner.compute_preview_sums = compute_member_arrays, compute_preview_sums

@@ -13,6 +13,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
+from stiction.studies.evaluation import Evaluation
 from stiction.studies.figure_values import (
     FrictionOverDimension,
     evaluate_area_over_load,
@@ -25,7 +26,6 @@ from stiction.studies.figure_values import (
     iterate_motions,
     omit_meaningless_area,
 )
-from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.studies.study_description import get_pair_name
 from stiction.views.figures.budget import dwell_time_figure, uncertainty_budget_figure
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 
 def draw_figures(
-    result: Result | xarray.Dataset, directory: str | Path, *, formats: Sequence[str] = ("png",),
+    result: Evaluation | xarray.Dataset, directory: str | Path, *, formats: Sequence[str] = ("png",),
     picture: xarray.Dataset | None = None, first: bool = False,
 ) -> list[Path]:  # fmt: skip
     """Draw the figures of a result, save them in a directory, and return their paths.
@@ -93,10 +93,10 @@ def draw_figures(
 
 
 def select_figures(
-    result: Result | xarray.Dataset, picture: xarray.Dataset | None = None
+    result: Evaluation | xarray.Dataset, picture: xarray.Dataset | None = None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     """Yield the name and the drawing function of each figure of a result. The names have no file extension."""
-    result = Result.of(result)
+    result = Evaluation.of(result)
     if not result.study.is_measured:
         yield from _generated_surface_figures(result, result.study)
         return
@@ -111,7 +111,7 @@ def format_print_title(pair_name: str) -> str:
 # ---- Figures of generated surfaces -----------------------------------------------------------------------------------
 
 
-def _generated_surface_figures(result: Result, study: Study) -> Iterator[tuple[str, Callable[[], Figure]]]:
+def _generated_surface_figures(result: Evaluation, study: Study) -> Iterator[tuple[str, Callable[[], Figure]]]:
     for name in study.figures.draw:
         match name:
             case "profiles":
@@ -134,11 +134,11 @@ def _friction_figure(evaluate: Callable[[], list[FrictionOverDimension]], index:
     return friction_figure(evaluate()[index])
 
 
-def _area_figure(result: Result) -> Figure:
+def _area_figure(result: Evaluation) -> Figure:
     return area_figure(evaluate_area_over_load(result), result.study)
 
 
-def _onset_figure(result: Result) -> Figure:
+def _onset_figure(result: Evaluation) -> Figure:
     points = evaluate_onset_over_dimension(result)
     assert points is not None, "the figure is drawn only if the study contains the onset"
     return onset_by_dimension_figure(points, result.study)
@@ -148,7 +148,7 @@ def _onset_figure(result: Result) -> Figure:
 
 
 def _measured_surface_figures(
-    result: Result, study: Study, picture: xarray.Dataset | None
+    result: Evaluation, study: Study, picture: xarray.Dataset | None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     study_loads = [float(load) for load in study.friction.load]
     loads = np.unique([*study.contact.loading_steps(), *study_loads])
@@ -200,21 +200,21 @@ def _measured_surface_figures(
         yield "contact", partial(contact_forces_figure, contact_forces, title=title)
 
 
-def _cut_off_figure(result: Result, mu0_index: int, tau0_index: int, *, title: str) -> Figure:
+def _cut_off_figure(result: Evaluation, mu0_index: int, tau0_index: int, *, title: str) -> Figure:
     limits = result.summary().find_resolution_limits(mu0_index, tau0_index)
     assert limits is not None, "the figure is drawn only if there are several cutoffs"
     return cut_off_figure(limits, title=title)
 
 
-def _positions_figure(result: Result, point: xarray.Dataset, *, title: str) -> Figure:
+def _positions_figure(result: Evaluation, point: xarray.Dataset, *, title: str) -> Figure:
     return positions_figure(evaluate_positions(result, point), title=title)
 
 
 def _height_factor_figure(
-    result: Result, scaled_bodies: ScaledBodies, indices: tuple[int, ...], *, title: str
+    result: Evaluation, scaled_bodies: ScaledBodies, indices: tuple[int, ...], *, title: str
 ) -> Figure:
     return height_scale_figure(evaluate_height_factors(result, scaled_bodies, *indices), title=title)
 
 
-def _contact_sizes_figure(result: Result, dataset: xarray.Dataset, **options: Any) -> Figure:
+def _contact_sizes_figure(result: Evaluation, dataset: xarray.Dataset, **options: Any) -> Figure:
     return contact_sizes_figure(result.dataset[["patch_area", "pressure"]].isel(cut_off=0), dataset, **options)

@@ -12,10 +12,10 @@ from string import Template
 
 import xarray
 
+from stiction.studies.evaluation import Evaluation
 from stiction.studies.executors import thread_pool_executor
 from stiction.studies.intervals import CONFIDENCE_LEVEL
 from stiction.studies.report_data import GeneratedReportData, MeasuredReportData, ReportData, collect_report_data
-from stiction.studies.result import Result
 from stiction.views.report.content import ReportContent, common_facts
 from stiction.views.report.generated import generated_report_content
 from stiction.views.report.measured import measured_report_content
@@ -62,7 +62,7 @@ The number of coefficients is the product of the numbers of nodes, loads, cells,
 
 
 def save_report(
-    result: Result | xarray.Dataset, path: str | Path, *, name: str = "", picture: xarray.Dataset | None = None
+    result: Evaluation | xarray.Dataset, path: str | Path, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> None:
     """Write the report on a result. An older report with the same name is replaced when the new one is complete.
 
@@ -78,20 +78,20 @@ def save_report(
     ReportError
         As for `report_page`; also if the path is a file that is not a report, or cannot be written.
     """
-    _build_page(Result.of(result), name, picture).save(Path(path))
+    _build_page(Evaluation.of(result), name, picture).save(Path(path))
 
 
-def report_page(result: Result | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
+def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
     """Return the report on a result as HTML without external resources.
 
     `name` is the title; by default it is the name of a built-in study, or the names of the files. `picture` is a result
     of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if the dataset is not a
     result, is too large for a page, or has no members.
     """
-    return _build_page(Result.of(result), name, picture).html()
+    return _build_page(Evaluation.of(result), name, picture).html()
 
 
-def _build_page(result: Result, name: str, picture: xarray.Dataset | None) -> HtmlPage:
+def _build_page(result: Evaluation, name: str, picture: xarray.Dataset | None) -> HtmlPage:
     """Evaluate the data of the page, compose its content, and render it."""
     _check_size(result)
     data = collect_report_data(result, picture)
@@ -102,7 +102,7 @@ def _build_page(result: Result, name: str, picture: xarray.Dataset | None) -> Ht
     return _render_page(data, content)
 
 
-def _check_size(result: Result) -> None:
+def _check_size(result: Evaluation) -> None:
     """Raise a `ReportError` if there is no result, or if it is too large for a page."""
     try:
         study = result.study
