@@ -115,20 +115,28 @@ def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, floa
     if min(counts) < MIN_BLOCKS:
         return None
     heights = heights[tuple(slice(count * size) for count, size in zip(counts, sizes, strict=True))]
-    is_measured = np.isfinite(heights)
+    missing = np.isnan(heights)
+    has_missing = bool(missing.any())
+    split_shape = [length for pair in zip(counts, sizes, strict=True) for length in pair]
+    split_axes = tuple(range(1, 2 * heights.ndim, 2))
+    measured_counts = np.prod(sizes) - missing.reshape(split_shape).sum(axis=split_axes)
 
     def average(values: Floats) -> Floats:
-        split_shape = [length for pair in zip(counts, sizes, strict=True) for length in pair]
-        axes = tuple(range(1, 2 * heights.ndim, 2))
-        sums, numbers = (
-            array.reshape(split_shape).sum(axis=axes) for array in (np.where(is_measured, values, 0.0), is_measured)
-        )
-        return np.asarray((sums / np.maximum(numbers, 1))[numbers > 0])
+        kept_values = np.where(missing, 0.0, values) if has_missing else values
+        sums = kept_values.reshape(split_shape).sum(axis=split_axes)
+        return np.asarray((sums / np.maximum(measured_counts, 1))[measured_counts > 0])
 
     axes = [np.linspace(1 / points - 1, 1 - 1 / points, points) for points in heights.shape]
     grid = [np.broadcast_to(axis, heights.shape) for axis in np.ix_(*axes)][::-1]
-    coordinates, means = [average(axis) for axis in grid], average(heights)
+    if has_missing:
+        coordinates = [average(axis) for axis in grid]
+    else:
+        block_axes = [axis.reshape(-1, size).mean(axis=1) for axis, size in zip(axes, sizes, strict=True)]
+        coordinates = [axis.ravel() for axis in np.meshgrid(*block_axes, indexing="ij")][::-1]
+    means = average(heights)
     trend, *_ = np.linalg.lstsq(np.stack([np.ones_like(means), *coordinates], axis=1), means, rcond=None)
-    levelled_heights = heights - trend[0] - sum(slope * axis for slope, axis in zip(trend[1:], grid, strict=True))
+    levelled_heights = heights - trend[0]
+    for slope, axis in zip(trend[1:], grid, strict=True):
+        levelled_heights -= slope * axis
     mean_square = float(np.nanmean(np.square(levelled_heights)))
     return (coordinates, average(levelled_heights), mean_square) if mean_square > 0 else None
