@@ -2,7 +2,17 @@
 
 import numpy as np
 import pytest
-from stiction import Study, approach_at_load, area_map, friction_map, press, run, stiffness_map
+from stiction import (
+    Study,
+    approach_at_load,
+    area_map,
+    friction_map,
+    pair,
+    press,
+    run,
+    self_affine_surface,
+    stiffness_map,
+)
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import intervals
 from stiction.studies.at_load import at_load
@@ -216,3 +226,74 @@ def test_evaluation_at_a_load_rejects_invalid_input(areal_study_and_dataset):
     ):  # fmt: skip
         with pytest.raises(ValueError, match=pattern):
             at_load(result, **({"loads": [2.0]} | changes))
+
+
+INTERPOLATED_QUANTITIES = ("contact_area", "contact_count", "stiffness_per_area", "closure", "friction_all_round")
+MAX_WIDENING = 2.2  # largest width of an interval between computed loads, relative to the width without its error
+MIN_COVERAGE = 0.93  # minimum fraction of solved values within the interpolation error, which is a 95 % error
+
+
+def compute_interpolation_errors(seed, *, points, longest_wavelength, shifts, hardness):
+    """Return quantity, error between two loads, estimated error, and half width of the interval without this error.
+
+    All numbers are logarithms. The estimated error is the part of the interval that is not due to the limited number of
+    members.
+    """
+    bodies = [
+        self_affine_surface(
+            seed, side=side, hurst_exponent=0.8, rms=0.02, shape=(points, points), spacing=0.1, shortest_wavelength=0.4,
+            longest_wavelength=longest_wavelength,
+        )
+        for side in ("upper", "lower")
+    ]  # fmt: skip
+    options = {
+        "effective_modulus": 80.0, "onset": 0, "cutoff": "none", "mu0": 0.2, "tau0": 0.05, "shifts": shifts,
+        "direction": [0, 180], "hardness": hardness,
+    }  # fmt: skip
+    result = pair(*bodies, load=["10 MPa", "30 MPa"], **options)
+    loads = ["13 MPa", "17 MPa", "22 MPa"]
+    interpolated = result.at(loads)
+    solved = pair(*bodies, load=["10 MPa", *loads, "30 MPa"], **options).at(loads)
+    members = member_values(result, interpolated["load"].values)
+    members["friction_all_round"] = members["friction_coefficient"].mean("direction")
+    rows = []
+    for name in INTERPOLATED_QUANTITIES:
+        dims = [dim for dim in interpolated[name].dims if dim != "statistic"]
+        values = members[name].transpose("repetition", *dims).values
+        mean, _, upper = np.log(intervals.average_independent_values(values))
+        estimate = np.log(interpolated[name].transpose(*dims, "statistic").values)
+        np.testing.assert_allclose(estimate[..., 0], mean)
+        error = np.sqrt(np.maximum((estimate[..., 2] - mean) ** 2 - (upper - mean) ** 2, 0))
+        difference = np.log(solved[name].sel(statistic="mean").transpose(*dims).values) - mean
+        numbers = (difference, error, upper - mean)
+        rows += list(zip([name] * mean.size, *(each.ravel().tolist() for each in numbers), strict=True))
+    return rows
+
+
+def test_interval_between_computed_loads_contains_the_solution_for_few_contacts():
+    rows = [
+        row
+        for seed in range(12)
+        for row in compute_interpolation_errors(
+            seed, points=32, longest_wavelength=3.2, shifts=3 + seed % 3, hardness=None if seed % 2 else 2.0
+        )
+    ]
+    difference, error = (np.array([row[index] for row in rows]) for index in (1, 2))
+    assert np.abs(difference).max() > 0.1  # jumps of single contacts
+    assert np.mean(np.abs(difference) <= error) > MIN_COVERAGE
+
+
+def test_interval_between_computed_loads_is_narrow_for_many_contacts():
+    rows = compute_interpolation_errors(3, points=128, longest_wavelength=0.8, shifts=8, hardness=None)
+    widening = np.array([np.hypot(1, error / half_width) for _, _, error, half_width in rows])
+    assert widening.max() < MAX_WIDENING
+    friction_errors = [error for name, _, error, _ in rows if name == "friction_all_round"]
+    assert min(friction_errors) < 0.01
+    assert max(friction_errors) < 0.05
+
+
+def test_value_at_a_computed_load_does_not_depend_on_an_interpolated_load(areal_study_and_dataset):
+    study, result = areal_study_and_dataset
+    load = study.contact.loading_steps()[:1]
+    both = at_load(result, [*load, 1.2 * load[0]]).isel(load=[0])
+    assert both.drop_attrs().equals(at_load(result, load).drop_attrs())

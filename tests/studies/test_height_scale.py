@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from stiction import joined_spectrum, open_result, pair, self_affine, write_surface
+from stiction import joined_spectrum, open_result, pair, self_affine, self_affine_surface, write_surface
 from stiction.studies import height_scale
 from stiction.studies.at_load import at_load
 from stiction.studies.budget import add_uncertainty
@@ -216,6 +216,34 @@ def test_interpolation_between_height_factors_has_at_most_the_stated_error(hardn
     combined = table["friction_combined"]
     assert (combined.sel(statistic="lower") <= combined.sel(statistic="mean")).all()
     assert (combined.sel(statistic="mean") <= combined.sel(statistic="upper")).all()
+
+
+def test_interval_between_height_factors_contains_the_solution_for_few_contacts():
+    bodies = [
+        self_affine_surface(
+            30, side=side, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, shortest_wavelength=0.4
+        )
+        for side in ("upper", "lower")
+    ]
+    options = {
+        "load": "30 MPa", "effective_modulus": 80.0, "onset": 0, "cutoff": "none", "mu0": 0.2, "tau0": 0.05,
+        "shifts": 3, "direction": [0, 90],
+    }  # fmt: skip
+    result = pair(*bodies, **options)
+    result.at(height_scale=[1, 2**0.5], compute=True)
+    factors = [1.19, 1.26]
+    table = result.at(height_scale=factors).squeeze()
+    for index, factor in enumerate(factors):
+        solved = pair(*scale_heights(bodies, factor), **options).at().squeeze()
+        for name in ("friction_all_round", "friction_combined", "stiffness_per_area", "contact_area"):
+            _, lower, upper = np.moveaxis(table[name].isel(height_scale=index).values, -1, 0)
+            value = solved[name].sel(statistic="mean").values
+            assert ((lower <= value) & (value <= upper)).all()
+            assert (lower >= 0).all()
+    # Limits that were only interpolated between two factors would lie on straight lines in the logarithms.
+    areas = result.at(height_scale=[1, 2**0.25, 2**0.5])["contact_area"].squeeze()
+    width = np.log(areas.sel(statistic="upper") / areas.sel(statistic="lower")).values
+    assert width[1] > 1.01 * (width[0] + width[2]) / 2
 
 
 def test_height_factors_to_solve_are_the_fewest_that_allow_interpolation():

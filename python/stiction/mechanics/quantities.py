@@ -249,7 +249,8 @@ QUANTITIES: dict[str, ResultQuantity] = {
         denominator=("contact_area",), shown=_DEFAULT_VIEWS,
     ),
     "normal_stiffness": _statistic_quantity(
-        "mN/um", "normal stiffness", stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS, shown=_DEFAULT_VIEWS,
+        "mN/um", "normal stiffness", proportional=True, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS,
+        shown=_DEFAULT_VIEWS,
     ),
     "closure": _statistic_quantity(
         "um", "closure, the decrease of the mean gap since first contact", "closure", stored=_MEASURED_SOURCE,
@@ -257,7 +258,8 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "closure_stiffness": _statistic_quantity(
         STIFFNESS_PER_AREA_UNIT, "derivative of the nominal pressure with respect to the closure",
-        "stiffness of closure", stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS, shown=_DEFAULT_VIEWS,
+        "stiffness of closure", proportional=True, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS,
+        shown=_DEFAULT_VIEWS,
     ),
     "contact_load": ResultQuantity(
         unit="mN", words="load on the contacts: normal load plus attraction", brief="contact load",
@@ -362,8 +364,8 @@ QUANTITIES: dict[str, ResultQuantity] = {
         stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE, shown=_VERBOSE_TABLE_VIEWS,
     ),
     "unloading_stiffness": _statistic_quantity(
-        "mN/um", "normal stiffness during unloading, as measured by ultrasound", stored=_MEASURED_SOURCE,
-        stored_bounds=_STORED_STIFFNESS, shown=_CSV_VIEW,
+        "mN/um", "normal stiffness during unloading, as measured by ultrasound", proportional=True,
+        stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS, shown=_CSV_VIEW,
     ),
     "nominal_pressure": ResultQuantity(
         unit="GPa", words="normal load divided by the nominal area", brief="pressure on the nominal area", kind="ratio",

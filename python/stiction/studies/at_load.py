@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, float_array
 from stiction._units import short_repr
@@ -22,9 +22,10 @@ from stiction.studies.ensemble_means import average_ensemble
 from stiction.studies.junction_growth import apply_junction_growth, build_member_area_interpolator
 from stiction.studies.load_range import find_negligible_load
 from stiction.studies.maps import MAP_CELL_DIMENSIONS, choose_mu0_and_tau0
-from stiction.studies.member_means import average_members
+from stiction.studies.member_means import LoadNeighbors, average_members
 from stiction.studies.member_sums import MemberSums
 from stiction.studies.member_values import LoadDefinition, MemberKind, evaluate_members_before_growth
+from stiction.studies.study import find_step_dimension
 
 if TYPE_CHECKING:
     import xarray
@@ -91,7 +92,12 @@ def at_load(
         if study.contact.junction_growth:
             areas = build_member_area_interpolator(members, result)
             members = apply_junction_growth(members, study, areas, names)
-        point = average_members(study, members, names)
+        neighbors = None
+        if reading == "elastic" and (bracket := _find_bracketing_loads(result, unique_loads)) is not None:
+            computed_loads, (below, above), position = bracket
+            others = evaluate_members(result, computed_loads, *strengths, member_kind, names)
+            neighbors = LoadNeighbors(others.isel(load=below), others.isel(load=above), position)
+        point = average_members(study, members, names, neighbors)
         if is_measured:
             gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
             cell_dims = [str(dim) for dim in gradient.dims]
@@ -111,6 +117,39 @@ def at_load(
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
         point["reading_difference"] = abs(other_coefficient / coefficient - 1).max(other_dims).variable
     return point.assign_attrs(reading=reading)
+
+
+def evaluate_members(
+    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, member_kind: MemberKind | None = None,
+    names: Collection[str] | None = None,
+) -> xarray.Dataset:  # fmt: skip
+    """Evaluate each member of a result at elastic loads, including junction growth."""
+    members = evaluate_members_before_growth(result, loads, mu0, tau0, "elastic", member_kind, names)
+    if not result.study.contact.junction_growth:
+        return members
+    return apply_junction_growth(members, result.study, build_member_area_interpolator(members, result), names)
+
+
+def _find_bracketing_loads(
+    result: MemberSums, loads: Floats
+) -> tuple[Floats, tuple[NDArray[np.intp], NDArray[np.intp]], Floats] | None:
+    """Find the computed loads between which values at the given loads are interpolated; None if all were computed.
+
+    Returns these computed loads, the indices of those below and above each load, and the positions between them.
+    """
+    if find_step_dimension(result.head) != "load":
+        return None
+    steps = result.study.contact.loading_steps()
+    above = np.minimum(np.searchsorted(steps, loads), steps.size - 1)
+    is_between = (loads > steps[0]) & (loads < steps[above])
+    if not is_between.any():
+        return None
+    below = np.where(is_between, above - 1, above)
+    log_ratio = np.where(is_between, np.log(steps[above] / steps[below]), 1.0)
+    position = np.where(is_between, np.log(loads / steps[below]) / log_ratio, 0.0)
+    used_steps, indices = np.unique(np.stack([below, above]), return_inverse=True)
+    first, last = indices.reshape(2, -1)
+    return steps[used_steps], (first, last), position
 
 
 def estimate_small_slope_friction(

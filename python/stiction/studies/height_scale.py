@@ -7,7 +7,7 @@ are interpolated.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -21,12 +21,17 @@ from stiction._text import format_duration
 from stiction._units import short_repr
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import quantity_attributes
-from stiction.studies.at_load import at_load
+from stiction.studies.at_load import at_load, evaluate_members
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.executors import executor_or_thread_pool
 from stiction.studies.measured_surfaces import MAX_HEIGHT_FACTOR as MAX_FACTOR
 from stiction.studies.measured_surfaces import MIN_HEIGHT_FACTOR as MIN_FACTOR
-from stiction.studies.member_means import AREA_ABOVE_NOMINAL_STATUS
+from stiction.studies.member_means import (
+    AREA_ABOVE_NOMINAL_STATUS,
+    MemberDependence,
+    find_axes_with_both_directions,
+    include_interpolation_error,
+)
 from stiction.studies.member_solution import estimate_member_time
 from stiction.studies.member_sums import MemberSums
 from stiction.studies.members import get_first_pair
@@ -297,7 +302,7 @@ def evaluate_at_height_factors(
     Notes
     -----
     Between computed factors, variables are interpolated by a monotone cubic in the logarithm of the factor. Positive
-    variables are interpolated as logarithms.
+    variables are interpolated as logarithms. Intervals include the interpolation error, estimated as between loads.
     """
     import xarray
 
@@ -319,6 +324,15 @@ def evaluate_at_height_factors(
         for scaled_result in results.values()
     ]
     unscaled_point = points_by_factor[list(results).index(1.0)]
+    parameters = (unscaled_point["load"].values, unscaled_point["mu0"].values, unscaled_point["tau0"].values)
+    used_indices = {index for pair in neighbor_pairs if pair[0] != pair[1] for index in pair}
+    members = {
+        index: evaluate_members(each, *parameters).isel(cut_off=0)
+        for index, each in enumerate(results.values())
+        if index in used_indices
+    }
+    if members:
+        dependence = MemberDependence.from_coordinates(study, next(iter(members.values())))
     variables: dict[str, Any] = {}
     for name in (name for name in _INTERPOLATED_VARIABLES if all(name in point for point in points_by_factor)):
         values = np.stack([point[name].transpose(*unscaled_point[name].dims).values for point in points_by_factor])
@@ -328,6 +342,18 @@ def evaluate_at_height_factors(
                 for factor, indices in zip(factors, neighbor_pairs, strict=True)
             ]
         )
+        dims = unscaled_point[name].dims[:-1]
+        for index, (factor, (lower, upper)) in enumerate(zip(factors.tolist(), neighbor_pairs, strict=True)):
+            if lower == upper or "statistic" not in unscaled_point[name].dims:
+                continue
+            below, above = (_get_member_values(members[each], name, dims) for each in (lower, upper))
+            if below is None or above is None:
+                continue
+            position = np.log(factor / solved_factors[lower]) / np.log(solved_factors[upper] / solved_factors[lower])
+            interpolated[index] = include_interpolation_error(
+                interpolated[index], (1 - position) * below + position * above, below, above, np.asarray(position),
+                dependence.mean_with_interval,
+            )  # fmt: skip
         if "statistic" in unscaled_point[name].dims:  # the last dimension is always `statistic`
             interpolated[..., 1] = np.minimum(interpolated[..., 1], interpolated[..., 0])
             interpolated[..., 2] = np.maximum(interpolated[..., 2], interpolated[..., 0])
@@ -349,6 +375,26 @@ def evaluate_at_height_factors(
     }
     coordinates["height_scale"] = ("height_scale", factors, quantity_attributes("height_scale"))
     return xarray.Dataset(variables, coordinates, unscaled_point.attrs | {"scaled": scaled, "solved": solved_factors})
+
+
+def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) -> Floats | None:
+    """Return the values of a quantity for each member, with the given dimensions after the first axis.
+
+    None if members have no values of the quantity.
+    """
+    import xarray
+
+    if name in ("friction_all_round", "friction_combined", "friction_next_test"):
+        values = members["friction_coefficient"].mean("direction", skipna=False)
+    elif name == "friction_by_axis":
+        axes, direction_pairs = find_axes_with_both_directions(members["direction"].values)
+        pairs = xarray.DataArray(direction_pairs, coords={"axis": axes}, dims=("axis", "direction"))
+        values = members["friction_coefficient"].isel(direction=pairs).mean("direction", skipna=False)
+    elif name in members and set(members[name].dims) == {"repetition", *dims}:
+        values = members[name]
+    else:
+        return None
+    return np.asarray(values.transpose("repetition", *dims).values)
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,18 +29,44 @@ The sum of areas exceeds the nominal area if asperities overlap.
 """
 
 
-def average_members(study: Study, members: xarray.Dataset, names: Collection[str] | None) -> xarray.Dataset:
+@dataclass(frozen=True, eq=False)
+class LoadNeighbors:
+    """Values of members at the computed loads just below and above each load, and the position between these loads.
+
+    The position is the fraction of the distance in ln F; it is 0 at a computed load.
+    """
+
+    below: xarray.Dataset
+    above: xarray.Dataset
+    position: Floats
+
+
+def average_members(
+    study: Study, members: xarray.Dataset, names: Collection[str] | None, neighbors: LoadNeighbors | None = None
+) -> xarray.Dataset:
     """Average the values of `evaluate_members_before_growth` over the members, and compute the 95 % intervals.
 
-    `names` lists quantities to evaluate besides friction; None stands for all.
+    `names` lists quantities to evaluate besides friction; None stands for all. With `neighbors`, the intervals at loads
+    between computed loads include the interpolation error.
     """
     import xarray
 
     dependence = MemberDependence.from_coordinates(study, members)
+
+    def average(dims: Sequence[str], get_values: Callable[[xarray.Dataset], Floats]) -> Floats:
+        """Return means and interval limits of values with the dimensions repetition and `dims`."""
+        values = get_values(members)
+        means = dependence.mean_with_interval(values)
+        if neighbors is None or "load" not in dims:
+            return means
+        position = neighbors.position.reshape([-1 if dim == "load" else 1 for dim in dims])
+        below, above = get_values(neighbors.below), get_values(neighbors.above)
+        return include_interpolation_error(means, values, below, above, position, dependence.mean_with_interval)
+
     coordinates: dict[str, Any] = {
         str(name): each for name, each in members.coords.items() if "repetition" not in each.dims
     }
-    variables = _average_quantities(members, dependence, names)
+    variables = _average_quantities(members, average, names)
     if "contact_area_fraction" in variables:
         fraction_dims, fraction, attributes = variables["contact_area_fraction"]
         area_status, fraction = _classify_area_fractions(fraction, uses_half_space=study.uses_half_space)
@@ -48,9 +75,11 @@ def average_members(study: Study, members: xarray.Dataset, names: Collection[str
     dims = [str(dim) for dim in members.variables["friction_coefficient"].dims if dim != "repetition"]
     dims_of_mean = [dim for dim in dims if dim != "direction"]
     direction_axis = dims.index("direction") + 1
-    coefficient, status = (
-        members.variables[name].transpose("repetition", *dims).values for name in ("friction_coefficient", "status")
-    )
+
+    def get_coefficients(members: xarray.Dataset) -> Floats:
+        return np.asarray(members.variables["friction_coefficient"].transpose("repetition", *dims).values)
+
+    coefficient, status = get_coefficients(members), members.variables["status"].transpose("repetition", *dims).values
 
     directional_dims, directional_means, attributes = variables["friction_coefficient"]
     is_downhill = directional_means[..., 0] < -NEGLIGIBLE_COEFFICIENT
@@ -61,24 +90,35 @@ def average_members(study: Study, members: xarray.Dataset, names: Collection[str
     counts_as_downhill = is_downhill & has_strength
 
     def average_coefficients(
-        coefficients: Floats, dims: list[str], name: str, is_any_downhill: NDArray[np.bool_]
+        average_over_directions: Callable[[Floats], Floats],
+        dims: list[str],
+        name: str,
+        is_any_downhill: NDArray[np.bool_],
     ) -> tuple[Any, ...]:
-        means = _remove_round_off(dependence.mean_with_interval(coefficients), dims, members)
+        means = _remove_round_off(
+            average(dims, lambda members: average_over_directions(get_coefficients(members))), dims, members
+        )
         is_removed = is_any_downhill | (means[..., 0] < -NEGLIGIBLE_COEFFICIENT)
         return (*dims, "statistic"), _remove_negative(means, is_removed), quantity_attributes(name)
 
     variables["friction_all_round"] = average_coefficients(
-        coefficient.mean(axis=direction_axis), dims_of_mean, "friction_all_round",
+        lambda coefficients: coefficients.mean(axis=direction_axis), dims_of_mean, "friction_all_round",
         counts_as_downhill.any(axis=direction_axis - 1),
     )  # fmt: skip
     axes, direction_pairs = find_axes_with_both_directions(members["direction"].values)
     if members.sizes["direction"] > 1 and axes.size and is_requested("friction_by_axis", names):
-        coefficient_by_axis = np.stack(
-            [np.take(coefficient, pair, axis=direction_axis).mean(axis=direction_axis) for pair in direction_pairs],
-            axis=direction_axis,
-        )
+
+        def average_axes(coefficients: Floats) -> Floats:
+            return np.stack(
+                [
+                    np.take(coefficients, pair, axis=direction_axis).mean(axis=direction_axis)
+                    for pair in direction_pairs
+                ],
+                axis=direction_axis,
+            )
+
         variables["friction_by_axis"] = average_coefficients(
-            coefficient_by_axis, ["axis" if dim == "direction" else dim for dim in dims], "friction_by_axis",
+            average_axes, ["axis" if dim == "direction" else dim for dim in dims], "friction_by_axis",
             np.stack(
                 [
                     np.take(counts_as_downhill, pair, axis=direction_axis - 1).any(axis=direction_axis - 1)
@@ -105,8 +145,9 @@ def average_members(study: Study, members: xarray.Dataset, names: Collection[str
 
 
 def _average_quantities(
-    members: xarray.Dataset, dependence: MemberDependence, names: Collection[str] | None
-) -> dict[str, Any]:
+    members: xarray.Dataset, average: Callable[[Sequence[str], Callable[[xarray.Dataset], Floats]], Floats],
+    names: Collection[str] | None,
+) -> dict[str, Any]:  # fmt: skip
     """Average the quantities over the members. Normal and tangential loads are averaged only on request."""
     variables: dict[str, Any] = {}
     for name in map(str, members.data_vars):
@@ -114,12 +155,66 @@ def _average_quantities(
         is_load = name in ("normal_load", "tangential_load")
         if (is_load and not is_requested(name, names)) or values.dtype.kind != "f" or "repetition" not in values.dims:
             continue
-        dims = [dim for dim in values.dims if dim != "repetition"]
-        means = dependence.mean_with_interval(values.transpose("repetition", *dims).values)
+        dims = [str(dim) for dim in values.dims if dim != "repetition"]
+        means = average(dims, partial(_get_values, name=name, dims=("repetition", *dims)))
         limit = QUANTITIES[name].bounds[1]
         means = np.where(means > limit, np.maximum(limit, means[..., :1]), means)
         variables[name] = (*dims, "statistic"), means, values.attrs
     return variables
+
+
+def _get_values(members: xarray.Dataset, name: str, dims: Sequence[str]) -> Floats:
+    return np.asarray(members.variables[name].transpose(*dims).values)
+
+
+def include_interpolation_error(
+    means: Floats, values: Floats, below: Floats, above: Floats, position: Floats,
+    mean_with_interval: Callable[[Floats], Floats],
+) -> Floats:  # fmt: skip
+    """Widen the intervals of means of values that are interpolated between two computed points.
+
+    The error has two parts, which are combined with the interval in quadrature. The random part is that of members
+    whose values jump when contacts appear or merge: if the changes between the computed points have the half width h,
+    it is h sqrt(3 t (1 - t)) at the position t. (This is the error for values that scatter independently at the two
+    points and in the middle.) The systematic part is the difference from a power law. Positive values use logarithms.
+
+    Parameters
+    ----------
+    means : (..., 3) array of float
+        Mean, lower and upper limit.
+    values, below, above : (members, ...) array of float
+        Interpolated values, and values at the computed points below and above.
+    position : array of float
+        Position between the points, from 0 to 1; no error is added at 0.
+    mean_with_interval : callable
+        Function that computes means and limits, as `MemberDependence.mean_with_interval`.
+    """
+    mean, lower, upper = np.moveaxis(means, -1, 0)
+    with np.errstate(all="ignore"):
+        is_known = np.isfinite(below) & np.isfinite(above) & np.isfinite(values)
+        is_positive = (~is_known | ((below > 0) & (above > 0) & (values > 0))).all(axis=0)
+        change = np.where(is_known, np.where(is_positive, np.log(above / below), above - below), np.nan)
+        count = np.maximum(is_known.sum(axis=0), 1)
+        mean_change = np.where(is_known, change, 0.0).sum(axis=0) / count
+        deviation = (change - mean_change) * np.where(is_positive, values / mean, 1.0)
+        limits = mean_with_interval(deviation)
+        random_error = np.sqrt(3 * position * (1 - position)) * (limits[..., 2] - limits[..., 1]) / 2
+        power_law = np.where(is_known, below ** (1 - position) * above**position, 0.0).sum(axis=0) / count
+        error = np.where(is_positive, np.hypot(random_error, np.log(power_law / mean)), random_error)
+        is_logarithmic = is_positive & (lower > 0)
+        absolute_error = np.where(is_positive, mean * error, error)
+        lower, upper = (
+            np.where(
+                is_logarithmic,
+                mean * np.exp(sign * np.hypot(np.log(limit / mean), error)),
+                mean + sign * np.hypot(limit - mean, absolute_error),
+            )
+            for sign, limit in ((-1, lower), (1, upper))
+        )
+        is_signed = np.logical_or.reduce([(each < 0).any(axis=0) for each in (below, above, values)])
+    lower = np.where(is_signed | ~(mean >= 0), lower, np.maximum(lower, 0.0))
+    widened = np.stack([mean, lower, upper], axis=-1)
+    return np.where(np.broadcast_to(position > 0, mean.shape)[..., np.newaxis], widened, means)
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
