@@ -444,8 +444,9 @@ def half_space(
         Decay length ρ; or a string, "0.5 nm". Increased, with a warning, until the process zone E* ρ²/w has two grid
         points.
     tolerance : float
-        Largest accepted `error` of `HalfSpaceCurve`, and a tenth of the largest error of the attraction. Approaches
-        have the same tolerance in the same unit.
+        Largest accepted `error` of `HalfSpaceCurve`. Approaches have the same tolerance in the same unit. With
+        adhesion, the mean error of the attraction is at most ten times the tolerance, relative to the mean contact
+        pressure plus the mean attraction. At a single point it may be larger: 4e-4 of w/ρ in a test with the default.
     progress : callable, optional
         Function that is called in every iteration on the finest grid, with the number of solved loads or approaches,
         the iteration and the current error. An exception in this function, such as from Ctrl-C, ends the computation.
