@@ -236,7 +236,11 @@ class FrictionCurve(PlotReprMixin):
         return compute_load("tangential", self, *self._broadcast_parameters(mu0, tau0))
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return F_T / F_N, or NaN where the status is not "ok". Shape and arguments are as for `normal_load`."""
+        """Return F_T / F_N, or NaN where the status is not "ok". Shape and arguments are as for `normal_load`.
+
+        With sliding="all", the ratio is negative if the slopes push the upper body in the direction of motion more
+        strongly than friction holds it. The results of `pair` then have the status "downhill" and no coefficient.
+        """
         parameters = self._broadcast_parameters(mu0, tau0)
         normal_load, tangential_load = (compute_load(load, self, *parameters) for load in ("normal", "tangential"))
         is_ok = statuses_of_approaches(self.contact_count, normal_load) == STATUS_OK
