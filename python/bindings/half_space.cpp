@@ -4,12 +4,20 @@
 #include "cancellation.hpp"
 #include "stiction/patches.hpp"
 
+#include <atomic>
+#include <cstdint>
+
 namespace stiction::python {
 namespace {
 
 using Singles = py::array_t<float, py::array::c_style>;
 using Marks = py::array_t<bool, py::array::c_style>;
 using Progress = py::typing::Optional<py::typing::Callable<py::object(std::int64_t, double)>>;
+
+// Number of iterations of running calculations. A solver increases it without acquiring the GIL.
+struct IterationCounter {
+  std::atomic<std::int64_t> count{0};
+};
 
 template <class T>
 std::span<const T> grid(const py::array_t<T, py::array::c_style>& array) {
@@ -34,19 +42,24 @@ Grid grid_of(const std::vector<std::size_t>& shape, const std::vector<double>& s
           periodic};
 }
 
-HalfSpaceProgress to_callback(const Progress& progress) {
-  if (progress.is_none()) {
+HalfSpaceProgress to_callback(const Progress& progress, IterationCounter* counter) {
+  if (progress.is_none() && counter == nullptr) {
     return {};
   }
-  return [&progress](std::int64_t iteration, double error) {
-    const py::gil_scoped_acquire acquire;
-    progress(iteration, error);
+  return [&progress, calls = !progress.is_none(), counter](std::int64_t iteration, double error) {
+    if (counter != nullptr) {
+      ++counter->count;
+    }
+    if (calls) {
+      const py::gil_scoped_acquire acquire;
+      progress(iteration, error);
+    }
   };
 }
 
 template <class Search>
-HalfSpaceSolution solve(std::size_t threads, const Progress& progress, Search search) {
-  const HalfSpaceProgress report = to_callback(progress);
+HalfSpaceSolution solve(std::size_t threads, const Progress& progress, IterationCounter* counter, Search search) {
+  const HalfSpaceProgress report = to_callback(progress, counter);
   const CancellationCheck check_cancellation = keyboard_interrupt_check();
   const py::gil_scoped_release release;
   return search(ThreadPool(threads, check_cancellation), report);
@@ -60,6 +73,14 @@ py::array_t<double> by_direction(std::vector<double>&& values, py::ssize_t direc
 }  // namespace
 
 void bind_half_space(py::module_& module) {
+  py::class_<IterationCounter, std::shared_ptr<IterationCounter>>(
+      module, "IterationCounter", "Number of solver iterations, which other threads may read during a calculation.")
+      .def(py::init<>())
+      .def_property_readonly("count", [](const IterationCounter& counter) { return counter.count.load(); })
+      .def(
+          "add", [](IterationCounter& counter, std::int64_t iterations) { counter.count += iterations; },
+          py::arg("iterations"), "Add iterations of a calculation that is not repeated.");
+
   py::class_<HalfSpaceGrids, std::shared_ptr<HalfSpaceGrids>>(
       module, "HalfSpaceGrids", "Grid hierarchy and elastic kernels, shared by all problems with the same grid.")
       .def(py::init([](const std::vector<std::size_t>& shape, const std::vector<double>& spacing,
@@ -119,14 +140,15 @@ void bind_half_space(py::module_& module) {
     solver.def(
         name,
         [method](const HalfSpaceSolver& self, double value, const std::optional<Array>& near, std::size_t threads,
-                 const Progress& progress) {
+                 const Progress& progress, const std::optional<std::shared_ptr<IterationCounter>>& counter) {
           const Values start = near ? grid(*near) : Values();
-          return solve(threads, progress, [&](const ThreadPool& pool, const HalfSpaceProgress& report) {
-            return (self.*method)(value, start, pool, report);
-          });
+          return solve(threads, progress, counter ? counter->get() : nullptr,
+                       [&](const ThreadPool& pool, const HalfSpaceProgress& report) {
+                         return (self.*method)(value, start, pool, report);
+                       });
         },
         py::arg(targets), py::kw_only(), py::arg("near").noconvert() = py::none(), py::arg("threads") = 1,
-        py::arg("progress") = py::none(), description);
+        py::arg("progress") = py::none(), py::arg("counter") = py::none(), description);
   };
   py::class_<HalfSpaceSolver> solver(module, "HalfSpaceSolver",
                                      "Solver for the contact of one gap at successive loads.");

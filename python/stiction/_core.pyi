@@ -36,6 +36,14 @@ class ArealCandidates:
     def deepest(self) -> float:
         """Largest approach [µm] for which the candidates are complete."""
 
+class IterationCounter:
+    """Number of solver iterations, which other threads may read during a calculation."""
+    def __init__(self) -> None: ...
+    def add(self, iterations: int) -> None:
+        """Add iterations of a calculation that is not repeated."""
+    @property
+    def count(self) -> int: ...
+
 class HalfSpaceGrids:
     """Grid hierarchy and elastic kernels, shared by all problems with the same grid."""
     def __init__(
@@ -82,6 +90,7 @@ class HalfSpaceSolver:
         near: NDArray[float64] | None = None,
         threads: int = 1,
         progress: collections.abc.Callable[[int, float], typing.Any] | None = None,
+        counter: IterationCounter | None = None,
     ) -> HalfSpaceSolution:
         """Solve for a mean pressure over the grid [GPa]. `near` may be the pressure at another load."""
     def at_approach(
@@ -91,6 +100,7 @@ class HalfSpaceSolver:
         near: NDArray[float64] | None = None,
         threads: int = 1,
         progress: collections.abc.Callable[[int, float], typing.Any] | None = None,
+        counter: IterationCounter | None = None,
     ) -> HalfSpaceSolution:
         """Solve for an approach [µm]. `near` may be the pressure at another load."""
 

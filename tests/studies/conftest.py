@@ -23,9 +23,9 @@ def computed_repetitions(monkeypatch):
     """Return a list to which each computed repetition is appended."""
     numbers, sums = [], runner.compute_member_arrays
 
-    def record_repetition(study, number):
+    def record_repetition(study, number, *record):
         numbers.append(number)
-        return sums(study, number)
+        return sums(study, number, *record)
 
     monkeypatch.setattr(runner, "compute_member_arrays", record_repetition)
     return numbers

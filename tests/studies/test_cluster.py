@@ -52,9 +52,9 @@ def test_tasks_of_a_killed_worker_are_repeated_by_another_worker(scheduler, tmp_
     ):
         workers = list(client.run(os.getpid).values())
 
-        def kill_worker(_):
+        def kill_worker(num_finished):
             """Kill a worker when the first block is finished."""
-            if workers:
+            if num_finished and workers:
                 os.kill(workers.pop(), signal.SIGKILL)
                 workers.clear()
 

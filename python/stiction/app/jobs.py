@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from stiction.app.form import find_first_option_name, replace_option_names, replace_option_names_in_caveats
+from stiction.studies.executors import PROGRESS_PREFIX
 from stiction.studies.store import StoredResult, open_stored_result
 
 POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a command
@@ -390,5 +391,5 @@ def _failure_message(status: int, error_output: str) -> str:
     if status < 0:
         return f"the system ended the command ({signal.Signals(-status).name}); memory may be insufficient"
     lines = [line.removeprefix("stiction: ") for line in error_output.splitlines()]
-    messages = [line for line in lines if not line.startswith(("warning: ", "try stiction "))]
+    messages = [line for line in lines if not line.startswith(("warning: ", PROGRESS_PREFIX, "try stiction "))]
     return "\n".join(messages[-3:]) or "the command ended without a message"

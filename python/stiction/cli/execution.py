@@ -14,6 +14,7 @@ from stiction._units import short_repr
 from stiction.cli.application import print_message, print_output, report_interruption, show_status
 from stiction.cli.options import option
 from stiction.studies.executors import thread_pool_executor
+from stiction.studies.members_in_progress import find_members_in_progress
 from stiction.studies.pipeline import complete_result
 from stiction.studies.result import Result
 from stiction.studies.store import StoreError, StudyMismatchError, open_stored_result
@@ -105,5 +106,7 @@ def compute_result_in_folder(
             stored_result = open_stored_result(directory)
             count_text = study.member_names.with_count(stored_result.study.ensemble.repetitions)
             progress = f"{stored_result.num_finished} of {count_text} are finished and stored"
+            if num_in_progress := len(find_members_in_progress(directory)):
+                progress += f", and the finished steps of {num_in_progress} more"
             detail = f"; {progress}: run the same command again to resume"
         raise report_interruption(detail) from None

@@ -15,6 +15,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +30,7 @@ from stiction.mechanics.half_space_problem import (
     solver_thread_count,
     to_contact_solution,
 )
+from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
 # Number of plain steps between two extrapolated steps. Plain steps damp the modes that extrapolated steps overshoot.
 NUM_UNACCELERATED_STEPS = 2
@@ -65,12 +68,63 @@ class EquilibriumNotFoundError(NoSolutionError):
     """Error raised if the iteration finds no equilibrium with the adhesive attraction."""
 
 
+@dataclass
+class _Iteration:
+    """State between two iterations towards an equilibrium, from which the iteration can be resumed."""
+
+    attraction: Floats
+    pressure: Floats | None = None
+    # Attraction after the plain step. It is stored as a fallback if the step is extrapolated.
+    plain_attraction: Floats | None = None
+    residual: float = math.inf
+    least_residual: float = math.inf
+    tolerance_ratio: float = TOLERANCE_TO_RESIDUAL_RATIO
+    stalled_count: int = 0
+    number: int = 0
+
+    # State of the caller, which decides when the iteration ends.
+    num_states: int = 0
+    best_state: AdhesionState | None = None
+    best_state_number: int = 0
+    best_residual: float = math.inf
+    last_residual: float = math.inf
+
+    def to_step_result(self) -> StepResult:
+        """Return the state as named arrays and numbers."""
+        result = {name: value for name, value in vars(self).items() if value is not None and name != "best_state"}
+        best_state = {} if self.best_state is None else vars(self.best_state)
+        return result | {f"best_{name}": value for name, value in best_state.items()}
+
+    @classmethod
+    def from_step_result(cls, result: StepResult) -> _Iteration:
+        """Return the state that `to_step_result` converted."""
+        values = {field.name: _to_value(result[field.name]) for field in fields(cls) if field.name in result}
+        if "best_pressure" in result:
+            values["best_state"] = _to_adhesion_state(
+                {name.removeprefix("best_"): value for name, value in result.items() if name.startswith("best_")}
+            )
+        return cls(**values)
+
+
+def _to_value(value: Any) -> Any:
+    """Return a stored array unchanged, and a stored number as a Python number."""
+    return value if np.ndim(value) else np.asarray(value).item()
+
+
+def _to_adhesion_state(result: StepResult) -> AdhesionState:
+    return AdhesionState(
+        **{field.name: _to_value(result[field.name]) for field in fields(AdhesionState) if field.name in result}
+    )
+
+
 class AdhesionSolver:
     """Adhesive attraction in a contact problem, with methods that find the equilibrium states of the contact."""
 
     def __init__(
-        self, problem: HalfSpaceProblem, *, tolerance: float, report: Callable[[int, float], object] | None
-    ) -> None:
+        self, problem: HalfSpaceProblem, *, tolerance: float, report: Callable[[int, float], object] | None,
+        record: SolutionRecord | None = None,
+    ) -> None:  # fmt: skip
+        self.record = record or SolutionRecord()
         self.problem, self.report, self.solver_tolerance, self.max_residual = (
             problem,
             report,
@@ -100,22 +154,26 @@ class AdhesionSolver:
         No point may be closer than in `earlier_state`; the bodies then support the load when they are pulled apart.
         Otherwise, or if the iteration fails, `EquilibriumNotFoundError` is raised.
         """
-        least_residual, best_iteration = math.inf, 0
-        for iteration, (state, residual) in enumerate(
-            self._iterate_to_equilibrium(near, lambda _: contact_load, MAX_EXTRAPOLATION_FACTOR)
-        ):
-            if (
-                residual <= self.max_residual
-                and (state.attraction <= earlier_state.attraction + MAX_ATTRACTION_INCREASE * self.max_attraction).all()
+
+        def solve() -> StepResult:
+            iteration = self._start_iteration(near)
+            for state, residual in self._iterate_to_equilibrium(
+                iteration, lambda _: contact_load, MAX_EXTRAPOLATION_FACTOR
             ):
-                return state
-            if residual <= self.max_residual:
-                break
-            if residual < least_residual:
-                least_residual, best_iteration = residual, iteration
-            if iteration - best_iteration > MAX_STALLED_SOLVES or iteration == MAX_SOLVES_PER_CONTACT_LOAD:
-                break
-        raise EquilibriumNotFoundError("the computation of the attraction did not converge")
+                max_attraction = earlier_state.attraction + MAX_ATTRACTION_INCREASE * self.max_attraction
+                if residual <= self.max_residual and (state.attraction <= max_attraction).all():
+                    return dict(vars(state))
+                if residual <= self.max_residual:
+                    break
+                if residual < iteration.best_residual:
+                    iteration.best_residual, iteration.best_state_number = residual, iteration.num_states
+                num_worse = iteration.num_states - iteration.best_state_number
+                if num_worse > MAX_STALLED_SOLVES or iteration.num_states == MAX_SOLVES_PER_CONTACT_LOAD:
+                    break
+                iteration.num_states += 1
+            raise EquilibriumNotFoundError("the computation of the attraction did not converge")
+
+        return _to_adhesion_state(self.record.run_step(solve, EquilibriumNotFoundError))
 
     def find_equilibrium_at_pressure(
         self, near: AdhesionState | None, load: float, *, longest: float = MAX_EXTRAPOLATION_FACTOR
@@ -129,63 +187,79 @@ class AdhesionSolver:
         `EquilibriumNotFoundError` is raised if `MAX_SOLVES_PER_LOAD` solutions do not decide.
         """
         min_contact = self.min_contact if near is None else -math.inf
-        slowest_state, least_residual, previous_residual = near, math.inf, math.inf
-        iterations = self._iterate_to_equilibrium(
-            near, lambda mean_attraction: max(load + mean_attraction, min_contact), longest
-        )
-        for iteration, (state, residual) in enumerate(iterations):
-            if residual <= self.max_residual:
-                return state, True
-            if iteration == MAX_SOLVES_PER_LOAD:
-                raise EquilibriumNotFoundError("the computation of the attraction did not converge")
-            # ignore the first states; by chance, one of them may lie near an equilibrium
-            if residual < min(previous_residual, least_residual) and iteration > 1:
-                slowest_state, least_residual = state, residual
-            previous_residual = residual
-        assert slowest_state is not None
-        return slowest_state, False
+
+        def solve() -> StepResult:
+            iteration = self._start_iteration(near)
+            states = self._iterate_to_equilibrium(
+                iteration, lambda mean_attraction: max(load + mean_attraction, min_contact), longest
+            )
+            for state, residual in states:
+                if residual <= self.max_residual:
+                    return vars(state) | {"is_balanced": True}
+                if iteration.num_states == MAX_SOLVES_PER_LOAD:
+                    raise EquilibriumNotFoundError("the computation of the attraction did not converge")
+                # ignore the first states; by chance, one of them may lie near an equilibrium
+                if residual < min(iteration.last_residual, iteration.best_residual) and iteration.num_states > 1:
+                    iteration.best_state, iteration.best_residual = state, residual
+                iteration.last_residual = residual
+                iteration.num_states += 1
+            slowest_state = iteration.best_state or near
+            assert slowest_state is not None
+            return vars(slowest_state) | {"is_balanced": False}
+
+        result = self.record.run_step(solve, EquilibriumNotFoundError)
+        return _to_adhesion_state(result), bool(result["is_balanced"])
+
+    def _start_iteration(self, near: AdhesionState | None) -> _Iteration:
+        """Return the state before the first iteration, or the state in which an earlier computation was interrupted."""
+        if (state := self.record.read_state()) is not None:
+            return _Iteration.from_step_result(state)
+        if near is None:
+            return _Iteration(np.zeros_like(self.problem.gap))
+        return _Iteration(near.attraction, near.pressure)
 
     def _iterate_to_equilibrium(
-        self, near: AdhesionState | None, contact_load: Callable[[float], float], longest: float
+        self, state: _Iteration, contact_load: Callable[[float], float], longest: float
     ) -> Iterator[tuple[AdhesionState, float]]:
-        """Yield the state and the relative change of the attraction after each iteration, until the bodies separate.
+        """Yield each contact and its relative change of the attraction, until the bodies separate. Update `state`.
 
         The contact load (GPa) is a function of the mean attraction. After `NUM_UNACCELERATED_STEPS` plain steps, a step
         is extrapolated as a geometric series with the ratio of the last two changes, limited to `longest` times the
         last change.
         """
         grids, gap = self.problem.grids, self.problem.gap
-        attraction = np.zeros_like(gap) if near is None else near.attraction
-        pressure = None if near is None else near.pressure
-        # Attraction after the plain step. It is stored as a fallback if the step is extrapolated.
-        plain_attraction: Floats | None = None
-        residual = least_residual = math.inf
-        tolerance_ratio, stalled_count = TOLERANCE_TO_RESIDUAL_RATIO, 0
-        for iteration in itertools.count():
+        for number in itertools.count(state.number):
+            state.number = number
+            self.record.offer_state(state.to_step_result)
+            attraction = state.attraction
             mean_attraction = float(attraction.mean())
             mean_pressure = contact_load(mean_attraction)
-            if mean_pressure < self.min_contact and plain_attraction is not None:
-                attraction, plain_attraction = plain_attraction, None
+            if mean_pressure < self.min_contact and state.plain_attraction is not None:
+                state.attraction, state.plain_attraction = state.plain_attraction, None
                 continue
             if mean_pressure < self.min_contact:
                 return
             if not mean_pressure < self.bound[0]:
                 raise EquilibriumNotFoundError("the attraction raises the pressure to the hardness at all points")
             tolerance = min(
-                max(self.tolerance, tolerance_ratio * self.relative_range * residual), MAX_SOLUTION_TOLERANCE
+                max(self.tolerance, state.tolerance_ratio * self.relative_range * state.residual),
+                MAX_SOLUTION_TOLERANCE,
             )
             attracted_gap = gap - grids.displacement(attraction, threads=solver_thread_count())
             solver = _core.HalfSpaceSolver(
                 attracted_gap, grids, bound=self.bound, tolerance=tolerance, threads=solver_thread_count()
             )
-            solution = solver.at(mean_pressure, near=pressure, threads=solver_thread_count(), progress=self.report)
+            solution = solver.at(
+                mean_pressure, near=state.pressure, threads=solver_thread_count(), progress=self.report,
+                counter=self.record.counter,
+            )  # fmt: skip
             if not solution.error <= max(tolerance, self.solver_tolerance):
                 raise EquilibriumNotFoundError("the computation of the pressures did not converge")
-            pressure = solution.pressure
+            state.pressure = pressure = solution.pressure
             displacement = grids.displacement(pressure.reshape(gap.shape), threads=solver_thread_count())
             attraction_change = self.attraction_at_gap(attracted_gap + displacement - solution.approach) - attraction
             previous_residual, residual = (
-                residual,
+                state.residual,
                 float(np.abs(attraction_change).mean()) / (mean_pressure + mean_attraction),
             )
             approach_error_and_iterations = solution.approach, solution.error, solution.iterations
@@ -200,20 +274,22 @@ class AdhesionSolver:
                     ),
                     residual,
                 )
-            stalled_count = 0 if residual < least_residual else stalled_count + 1
-            least_residual = min(least_residual, residual)
+            state.residual = residual
+            state.stalled_count = 0 if residual < state.least_residual else state.stalled_count + 1
+            state.least_residual = min(state.least_residual, residual)
             # the remaining residual may be caused by inexact contact solutions
-            if stalled_count > MAX_STALLED_SOLVES:
-                tolerance_ratio, stalled_count = tolerance_ratio / 10, 0
+            if state.stalled_count > MAX_STALLED_SOLVES:
+                state.tolerance_ratio, state.stalled_count = state.tolerance_ratio / 10, 0
             residual_ratio = residual / previous_residual if previous_residual else 0.0
             extrapolation_factor = 1 / (1 - residual_ratio) if residual_ratio < 1 - 1 / longest else longest
-            next_attraction, plain_attraction = np.clip(attraction + attraction_change, 0.0, self.max_attraction), None
-            if iteration % (NUM_UNACCELERATED_STEPS + 1) == NUM_UNACCELERATED_STEPS and longest > 1:
-                plain_attraction, next_attraction = (
-                    next_attraction,
-                    np.clip(attraction + extrapolation_factor * attraction_change, 0.0, self.max_attraction),
+            next_attraction = np.clip(attraction + attraction_change, 0.0, self.max_attraction)
+            state.plain_attraction = None
+            if number % (NUM_UNACCELERATED_STEPS + 1) == NUM_UNACCELERATED_STEPS and longest > 1:
+                state.plain_attraction = next_attraction
+                next_attraction = np.clip(
+                    attraction + extrapolation_factor * attraction_change, 0.0, self.max_attraction
                 )
-            attraction = next_attraction
+            state.attraction = next_attraction
 
     def at(self, load: float, near: AdhesionState | None) -> AdhesionState:
         """Find the equilibrium at an external pressure (GPa). The iteration starts from `near`, or without contact."""
@@ -393,12 +469,13 @@ def _interpolate_minimum_load(
 
 
 def solve_with_adhesion(
-    problem: HalfSpaceProblem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
-) -> list[ContactSolution]:
+    problem: HalfSpaceProblem, loads: Floats, *, tolerance: float,
+    progress: Callable[[int, int, float], object] | None, record: SolutionRecord,
+) -> list[ContactSolution]:  # fmt: skip
     """Solve the contact at each external load (mN), starting from the contact at the previous load."""
     solutions: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(solutions), iteration, error)
-    solver = AdhesionSolver(problem, tolerance=tolerance, report=report)
+    solver = AdhesionSolver(problem, tolerance=tolerance, report=report, record=record)
     total_area = problem.cell_area * problem.gap.size
     state = None
     for load in loads.tolist():
@@ -410,13 +487,15 @@ def solve_with_adhesion(
     return solutions
 
 
-def solve_separation(contact_solution: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
+def solve_separation(
+    contact_solution: ContactSolution, *, tolerance: float, record: SolutionRecord
+) -> tuple[list[ContactSolution], str]:
     """Return the contacts during separation, and the reason why the minimum load is uncertain ("" if it is certain)."""
     problem, total_area = (
         contact_solution.problem,
         contact_solution.problem.cell_area * contact_solution.problem.gap.size,
     )
-    solver = AdhesionSolver(problem, tolerance=tolerance, report=None)
+    solver = AdhesionSolver(problem, tolerance=tolerance, report=None, record=record)
     pressure = contact_solution.on_grid(contact_solution.values)
     start_values = float(pressure.mean()), contact_solution.load / total_area, contact_solution.approach
     start = AdhesionState(pressure.ravel(), np.asarray(contact_solution.attraction), *start_values)

@@ -6,6 +6,7 @@ Friction from half-space pressures and local slopes: Karpenko & Akay, Tribology 
 
 from __future__ import annotations
 
+import functools
 import math
 import warnings
 from collections.abc import Callable, Sequence
@@ -30,6 +31,7 @@ from stiction.mechanics.model import (
     warn_if_same_body,
 )
 from stiction.mechanics.onset import Onset, compute_onset, parse_direction, resolve_index, validate_nonzero_strengths
+from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import BodyLike, as_bodies
 
@@ -185,6 +187,7 @@ class HalfSpaceCurve(FrictionCurve):
     _contact_solutions: tuple[ContactSolution, ...] = field(repr=False)
     _sums: tuple[PatchSums, ...] = field(repr=False)
     _tolerance: float = field(repr=False)
+    _record: SolutionRecord = field(default_factory=SolutionRecord, repr=False)
 
     @property
     def pull_off(self) -> float:
@@ -220,14 +223,15 @@ class HalfSpaceCurve(FrictionCurve):
         """
         if self.work_of_adhesion == 0:
             raise ValueError("parting requires adhesion; call half_space with a work_of_adhesion above 0")
-        return _make_curve(self._problem, self._model, self._separation_solutions[0], self._tolerance)
+        return _make_curve(self._problem, self._model, self._separation_solutions[0], self._tolerance, self._record)
 
     @cached_property
     def _separation_solutions(self) -> tuple[list[ContactSolution], str]:
         """Contacts during separation, and the reason why the largest tension is uncertain ("" if it is certain)."""
         from stiction.mechanics.adhesion import solve_separation
 
-        return solve_separation(self._contact_solutions[int(np.argmin(self.load))], tolerance=self._tolerance)
+        contact_solution = self._contact_solutions[int(np.argmin(self.load))]
+        return solve_separation(contact_solution, tolerance=self._tolerance, record=self._record)
 
     @property
     def work_of_adhesion(self) -> float:
@@ -399,6 +403,7 @@ def half_space(
     adhesion_range: float | str = DEFAULT_ADHESION_RANGE,
     tolerance: float = 1e-6,
     progress: Callable[[int, int, float], object] | None = None,
+    record: SolutionRecord | None = None,
 ) -> HalfSpaceCurve:
     """Compute pressure, real contact area and friction of two rough surfaces on an elastic half-space.
 
@@ -450,6 +455,8 @@ def half_space(
     progress : callable, optional
         Function that is called in every iteration on the finest grid, with the number of solved loads or approaches,
         the iteration and the current error. An exception in this function, such as from Ctrl-C, ends the computation.
+    record : SolutionRecord, optional
+        Counter of the iterations, which may also store the contacts at finished loads. `run` uses it to resume.
 
     Returns
     -------
@@ -532,33 +539,46 @@ def half_space(
         problem, loads, to_core_units("approaches", approaches, "length")
     )
     warn_if_same_body(upper, lower)
-    solutions = _solve_contacts(problem, step_kind, step_values, tolerance=tolerance, progress=progress)
-    return _make_curve(problem, model, solutions, tolerance)
+    record = record or SolutionRecord()
+    solutions = _solve_contacts(problem, step_kind, step_values, tolerance=tolerance, progress=progress, record=record)
+    return _make_curve(problem, model, solutions, tolerance, record)
 
 
 def _solve_contacts(
     problem: HalfSpaceProblem, name: StepKind, steps: Floats, *, tolerance: float,
-    progress: Callable[[int, int, float], object] | None,
+    progress: Callable[[int, int, float], object] | None, record: SolutionRecord,
 ) -> list[ContactSolution]:  # fmt: skip
     """Solve the contact problem at each load (mN) or at each approach (µm)."""
-    from stiction.mechanics.half_space_problem import ContactSolver, to_contact_solution
+    from stiction.mechanics.half_space_problem import (
+        ContactSolver,
+        from_step_result,
+        to_contact_solution,
+        to_step_result,
+    )
 
     if problem.work_of_adhesion > 0:
         from stiction.mechanics.adhesion import solve_with_adhesion
 
-        return solve_with_adhesion(problem, steps, tolerance=tolerance, progress=progress)
+        return solve_with_adhesion(problem, steps, tolerance=tolerance, progress=progress, record=record)
     if problem.turns:
         from stiction.mechanics.tilt import solve_with_balanced_tilt
 
-        return solve_with_balanced_tilt(problem, steps, tolerance=tolerance, progress=progress)
+        return solve_with_balanced_tilt(problem, steps, tolerance=tolerance, progress=progress, record=record)
     solutions: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(solutions), iteration, error)
-    solver = ContactSolver(problem, name, steps[-1], tolerance=tolerance, report=report)
-    nearby_pressure = None
-    for step in steps.tolist():
+    solver = ContactSolver(problem, name, steps[-1], tolerance=tolerance, report=report, record=record)
+
+    def solve_step(step: float) -> StepResult:
+        last = solutions[-1] if solutions else None
+        nearby_pressure = None if last is None else last.on_grid(last.values).ravel()
         solution = solver.at(step, nearby_pressure)
-        nearby_pressure = solution.pressure
-        solutions.append(to_contact_solution(problem, solution, step if name == "loads" else None, scale=solver.scale))
+        return to_step_result(
+            to_contact_solution(problem, solution, step if name == "loads" else None, scale=solver.scale)
+        )
+
+    for step in steps.tolist():
+        result = record.run_step(functools.partial(solve_step, step), NoSolutionError)
+        solutions.append(from_step_result(problem, result))
     return solutions
 
 
@@ -584,8 +604,9 @@ def _add_adhesion(
 
 
 def _make_curve(
-    problem: HalfSpaceProblem, model: ContactModel, contacts: list[ContactSolution], tolerance: float
-) -> HalfSpaceCurve:
+    problem: HalfSpaceProblem, model: ContactModel, contacts: list[ContactSolution], tolerance: float,
+    record: SolutionRecord,
+) -> HalfSpaceCurve:  # fmt: skip
     sums = tuple(solution.sums(model.directions()) for solution in contacts)
     rows = [
         solution.curve_row() | total
@@ -593,7 +614,7 @@ def _make_curve(
     ]
     return HalfSpaceCurve(
         **_stack_columns(rows, model), effective_modulus=float(model.effective_modulus), _problem=problem, _model=model,
-        _contact_solutions=tuple(contacts), _sums=sums, _tolerance=tolerance,
+        _contact_solutions=tuple(contacts), _sums=sums, _tolerance=tolerance, _record=record,
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ import sys
 import weakref
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -20,6 +20,7 @@ from stiction._checks import Floats, float_array, make_read_only
 from stiction._errors import NoSolutionError
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.patches import PatchSums, grid_slopes, patch_sums
+from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.surfaces.profile import Profile, combine_missing_masks
 from stiction.surfaces.surface import Surface
 
@@ -414,9 +415,10 @@ class ContactSolver:
 
     def __init__(
         self, problem: HalfSpaceProblem, name: StepKind, limit: float, *, tolerance: float,
-        report: Callable[[int, float], object] | None,
+        report: Callable[[int, float], object] | None, record: SolutionRecord,
     ) -> None:  # fmt: skip
         self.problem, self.name, self.tolerance, self.report = problem, name, tolerance, report
+        self.counter = record.counter
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
@@ -435,7 +437,9 @@ class ContactSolver:
         problem, is_load = self.problem, self.name == "loads"
         value = step / (problem.cell_area * problem.gap.size) if is_load else step
         solve_step = self._core.at if is_load else self._core.at_approach
-        solution = solve_step(value, near=near, threads=solver_thread_count(), progress=self.report)
+        solution = solve_step(
+            value, near=near, threads=solver_thread_count(), progress=self.report, counter=self.counter
+        )
         if problem.missing is not None and solution.pressure.reshape(problem.gap.shape)[problem.missing].any():
             raise NoSolutionError(f"no solution at {step:g}: missing points would come into contact")
         if not solution.error * self.scale <= self.tolerance:
@@ -480,3 +484,21 @@ def to_contact_solution(
     load = float(values.sum()) * problem.cell_area if load is None else load
     approach_error_and_iterations = solution.approach, solution.error * scale, solution.iterations
     return ContactSolution(problem, load, points, values, fraction, patch, *approach_error_and_iterations, attraction)
+
+
+def to_step_result(contact_solution: ContactSolution) -> StepResult:
+    """Return the fields of a contact at one load as the result of a step."""
+    names = ("load", "points", "values", "share", "patch", "approach", "error", "iterations")
+    result = {name: getattr(contact_solution, name) for name in names}
+    problem = contact_solution.problem
+    return result | ({"upper": problem.upper, "gap": problem.gap, "tilt": problem.tilt} if problem.turns else {})
+
+
+def from_step_result(problem: HalfSpaceProblem, result: StepResult) -> ContactSolution:
+    """Return the contact of a problem that `to_step_result` converted."""
+    if problem.turns:
+        tilt = result["tilt"] if np.ndim(result["tilt"]) else float(result["tilt"])
+        problem = replace(problem, upper=result["upper"], gap=result["gap"], tilt=tilt)
+    fields: dict[str, Any] = {name: float(result[name]) for name in ("load", "approach", "error")}
+    fields |= {name: make_read_only(result[name]) for name in ("points", "values", "share", "patch")}
+    return ContactSolution(problem, **fields, iterations=int(result["iterations"]))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -20,11 +21,14 @@ from stiction.mechanics.half_space_problem import (
     ContactSolver,
     HalfSpaceProblem,
     TiltResponse,
+    from_step_result,
     lever_arms,
     mean_moments,
     solver_thread_count,
     to_contact_solution,
+    to_step_result,
 )
+from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
 # Maximum distance of the resultant force from the centre along an axis, as a fraction of the side length.
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
@@ -47,8 +51,9 @@ def apply_tilt(problem: HalfSpaceProblem, slopes: Floats) -> HalfSpaceProblem:
 
 
 def solve_with_balanced_tilt(
-    problem: HalfSpaceProblem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
-) -> list[ContactSolution]:
+    problem: HalfSpaceProblem, loads: Floats, *, tolerance: float,
+    progress: Callable[[int, int, float], object] | None, record: SolutionRecord,
+) -> list[ContactSolution]:  # fmt: skip
     """Find the tilt at which the resultant force acts at the centre. Return the contact at each load (mN)."""
     contact_solutions: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contact_solutions), iteration, error)
@@ -59,7 +64,7 @@ def solve_with_balanced_tilt(
     def solve_contact_and_moments(
         rotated_problem: HalfSpaceProblem, load: float, near: Floats | None, tolerance: float
     ) -> tuple[ContactSolution, Floats]:
-        solver = ContactSolver(rotated_problem, "loads", load, tolerance=tolerance, report=report)
+        solver = ContactSolver(rotated_problem, "loads", load, tolerance=tolerance, report=report, record=record)
         solution = solver.at(load, near)
         contact_solution = to_contact_solution(rotated_problem, solution, load, scale=solver.scale)
         return contact_solution, mean_moments(solution.pressure.reshape(shape), arms)
@@ -98,21 +103,26 @@ def solve_with_balanced_tilt(
             contact_solution, moments = candidate
         return contact_solution
 
-    near = None
-    for load in loads.tolist():
-        contact_solution = search_balance(problem, load, near, tolerance)
+    def solve_load(load: float) -> StepResult:
+        last = contact_solutions[-1] if contact_solutions else None
+        start = problem if last is None else last.problem
+        near = None if last is None else last.on_grid(last.values).ravel()
+        contact_solution = search_balance(start, load, near, tolerance)
         if contact_solution is None:
             # At low loads the surfaces touch at few points, and the moments change abruptly with the slopes.
             # The search then needs a good start, and displacements that are accurate relative to the small indentation.
-            rigid_problem = apply_tilt(problem, find_rigid_tilt(problem, load / problem.cell_area))
+            rigid_problem = apply_tilt(start, find_rigid_tilt(start, load / start.cell_area))
             touching = solve_contact_and_moments(rigid_problem, load, None, tolerance)[0]
-            displacement = problem.grids.displacement(touching.on_grid(touching.values), threads=solver_thread_count())
+            displacement = start.grids.displacement(touching.on_grid(touching.values), threads=solver_thread_count())
             fine_tolerance = INDENTATION_TOLERANCE * float(np.ptp(displacement)) / gap_deviation
             contact_solution = search_balance(rigid_problem, load, None, min(tolerance, fine_tolerance))
         if contact_solution is None:
             raise NoSolutionError(f"no solution at {load:g} mN: the search for the tilt did not converge")
-        problem, near = contact_solution.problem, contact_solution.on_grid(contact_solution.values).ravel()
-        contact_solutions.append(contact_solution)
+        return to_step_result(contact_solution)
+
+    for load in loads.tolist():
+        result = record.run_step(partial(solve_load, load), NoSolutionError)
+        contact_solutions.append(from_step_result(problem, result))
     return contact_solutions
 
 

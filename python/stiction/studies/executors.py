@@ -6,13 +6,15 @@ import contextlib
 import logging
 import os
 import re
+import sys
+import time
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, ThreadPoolExecutor
 from importlib import import_module
 from typing import Any, TypeVar
 
-from stiction._text import MAX_PATH_LENGTH, printable_text
+from stiction._text import MAX_PATH_LENGTH, format_duration, printable_text
 from stiction._units import short_repr
 from stiction.studies.values import StudyError
 
@@ -21,6 +23,8 @@ MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
 CONNECTION_TIMEOUT = "15s"
+PROGRESS_PREFIX = "progress: "  # start of a line of progress
+PROGRESS_LINE_INTERVAL = 60.0  # time (s) between two lines of progress if the output is not a terminal
 
 
 @contextlib.contextmanager
@@ -91,8 +95,15 @@ def wrap_to_use_idle_threads(
 
 
 @contextlib.contextmanager
-def progress_bar(label: str, total: int, finished: int, enabled: bool) -> Iterator[Callable[..., None]]:
-    """Show a progress bar on a terminal or in a notebook, and yield a function that advances it."""
+def progress_bar(
+    label: str, total: int, finished: int, enabled: bool, estimate_progress: Callable[[], float] = lambda: 0.0
+) -> Iterator[Callable[..., None]]:
+    """Show the progress of a run, and yield a function that advances it by a number of finished tasks.
+
+    A terminal or a notebook shows a progress bar. Other output receives a line every `PROGRESS_LINE_INTERVAL`.
+    `estimate_progress` returns the sum of the finished fractions of all running tasks. Call the yielded function with 0
+    from time to time to update the display.
+    """
     if not enabled:
         yield lambda count=1: None
         return
@@ -102,8 +113,9 @@ def progress_bar(label: str, total: int, finished: int, enabled: bool) -> Iterat
     from rich.console import Console
 
     columns = (
-        progress.TextColumn(label), progress.BarColumn(), progress.MofNCompleteColumn(), progress.TextColumn("elapsed"),
-        progress.TimeElapsedColumn(), progress.TextColumn("left"), progress.TimeRemainingColumn(),
+        progress.TextColumn(label), progress.BarColumn(), progress.MofNCompleteColumn(),
+        progress.TaskProgressColumn(), progress.TextColumn("elapsed"), progress.TimeElapsedColumn(),
+        progress.TextColumn("left {task.fields[left]}"),
     )  # fmt: skip
     is_notebook = Console().is_jupyter
     # Without ipywidgets, rich shows no progress bar in a notebook, but prints one line of text at the end.
@@ -112,8 +124,28 @@ def progress_bar(label: str, total: int, finished: int, enabled: bool) -> Iterat
     with progress.Progress(
         *columns, console=console, transient=console.is_terminal, disable=is_hidden
     ) as progress_display:
-        task = progress_display.add_task("", total=total, completed=finished)
-        yield lambda count=1: progress_display.advance(task, count)
+        task = progress_display.add_task("", total=total, completed=finished, left="-")
+        start_time = last_time = time.monotonic()
+        num_finished = finished
+
+        def advance(count: int = 1) -> None:
+            nonlocal num_finished, last_time
+            num_finished += count
+            completed, now = num_finished + estimate_progress(), time.monotonic()
+            # The time per task is the mean of this run.
+            left = (now - start_time) * (total - completed) / (completed - finished) if completed > finished else 0.0
+            left_text = format_duration(left) if completed > finished else "-"
+            progress_display.update(task, completed=completed, left=left_text)
+            if is_hidden and now - last_time > PROGRESS_LINE_INTERVAL:
+                last_time = now
+                line = (
+                    f"{num_finished}/{total} {label}, {completed / total:.1%} after {format_duration(now - start_time)}"
+                )
+                line += f", about {left_text} left" if completed > finished else ""
+                with contextlib.suppress(OSError):  # standard error may be closed
+                    print(f"{PROGRESS_PREFIX}{line}", file=sys.stderr, flush=True)
+
+        yield advance
 
 
 class ClusterError(ValueError):

@@ -35,6 +35,7 @@ from stiction.mechanics.quantities import (
     SUM_QUANTITIES,
     ZERO_LOAD_SUM_QUANTITIES,
 )
+from stiction.mechanics.solution_record import SolutionRecord
 from stiction.studies.contact_statistics import (
     QUANTILE_PROBABILITIES,
     ContactList,
@@ -76,8 +77,9 @@ NUM_UNLOADING_MEMBERS, NUM_UNLOADING_CUT_OFFS = 4, 2
 
 
 def solve_at_loads(
-    study: Study, upper: Profile | Surface, lower: Profile | Surface, *, computes_unloading: bool = False
-) -> ArraysByName:
+    study: Study, upper: Profile | Surface, lower: Profile | Surface, *, record: SolutionRecord | None = None,
+    computes_unloading: bool = False,
+) -> ArraysByName:  # fmt: skip
     """Compute the contact sums of a pair at the loads of its study. For measured bodies, add contact statistics.
 
     Arrays that depend on the motion have the shape (rules, directions, loads); all others have the shape (loads,). At
@@ -96,7 +98,7 @@ def solve_at_loads(
     }
     slopes = PairSlopes.from_pair(upper, lower) if study.is_measured else None
     if isinstance(contact, HalfSpaceSettings):
-        _solve_half_space(contact, upper, lower, values, slopes, computes_unloading=computes_unloading)
+        _solve_half_space(contact, upper, lower, values, slopes, record, computes_unloading=computes_unloading)
     else:
         _solve_asperities(contact, upper, lower, values, slopes)
     if slopes is not None:
@@ -130,6 +132,7 @@ def _solve_half_space(
     lower: Any,
     values: ArraysByName,
     slopes: PairSlopes | None,
+    record: SolutionRecord | None,
     *,
     computes_unloading: bool,
 ) -> None:
@@ -146,6 +149,7 @@ def _solve_half_space(
         **contact.solver_arguments(),
         direction=first_direction,
         sliding=contact.sliding_rules()[0],
+        record=record,
     )
     sum_names = (*HALF_SPACE_SUM_QUANTITIES, *(ADHESION_QUANTITIES[:1] if contact.adheres else ()))
 
@@ -373,8 +377,10 @@ iterations.
 _reusable_arrays = threading.local()
 
 
-def compute_member_arrays(study: Study, index: int) -> ArraysByName:
+def compute_member_arrays(study: Study, index: int, record: SolutionRecord | None = None) -> ArraysByName:
     """Compute all variables of one member of a study. The arrays have no member axis.
+
+    The half-space model reports its iterations and its finished loads to the record.
 
     Measured bodies also have the `MEMBER_COORDINATE_TYPES`. Values are NaN at loads for which the solver fails. Raises
     a `ValueError` if the bodies cannot be loaded.
@@ -383,7 +389,9 @@ def compute_member_arrays(study: Study, index: int) -> ArraysByName:
         name: np.empty(shape, dtype) for name, (shape, dtype) in get_array_shapes_and_types(study).items()
     }
     for cell_index, cell_arrays in (
-        _solve_measured_member(study, index, arrays) if study.is_measured else _solve_generated_member(study, index)
+        _solve_measured_member(study, index, arrays, record)
+        if study.is_measured
+        else _solve_generated_member(study, index, record)
     ):
         for name, values in cell_arrays.items():
             arrays[name][cell_index] = values.reshape(arrays[name][cell_index].shape)
@@ -406,12 +414,9 @@ def estimate_member_time(study: Study) -> float:
     num_loads = study.contact.loading_steps().size
     num_points, is_areal = count_grid_points(study), study.is_areal
     if study.uses_half_space and study.contact.adheres:
-        min_stiffness = PULL_OFF_ITERATION_FACTORS[is_areal] / MAX_PULL_OFF_ITERATIONS
-        num_pull_off_iterations = PULL_OFF_ITERATION_FACTORS[is_areal] / max(
-            _estimate_elasticity_to_adhesion_ratio(study), min_stiffness
-        )
         return num_cells * (
-            (num_loads + 1) * estimate_solution_time(study) + num_pull_off_iterations * _estimate_iteration_time(study)
+            (num_loads + 1) * estimate_solution_time(study)
+            + _estimate_pull_off_iterations(study) * _estimate_iteration_time(study)
         )
     if study.uses_half_space:
         return num_cells * num_loads * estimate_solution_time(study)
@@ -427,6 +432,20 @@ def estimate_member_time(study: Study) -> float:
         + onset_time
         + 1e-4
     )
+
+
+def estimate_member_iterations(study: Study) -> float:
+    """Estimate the number of iterations on the finest grid for one member of a half-space study."""
+    num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
+    num_loads = study.contact.loading_steps().size
+    if not study.contact.adheres:
+        return num_cells * num_loads * ITERATIONS_PER_LOAD
+    return num_cells * ((num_loads + 1) * ITERATIONS_PER_LOAD + _estimate_pull_off_iterations(study))
+
+
+def _estimate_pull_off_iterations(study: Study) -> float:
+    factor = PULL_OFF_ITERATION_FACTORS[study.is_areal]
+    return factor / max(_estimate_elasticity_to_adhesion_ratio(study), factor / MAX_PULL_OFF_ITERATIONS)
 
 
 def estimate_solution_time(study: Study) -> float:
@@ -466,12 +485,14 @@ def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
 
 
-def _solve_generated_member(study: Study, repetition: int) -> Iterator[tuple[Any, ArraysByName]]:
+def _solve_generated_member(
+    study: Study, repetition: int, record: SolutionRecord | None
+) -> Iterator[tuple[Any, ArraysByName]]:
     """Yield, for each fractal dimension and amplitude, their indices and the contact sums of one repetition."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _solve_profile_batches(study, repetition)
         return
-    press_pair = solve_at_loads if study.uses_half_space else _solve_at_approaches
+    press_pair = functools.partial(solve_at_loads, record=record) if study.uses_half_space else _solve_at_approaches
     cells: Any = study.surfaces.cell_coordinates()
     dimensions, amplitudes = cells["fractal_dimension"], cells["amplitude"]
     if not study.is_areal:
@@ -581,7 +602,9 @@ def _get_reused_array(shape: tuple[int, ...]) -> Floats:
 # ---- Measured bodies -------------------------------------------------------------------------------------------------
 
 
-def _solve_measured_member(study: Study, index: int, arrays: ArraysByName) -> Iterator[tuple[int, ArraysByName]]:
+def _solve_measured_member(
+    study: Study, index: int, arrays: ArraysByName, record: SolutionRecord | None
+) -> Iterator[tuple[int, ArraysByName]]:
     """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
     computes_unloading = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
     for cell_index, wavelength in enumerate(study.surfaces.cell_coordinates()["cut_off"]):
@@ -590,6 +613,9 @@ def _solve_measured_member(study: Study, index: int, arrays: ArraysByName) -> It
         yield (
             cell_index,
             solve_at_loads(
-                study, *member.pair, computes_unloading=computes_unloading and cell_index < NUM_UNLOADING_CUT_OFFS
+                study,
+                *member.pair,
+                record=record,
+                computes_unloading=computes_unloading and cell_index < NUM_UNLOADING_CUT_OFFS,
             ),
         )

@@ -71,7 +71,7 @@ def run(
         with repetitions of the same study is resumed: finished repetitions are not computed again, and the number of
         repetitions may increase. Without a store the result is kept in memory.
     progress : bool
-        True to draw a progress bar on the terminal.
+        True to draw a progress bar on the terminal, or to print a line every minute if there is no terminal.
 
     Returns
     -------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import itertools
 import math
 import queue
@@ -33,9 +34,10 @@ from stiction.studies.layout import (
     compute_bytes_per_member,
     stack_members,
 )
-from stiction.studies.member_solution import compute_member_arrays, estimate_member_time
+from stiction.studies.member_solution import compute_member_arrays, estimate_member_iterations, estimate_member_time
 from stiction.studies.member_sums import MemberSums
 from stiction.studies.members import check_last_member, count_grid_points, find_body_attributes
+from stiction.studies.members_in_progress import MembersInProgress
 from stiction.studies.store import (
     BLOCKS_FOLDER,
     STUDY_FILE,
@@ -61,6 +63,7 @@ MIN_BLOCK_TIME = 0.06  # minimum computing time (s) of a block; writing its file
 MAX_SUBMITTED_TASKS = 1000  # maximum number of submitted tasks if the workers write the block files
 # maximum number of submitted tasks if this process writes the block files
 MAX_RETURNED_TASKS = 256
+PROGRESS_INTERVAL = 0.5  # time (s) between two updates of the displayed progress
 SHUTDOWN_TIMEOUT = 3.0  # time (s) for which an interrupted run waits for unfinished blocks
 MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result without a store, and of a single repetition
 
@@ -151,17 +154,19 @@ def complete_blocks(
     unfinished_members = _UnfinishedMembers(stored_result, part)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
+        members_in_progress = _create_members_in_progress(stored_result.study, stored_result.path)
         advance = stack.enter_context(
             progress_bar(
                 stored_result.study.member_names.plural,
                 unfinished_members.total,
                 unfinished_members.total - unfinished_members.count,
                 progress,
+                members_in_progress.estimate_progress,
             )
         )
         if unfinished_members.count:
             stack.enter_context(_add_finished_count_to_errors(stored_result))
-            _compute_blocks(stored_result, unfinished_members, pool, advance, announce, update)
+            _compute_blocks(stored_result, unfinished_members, members_in_progress, pool, advance, announce, update)
     stored_result = stored_result.reload()
     if _UnfinishedMembers(stored_result, part).count or not (stored_result.path / STUDY_FILE).exists():
         raise StoreError(
@@ -170,9 +175,14 @@ def complete_blocks(
     return stored_result
 
 
+def _create_members_in_progress(study: Study, folder: Path | None) -> MembersInProgress:
+    return MembersInProgress(study, folder, functools.partial(estimate_member_iterations, study))
+
+
 def _compute_blocks(
-    stored_result: StoredResult, unfinished_members: _UnfinishedMembers, pool: Executor, advance: Callable[[int], None],
-    announce: Callable[[str], None] | None, update: Callable[[str], None] | None,
+    stored_result: StoredResult, unfinished_members: _UnfinishedMembers, members_in_progress: MembersInProgress,
+    pool: Executor, advance: Callable[[int], None], announce: Callable[[str], None] | None,
+    update: Callable[[str], None] | None,
 ) -> None:  # fmt: skip
     """Compute the blocks that are missing in a stored result, and write them to files.
 
@@ -186,6 +196,7 @@ def _compute_blocks(
         nonlocal is_first
         if content is not None:
             write_block(stored_result.path, members[0], content, len(members))
+        members_in_progress.remove(members)
         advance(len(members))
         if is_first and update is not None and num_workers is not None:
             is_first = False
@@ -209,8 +220,14 @@ def _compute_blocks(
                 _describe_remaining_work(stored_result, unfinished_members, is_local or is_visible, num_workers or 1)
             )
         max_tasks = MAX_SUBMITTED_TASKS if is_visible else MAX_RETURNED_TASKS
+        counts_iterations = is_local and stored_result.study.uses_half_space
+        task = (
+            functools.partial(compute_block, members_in_progress=members_in_progress)
+            if counts_iterations
+            else compute_block
+        )
         _submit_member_ranges(
-            unfinished_members, pool, max_tasks, accept_block, compute_block, __version__, stored_result.study, folder
+            unfinished_members, pool, max_tasks, accept_block, advance, task, __version__, stored_result.study, folder
         )
 
 
@@ -259,13 +276,25 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
                 shape = (*values.shape[:member_axis], unfinished_members.total, *values.shape[member_axis + 1 :])
                 arrays[name] = np.empty(shape, values.dtype)
             arrays[name][(*(slice(None),) * member_axis, slice(members.start, members.stop))] = values
+        members_in_progress.remove(members)
         advance(len(members))
 
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
-        advance = stack.enter_context(progress_bar(study.member_names.plural, unfinished_members.total, 0, progress))
+        members_in_progress = _create_members_in_progress(study, None)
+        advance = stack.enter_context(
+            progress_bar(
+                study.member_names.plural, unfinished_members.total, 0, progress, members_in_progress.estimate_progress
+            )
+        )
+        counts_iterations = isinstance(pool, ThreadPoolExecutor) and study.uses_half_space
+        task = (
+            functools.partial(compute_block_arrays, members_in_progress=members_in_progress)
+            if counts_iterations
+            else compute_block_arrays
+        )
         _submit_member_ranges(
-            unfinished_members, pool, MAX_SUBMITTED_TASKS, accept_arrays, compute_block_arrays, __version__, study
+            unfinished_members, pool, MAX_SUBMITTED_TASKS, accept_arrays, advance, task, __version__, study
         )
     return build_dataset(study, range(unfinished_members.total), arrays, find_body_attributes(study))
 
@@ -350,9 +379,11 @@ class _UnfinishedMembers:
 
 def _submit_member_ranges(
     unfinished_members: _UnfinishedMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
-    task: Callable[..., Any], *arguments: Any,
+    advance: Callable[[int], None], task: Callable[..., Any], *arguments: Any,
 ) -> None:  # fmt: skip
     """Submit a task for each range of missing members, and pass the result of the task to `accept`.
+
+    While tasks run, `advance` is called with 0, which updates the displayed progress.
 
     At most `max_tasks` tasks are queued at a time. An error cancels the remaining tasks.
     """
@@ -371,7 +402,11 @@ def _submit_member_ranges(
     try:
         submit_tasks(max_tasks)
         while pending_members:
-            future = finished_futures.get()
+            try:
+                future = finished_futures.get(timeout=PROGRESS_INTERVAL)
+            except queue.Empty:
+                advance(0)
+                continue
             accept(pending_members[future], future.result())
             del pending_members[future]
             submit_tasks(max_tasks - len(pending_members))
@@ -399,11 +434,16 @@ class SharedResultFolder:
         return (self.path / BLOCKS_FOLDER / self.token).exists()
 
 
-def compute_block(version: str, study: Study, folder: SharedResultFolder | None, members: range) -> bytes | None:
+def compute_block(
+    version: str, study: Study, folder: SharedResultFolder | None, members: range,
+    members_in_progress: MembersInProgress | None = None,
+) -> bytes | None:  # fmt: skip
     """Compute a block of members and write its file. If the folder is not accessible, return the file content."""
     from stiction.studies.store import encode_members
 
-    content = encode_members(study, members, compute_block_arrays(version, study, members))
+    if folder is not None and folder.is_accessible():
+        members_in_progress = _create_members_in_progress(study, folder.path)
+    content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))
     # If the run has ended in the meantime, a run of another study may use the folder.
     if folder is None or not folder.is_accessible():
         return content
@@ -411,7 +451,9 @@ def compute_block(version: str, study: Study, folder: SharedResultFolder | None,
     return None
 
 
-def compute_block_arrays(version: str, study: Study, members: range) -> ArraysByName:
+def compute_block_arrays(
+    version: str, study: Study, members: range, members_in_progress: MembersInProgress | None = None
+) -> ArraysByName:
     """Compute the arrays of values for a block of members.
 
     Raises a `StudyError` if `version` is not the version of this process.
@@ -421,7 +463,11 @@ def compute_block_arrays(version: str, study: Study, members: range) -> ArraysBy
             f"the worker on {socket.gethostname()} has stiction {__version__}, but the study was submitted with "
             f"{version}; install the same version on all machines"
         )
-    return stack_members(study, [compute_member_arrays(study, member) for member in members])
+    if members_in_progress is None or not study.uses_half_space:
+        return stack_members(study, [compute_member_arrays(study, member) for member in members])
+    return stack_members(
+        study, [compute_member_arrays(study, member, members_in_progress.add(member)) for member in members]
+    )
 
 
 # ---- Preview from the first members ---------------------------------------------------------------------------------

@@ -21,6 +21,7 @@ from stiction.studies.hardness import (
 from stiction.studies.load_range import has_only_negligible_loads
 from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
 from stiction.studies.member_sums import MemberSums
+from stiction.studies.members_in_progress import remove_stored_steps
 from stiction.studies.onset import ONSET_FILE, ONSET_TABLE_FILE
 from stiction.studies.runner import complete_blocks, prepare_result_folder
 from stiction.studies.store import (
@@ -94,5 +95,6 @@ def remove_result(stored_result: StoredResult, claim: FolderClaim) -> None:
         (stored_result.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
     area_files = (AREAS_BY_HARDNESS_FILE,) if stored_result.study.is_measured else ()
     onset_files = (ONSET_FILE, ONSET_TABLE_FILE) if (stored_result.path / ONSET_FILE).exists() else ()
+    remove_stored_steps(stored_result.path)
     for name in (STUDY_FILE, *area_files, *onset_files):
         (stored_result.path / name).unlink(missing_ok=True)

@@ -226,7 +226,7 @@ def pair(
     executor : concurrent.futures.Executor, optional
         Executor that computes the members; by default one thread per core.
     progress : bool
-        True to draw a progress bar on the terminal.
+        True to draw a progress bar on the terminal, or to print a line every minute if there is no terminal.
 
     Returns
     -------

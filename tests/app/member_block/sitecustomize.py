@@ -19,11 +19,11 @@ if BLOCKED_MEMBER_FILE.exists():
         except FileNotFoundError:  # The file may be removed at any moment.
             return False
 
-    def compute_member_arrays(study, member):
+    def compute_member_arrays(study, member, *record):
         """Return the sums of a member after the file no longer blocks it."""
         while is_blocked(member):
             time.sleep(0.02)
-        return compute_sums(study, member)
+        return compute_sums(study, member, *record)
 
     def compute_preview_sums(study):
         """Return the preview, which is never blocked."""
