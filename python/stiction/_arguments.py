@@ -19,14 +19,21 @@ def split_values(value: Any) -> list[Any]:
     """Split a comma-separated string or a nested list into a flat list. Any other value becomes a list of one item."""
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]
-    is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and np.ndim(value) == 1
+    is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and _count_dimensions(value) == 1
     return [item for element in value for item in split_values(element)] if is_sequence else [value]
+
+
+def _count_dimensions(value: Any) -> int | None:
+    try:
+        return np.ndim(value)
+    except ValueError:  # the rows of a nested list have different lengths
+        return None
 
 
 def _split_required_values(name: str, value: Any) -> list[Any]:
     values = split_values(value)
     if not values:
-        raise ArgumentError(f"{{{name}}} must have at least one value, got {{got}}", got=repr(value))
+        raise ArgumentError(f"{{{name}}} must have at least one value, got {{got}}", got=short_repr(value))
     return values
 
 
@@ -58,7 +65,7 @@ def reject_decimal_commas(name: str, value: Any) -> None:
             as_decimal, as_list = match[0].replace(",", "."), match[0].replace(",", ", ")
             raise ArgumentError(
                 f'{{{name}}} must not have a comma between digits, got {{got}}; write "{as_decimal}" for one number '
-                f'or "{as_list}" for two', got=repr(item),
+                f'or "{as_list}" for two', got=short_repr(item),
             )  # fmt: skip
 
 
@@ -75,7 +82,7 @@ def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[floa
         raise
     except ValueError:
         raise ArgumentError(
-            f'{{{name}}} must be one or more numbers, as in "0.3,0.4", got {{got}}', got=repr(value)
+            f'{{{name}}} must be one or more numbers, as in "0.3,0.4", got {{got}}', got=short_repr(value)
         ) from None
 
 
@@ -87,7 +94,7 @@ def parse_coefficients(name: str, value: Any) -> list[float]:
     """Parse one or more numbers between 0 and `MAX_INPUT_NUMBER`."""
     numbers = parse_numbers(name, value)
     if any(item < 0 for item in numbers):
-        raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=repr(value))
+        raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=short_repr(value))
     if not all(0 <= item <= MAX_INPUT_NUMBER for item in numbers):
         raise ArgumentError(
             f"{{{name}}} must be finite and from 0 to {MAX_INPUT_NUMBER:g}, got {{got}}", got=short_repr(value)
@@ -98,7 +105,7 @@ def parse_coefficients(name: str, value: Any) -> list[float]:
 def validate_nonnegative_values(name: str, values: list[Any], argument: Any) -> list[Any]:
     """Return the values of an argument; raise an `ArgumentError` if a value is negative."""
     if not all(value >= 0 for value in values):
-        raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=repr(argument))
+        raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=short_repr(argument))
     return values
 
 
@@ -123,10 +130,10 @@ def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantit
             )
             raise ArgumentError(
                 f'{{{name}}} must be a force or a pressure with its unit, as in "10 mN" or "10 MPa" ({allowed}), '
-                "got {got}", got=repr(value),
+                "got {got}", got=short_repr(value),
             )  # fmt: skip
         load = parse_quantity(name, value, kind)
     if not (load > 0 or (or_zero and load >= 0)):
         zero_load_hint = "" if load else "; a load of 0 is for bodies that adhere"
-        raise ArgumentError(f"{{{name}}} must be above 0, got {{got}}{zero_load_hint}", got=repr(value))
+        raise ArgumentError(f"{{{name}}} must be above 0, got {{got}}{zero_load_hint}", got=short_repr(value))
     return load, kind == "pressure"

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 import operator
+import os
+from collections.abc import Iterable
 from numbers import Real
+from pathlib import Path
 from typing import Any, TypeVar, get_args
 
 import numpy as np
@@ -88,7 +91,7 @@ def validate_fraction(name: str, value: Any) -> float:
     """Check that a value is a number from 0 to 1, and return it."""
     result = validate_number(name, value)
     if not 0 <= result <= 1:
-        raise ValueError(f"{name} must be from 0 to 1, got {value!r}")
+        raise ValueError(f"{name} must be from 0 to 1, got {short_repr(value)}")
     return result
 
 
@@ -108,6 +111,35 @@ def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: 
     """Raise a `ValueError` unless the value is an instance of `kind`. In the message, `words` describes this type."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
+
+
+def check_callable(name: str, value: Any) -> None:
+    """Raise a `ValueError` unless the value is a function."""
+    if not callable(value):
+        raise ValueError(f"{name} must be a function, got {short_repr(value)}")
+
+
+def parse_path(name: str, value: Any) -> Path:
+    """Return a path that is given as a string or as a path. Names that no file can have raise a `ValueError`."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise ValueError(f"{name} must be a path, got {type(value).__name__}")
+    path = Path(value)
+    try:
+        is_possible = b"\0" not in os.fsencode(path)
+    except UnicodeEncodeError:  # lone surrogates that do not come from the names of existing files
+        is_possible = False
+    if not is_possible:
+        raise ValueError(f"{name} must be a path of printable characters, got {short_repr(os.fspath(path))}")
+    return path
+
+
+def parse_names(name: str, value: Any) -> list[str]:
+    """Return one name, or several, as a list."""
+    names = [value] if isinstance(value, str) else value
+    names = list(names) if isinstance(names, Iterable) and not isinstance(names, bytes) else [None]
+    if not all(isinstance(item, str) for item in names):
+        raise ValueError(f"{name} must be a name or a list of names, got {short_repr(value)}")
+    return names
 
 
 def check_choice(name: str, value: Any, literal: Any) -> None:

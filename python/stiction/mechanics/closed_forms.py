@@ -12,7 +12,8 @@ from typing import Any, Literal, ParamSpec, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, check_choice, float_array
+from stiction._checks import Floats, check_choice, float_array, unwrap_scalar
+from stiction._units import short_repr
 from stiction.mechanics.friction import validate_friction_parameter, warn_if_tau0_is_large
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import SlidingRule
@@ -952,8 +953,8 @@ def gentle_friction(
     if not (ratio >= 0).all():
         raise ValueError(f"slope_ratio must not be negative, got {slope_ratio!r}")
     check_choice("sliding", sliding, SlidingRule)
-    if np.ndim(order) or order not in (1, 2):
-        raise ValueError(f"order must be 1 or 2, got {order!r}")
+    if not isinstance(unwrap_scalar(order), int) or order not in (1, 2):
+        raise ValueError(f"order must be 1 or 2, got {short_repr(order)}")
     warn_if_tau0_is_large(tau, float(np.min(modulus, initial=np.inf)))
     m = mu + factor * tau / (modulus * gradient)
     ratio_factor = ratio / (1 + ratio**2)

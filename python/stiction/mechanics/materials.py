@@ -11,6 +11,7 @@ from functools import cache
 from importlib import resources
 from typing import Any, Literal, get_args
 
+from stiction._checks import validate_number
 from stiction._units import short_repr
 
 COATING_FORMULAS = (
@@ -58,6 +59,9 @@ class MaterialValue(float):
 
     def __new__(cls, low: float, high: float, source: str) -> MaterialValue:
         """Create a value from the two ends of its range. The ends must not be negative."""
+        for name, end in (("low", low), ("high", high)):
+            if validate_number(name, end) < 0:
+                raise ValueError(f"{name} must be at least 0, got {short_repr(end)}")
         representative = low if low == high else math.sqrt(low * high) if low > 0 else high / 2
         value = super().__new__(cls, representative)
         value.low, value.high, value.source = low, high, source

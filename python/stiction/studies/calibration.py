@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Literal
 
 from stiction._arguments import MAX_INPUT_NUMBER
-from stiction._checks import check_choice, validate_number
+from stiction._checks import check_bool, check_choice, validate_number
 from stiction._units import short_repr, to_core_units
 from stiction.mechanics.model import SlidingRule
 from stiction.studies.calibration_fit import MIN_AREA_VARIATION, CalibrationProblem
@@ -94,6 +94,7 @@ def calibrate(
         raise ValueError(
             "tests must contain at least one test with sliding, because a test without sliding gives only a lower bound"
         )
+    check_bool("outliers", outliers)
     common = validate_number("common", common)
     if not 0 <= common < 1:
         raise ValueError(f"common must be at least 0 and below 1, got {common!r}")

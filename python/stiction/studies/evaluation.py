@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import check_bool
+from stiction._checks import check_bool, check_instance, parse_names, validate_whole_number
 from stiction._units import loads_to_core_units, short_repr, to_core_units
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.alternatives import AlternativeName, load_stored_alternatives
@@ -36,6 +36,8 @@ from stiction.studies.onset import load_stored_onset
 from stiction.studies.resolution import evaluate_at_cutoffs
 from stiction.studies.store import StoreError
 from stiction.studies.summary import PointSummary, Summary, summarize
+
+MAX_REACHED_LOADS = 100_000  # maximum number of loads of `Result.reached_loads`
 
 if TYPE_CHECKING:
     import pandas
@@ -119,6 +121,7 @@ class Evaluation(MemberSums):
 
         Raises a `ValueError` if there is no contact.
         """
+        steps = validate_whole_number("steps", steps, minimum=1, maximum=MAX_REACHED_LOADS)
         return choose_loads_in_range(self, steps)
 
     @cached_property
@@ -218,7 +221,7 @@ class Evaluation(MemberSums):
         if quantities is not None:
             if per_member or budget or height_scale is not None:
                 raise ValueError("quantities must be None if per_member, budget or height_scale is given")
-            quantities = [quantities] if isinstance(quantities, str) else list(quantities)
+            quantities = parse_names("quantities", quantities)
             if unknown_names := [name for name in quantities if name not in QUANTITIES]:
                 raise ValueError(
                     f"quantities must be names in the table of quantities, got {short_repr(unknown_names[0])}"
@@ -309,6 +312,9 @@ class Evaluation(MemberSums):
 
     def summarize_dataset(self, at: xarray.Dataset) -> Summary:
         """Summarize a dataset returned by `at` with `budget=True`, or a selection from such a dataset."""
+        import xarray
+
+        check_instance("at", at, xarray.Dataset, "a dataset from Result.at")
         alternatives = {
             name: summarize(other.at(at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values), other.study)
             for name, other in self.alternatives.items()

@@ -33,6 +33,8 @@ def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
 
     Raises a `StudyError` if a worker process ends.
     """
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        raise StudyError(f"executor must be a concurrent.futures.Executor, got {type(executor).__name__}")
     try:
         if executor is not None:
             yield executor

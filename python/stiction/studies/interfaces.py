@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._checks import Floats, check_choice, check_instance, validate_number
+from stiction._checks import Floats, check_callable, check_choice, check_instance, parse_path, validate_number
 from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes, replace_file_atomically
 from stiction._text import printable_path, printable_text
 from stiction._units import is_pressure, loads_to_core_units, short_repr, to_core_units
@@ -140,8 +140,9 @@ class Ball:
         object.__setattr__(self, "elasticity", elasticity)
         object.__setattr__(self, "moduli", moduli)
 
-    def area_per_load(self, load: float) -> float:
+    def area_per_load(self, load: float | str) -> float:
         """Return the true area per load A/F (1/GPa) at a load (mN), computed with the central values of the moduli."""
+        load = validate_number("load", load, unit="mN", above=0)
         radius, modulus = float(self.radius), self.elasticity.effective_modulus
         overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
         force, area = hertz_sphere(overlap, radius, modulus)
@@ -518,6 +519,7 @@ class Interface:
 
         The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
+        check_callable("coefficient", coefficient)
         fit = self.fits[0]
         value, low, high = compute_credible_interval(coefficient(fit.mu0, fit.tau0), 0.0)
         for strength in self.samples_at_bounds:
@@ -527,6 +529,9 @@ class Interface:
 
     def at(self, area_per_load: float) -> ValueWithLimits:
         """Return the sum mu0 + tau0 A/F with its 95 % interval, evaluated at a given A/F (1/GPa)."""
+        area_per_load = validate_number("area_per_load", area_per_load)
+        if area_per_load < 0:
+            raise ValueError(f"area_per_load must be at least 0, got {area_per_load:g}")
         return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
 
     @property
@@ -770,7 +775,7 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     """
     check_instance("interface", interface, Interface, "an Interface from calibrate()")
     content = _format_interface(interface, about or {})
-    with replace_file_atomically(Path(path), INTERFACE_FILE_HEADER.encode(), ValueError) as file:
+    with replace_file_atomically(parse_path("path", path), INTERFACE_FILE_HEADER.encode(), ValueError) as file:
         file.write_bytes(content)
 
 
@@ -850,7 +855,7 @@ def read_interface(path: str | Path) -> Interface:
     check_instance("path", path, (str, Path), "a path")
     try:
         lines = (
-            read_file_bytes(Path(path), MAX_INTERFACE_BYTES, INTERFACE_FILE_HEADER.encode())
+            read_file_bytes(parse_path("path", path), MAX_INTERFACE_BYTES, INTERFACE_FILE_HEADER.encode())
             .decode("utf-8")
             .splitlines()
         )

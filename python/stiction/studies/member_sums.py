@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import check_instance
+from stiction._checks import check_callable, check_instance, parse_names, parse_path
+from stiction._units import short_repr
 from stiction.studies.layout import compute_members_per_piece
 from stiction.studies.store import StoredResult, export
 from stiction.studies.study import Study, parse_study_of_dataset
@@ -101,6 +102,10 @@ class MemberSums:
 
         The pieces depend only on the study, so that sums over the pieces are bitwise reproducible.
         """
+        if names is not None:
+            names = parse_names("names", names)
+            if unknown_names := [name for name in names if name not in self.head.variables]:
+                raise ValueError(f"names must be variables of the result, got {short_repr(unknown_names[0])}")
         if isinstance(self.source, StoredResult):
             yield from self.source.pieces(names)
             return
@@ -119,7 +124,7 @@ class MemberSums:
         """
         import xarray
 
-        names, sums, counts = list(names), dict[str, xarray.Variable](), dict[str, xarray.Variable]()
+        names, sums, counts = parse_names("names", names), dict[str, xarray.Variable](), dict[str, xarray.Variable]()
         for piece in self.pieces(names):
             for name in names:
                 dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
@@ -150,6 +155,7 @@ class MemberSums:
 
         The value None is not cached, because an unfinished run may add the data later.
         """
+        check_callable("read", read)
         if self.stored is None:
             return None
         if read not in self._companions:
@@ -167,4 +173,4 @@ class MemberSums:
 
     def to_netcdf(self, path: str | Path) -> None:
         """Write the result to a new netCDF file, including all variables, coordinates and attributes."""
-        export(self.dataset, path)
+        export(self.dataset, parse_path("path", path))

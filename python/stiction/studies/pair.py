@@ -21,7 +21,8 @@ from stiction._arguments import (
 )
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, exact_quantity_text, quantity
+from stiction._text import MAX_WORD_LENGTH
+from stiction._units import Quantity, exact_quantity_text, quantity, short_repr
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.materials import material, softest_material
@@ -620,8 +621,8 @@ class MeasuredPair:
         text = "none" if self.options.surrogates is None else str(self.options.surrogates)
         if text == "none":
             return default
-        if not text.isdecimal() or not int(text):
-            raise ArgumentError("{surrogates} must be a whole number of at least 1, got {got}", got=repr(text))
+        if not text.isdecimal() or len(text) > MAX_WORD_LENGTH or not int(text):
+            raise ArgumentError("{surrogates} must be a whole number of at least 1, got {got}", got=short_repr(text))
         return int(text)
 
     def _build_contact_table(self, mechanics: str) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from pydantic.fields import FieldInfo
 from stiction._arguments import split_values
 from stiction._checks import unwrap_scalar, validate_number, validate_whole_number
 from stiction._errors import ArgumentError
+from stiction._text import MAX_WORD_LENGTH
 from stiction._units import short_repr
 from stiction.mechanics.half_space import TiltMode
 from stiction.mechanics.law import JacksonGreen
@@ -67,7 +68,7 @@ def _parse_value_list(value: object) -> object:
 
 
 def _parse_whole_number(value: object, minimum: int) -> int:
-    if isinstance(value, str) and value.strip().removeprefix("-").isdecimal():
+    if isinstance(value, str) and value.strip().removeprefix("-").isdecimal() and len(value) <= MAX_WORD_LENGTH:
         value = int(value)
     try:
         return validate_whole_number("", value, minimum=minimum)
@@ -841,7 +842,7 @@ def convert_validation_errors() -> Iterator[None]:
                 suggestions = difflib.get_close_matches(str(value), choices, n=1)
                 hint = f"; did you mean {suggestions[0]}?" if suggestions else ""
                 reason = f"must be {' or '.join(choices)}, got {short_repr(value)}{hint}"
-            case "string_type":
+            case "string_type" | "string_unicode":
                 reason = f"must be a string, got {short_repr(value)}"
             case "bool_type":
                 reason = f"must be True or False, got {short_repr(value)}"

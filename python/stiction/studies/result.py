@@ -7,7 +7,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stiction._checks import parse_path
 from stiction._repr import figure_html, preformatted_html, render_png
+from stiction._units import short_repr
 from stiction.studies.evaluation import Evaluation
 from stiction.studies.store import open_stored_result
 from stiction.views.files import write_result
@@ -72,8 +74,8 @@ class Result(Evaluation):
         import matplotlib as mpl
 
         drawing_functions = dict(self._list_drawing_functions())
-        if name not in drawing_functions:
-            raise ValueError(f"name must be one of {', '.join(map(repr, drawing_functions))}, got {name!r}")
+        if not isinstance(name, str) or name not in drawing_functions:
+            raise ValueError(f"name must be one of {', '.join(map(repr, drawing_functions))}, got {short_repr(name)}")
         with mpl.rc_context(MATPLOTLIB_STYLE):
             figure: Figure = drawing_functions[name]()
         vars(figure)["_repr_png_"] = partial(render_png, figure)  # allows a notebook to show the figure without pyplot
@@ -88,8 +90,9 @@ class Result(Evaluation):
         """Save the interactive HTML report of the result, and return its path."""
         from stiction.views.report import save_report  # imports Matplotlib
 
-        save_report(self, Path(path), name=self.path.resolve().name if self.path else "result")
-        return Path(path)
+        path = parse_path("path", path)
+        save_report(self, path, name=self.path.resolve().name if self.path else "result")
+        return path
 
     def export(self, path: str | Path) -> None:
         """Write the result to a new file: all numbers for ``.nc``, or a table of values for ``.csv`` and ``.tex``.
@@ -99,7 +102,7 @@ class Result(Evaluation):
         ValueError
             If the file exists or cannot be written, or its name has another ending.
         """
-        write_result(self, Path(path))
+        write_result(self, parse_path("path", path))
 
     # ---- Display in a terminal or a notebook -------------------------------------------------------------------------
 
@@ -145,4 +148,4 @@ def open_result(directory: str | Path) -> Result:
     >>> dict(open_result(folder).dataset.sizes)["repetition"]
     2
     """
-    return Result(open_stored_result(Path(directory)))
+    return Result(open_stored_result(parse_path("directory", directory)))

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stiction._checks import check_bool, check_instance, parse_path
 from stiction._core import __version__
 from stiction._files import FolderClaim, new_partial_file_name
 from stiction._text import format_bytes, format_duration, printable_path
@@ -84,6 +85,8 @@ def compute_member_sums(
     study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
 ) -> MemberSums:
     """Compute the contact sums of all members of a study, in memory or in a folder. Parameters as for `run`."""
+    check_instance("study", study, Study, "a Study")
+    check_bool("progress", progress)
     size = study.ensemble.repetitions * compute_bytes_per_member(study)
     if store is None and size > MAX_BYTES_IN_MEMORY:
         raise StudyError(
@@ -92,6 +95,7 @@ def compute_member_sums(
         )
     if store is None:
         return MemberSums(_run_in_memory(study.with_checksums(), executor, progress))
+    store = parse_path("store", store)
     with FolderClaim(store) as claim:
         stored_result = prepare_result_folder(study, store, claim)
         return MemberSums(complete_blocks(stored_result, executor=executor, progress=progress))

@@ -439,7 +439,7 @@ class Study(SettingsTable):
         StudyError
             If there is no study with that name.
         """
-        if name not in study_names():
+        if not isinstance(name, str) or name not in study_names():
             raise StudyError(
                 f"there is no built-in study {short_repr(name)}; the studies are {', '.join(study_names())}"
             )

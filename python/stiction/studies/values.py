@@ -175,6 +175,16 @@ class SettingsTable(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
 
+    def __init__(self, **values: Any) -> None:
+        """Validate the values. Invalid values raise a `StudyError` that names their keys."""
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise _convert_validation_errors(type(self), error, "") from None
+
+    # Validation from a mapping does not call this constructor, so that it can report all errors of nested tables.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
 
 class SettingsTableVariant(SettingsTable):
     """Base class for study-file tables with several variants. Each variant is a class with different keys."""
@@ -395,14 +405,16 @@ def validate_table(table_class: type[_SettingsClass], data: Mapping[str, Any], s
     try:
         return table_class.model_validate(data)
     except ValidationError as error:
-        faults = [_convert_validation_error(table_class, fault) for fault in error.errors(include_url=False)]
-        lines = [
-            f"{printable_path(source)}: {key}: {reason}" if key else f"{printable_path(source)}: {reason}"
-            for key, reason in faults[:MAX_LISTED_FAULTS]
-        ]
-        if len(faults) > MAX_LISTED_FAULTS:
-            lines.append(f"{printable_path(source)}: ... and {len(faults) - MAX_LISTED_FAULTS} more")
-        raise StudyError("\n".join(lines), tuple(faults)) from None
+        raise _convert_validation_errors(table_class, error, f"{printable_path(source)}: ") from None
+
+
+def _convert_validation_errors(table_class: type[SettingsTable], error: ValidationError, prefix: str) -> StudyError:
+    """Convert an error of pydantic to a `StudyError`, with one line per fault. Each line starts with the prefix."""
+    faults = [_convert_validation_error(table_class, fault) for fault in error.errors(include_url=False)]
+    lines = [f"{prefix}{key}: {reason}" if key else f"{prefix}{reason}" for key, reason in faults[:MAX_LISTED_FAULTS]]
+    if len(faults) > MAX_LISTED_FAULTS:
+        lines.append(f"{prefix}... and {len(faults) - MAX_LISTED_FAULTS} more")
+    return StudyError("\n".join(lines), tuple(faults))
 
 
 _ERROR_MESSAGE_TEMPLATES = {

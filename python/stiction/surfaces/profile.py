@@ -49,7 +49,10 @@ class Body(PlotReprMixin):
         if not isinstance(self.history, tuple) or not all(isinstance(step, str) for step in self.history):
             raise ValueError(f"history must be a tuple of strings, got {self.history!r}")
         if self.missing is not None:
-            missing = np.array(self.missing)
+            try:
+                missing = np.array(self.missing)
+            except ValueError:  # the rows of a nested list have different lengths
+                missing = np.array(None)
             if missing.dtype != np.bool_ or missing.shape != heights.shape or missing.all():
                 mask_text = "True at every point" if missing.all() else f"{missing.dtype} {missing.shape}"
                 allowed = f"a boolean array of shape {heights.shape} that is False at one point or more"

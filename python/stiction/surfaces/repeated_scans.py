@@ -221,7 +221,7 @@ def _interpolate_outliers(
     """Return both scans with interpolated outliers, or both scans unchanged if `outliers` is None."""
     if outliers is None:
         return first, second
-    masks = [np.asarray(mask) for mask in outliers]
+    masks = [np.asarray(mask) for mask in outliers] if isinstance(outliers, (list, tuple, np.ndarray)) else []
     shapes = [first.heights.shape, second.heights.shape]
     if [mask.shape for mask in masks] != shapes or any(mask.dtype != bool for mask in masks):
         given = ", ".join(f"{mask.dtype} of shape {mask.shape}" for mask in masks) or "none"

@@ -153,8 +153,8 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
     if not is_array or spacing is None:
         hint = "; make one by " + " or ".join(f"{kind.__name__}(z, spacing=...)" for kind in allowed_kinds)
         raise ValueError(f"{name} must be a {kind_text}, got {type(given).__name__}{hint if is_array else ''}")
-    if unit not in LENGTH_UNITS:
-        raise ValueError(f"unit must be a unit of length, such as um or nm, got {short_repr(unit)}")
+    if not isinstance(unit, str) or unit not in LENGTH_UNITS:
+        raise ValueError(f"unit must be one unit of length for arrays, such as um or nm, got {short_repr(unit)}")
     heights = float_array(name, given) * float(LENGTH_UNITS[unit])
     for kind in allowed_kinds:
         if kind._ndim == heights.ndim:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from warnings import warn
 
+from stiction._checks import check_bool, parse_path
 from stiction._errors import ArgumentError
 from stiction.mechanics.half_space import TiltMode
 from stiction.mechanics.model import CurvatureRequirement, DetectionMethod
@@ -259,7 +260,9 @@ def pair(
                 "with heights that point out of the material",
                 stacklevel=2,
             )
-    folder = Path(tempfile.mkdtemp(prefix="stiction-") if directory is None else directory)
+    for name, value in (("replace", replace), ("progress", progress)):
+        check_bool(name, value)
+    folder = Path(tempfile.mkdtemp(prefix="stiction-")) if directory is None else parse_path("directory", directory)
     if directory is None:  # the temporary directory is removed when Python exits
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
     try:

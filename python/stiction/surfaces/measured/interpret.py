@@ -11,8 +11,8 @@ from typing import Any, Generic, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats, check_choice, make_read_only
-from stiction._units import Quantity, quantity
+from stiction._checks import Floats, check_choice, make_read_only, parse_names, unwrap_scalar
+from stiction._units import Quantity, quantity, short_repr
 from stiction.surfaces.measured.plausibility import FILE_CAVEAT_NAMES, ScannedHeights, find_caveats
 from stiction.surfaces.measured.raw import (
     LENGTH_UNITS,
@@ -73,11 +73,10 @@ def validate_read_options(
 ) -> ReadOptions:  # fmt: skip
     """Validate the options for reading a file."""
     codes, words = _parse_missing_markers(missing_value)
-    accepted_names = (
-        tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
-    )
+    accepted = [] if accept is None else accept.split(",") if isinstance(accept, str) else parse_names("accept", accept)
+    accepted_names = tuple(name.strip() for name in accepted)
     if not set(accepted_names) <= set(FILE_CAVEAT_NAMES):
-        raise ValueError(f"accept must be one or more of {', '.join(FILE_CAVEAT_NAMES)}, got {accept!r}")
+        raise ValueError(f"accept must be one or more of {', '.join(FILE_CAVEAT_NAMES)}, got {short_repr(accept)}")
     check_choice("missing", missing, MissingPointTreatment)
     check_choice("outliers", outliers, OutlierTreatment)
     crop = crop.split(",") if isinstance(crop, str) else crop
@@ -117,11 +116,11 @@ def validate_read_options(
 def _parse_missing_markers(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
     """Separate missing-point markers into numbers and words."""
     values_given = given.split(",") if isinstance(given, str) else () if given is None else given
-    values_given = (values_given,) if isinstance(values_given, (int, float)) else values_given
+    values_given = values_given if isinstance(values_given, (list, tuple, set, np.ndarray)) else (values_given,)
     codes, words = [], []
-    for part in values_given:
+    for part in map(unwrap_scalar, values_given):
         if isinstance(part, bool) or not isinstance(part, (str, int, float)) or not str(part).strip():
-            raise ValueError(f"missing_value must be one or more numbers or words, got {given!r}")
+            raise ValueError(f"missing_value must be one or more numbers or words, got {short_repr(given)}")
         try:
             codes.append(float(part))
         except (ValueError, OverflowError):

@@ -11,6 +11,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
+from stiction._checks import parse_path
 from stiction._files import UnreadableFileError, check_is_file, describe_os_error
 from stiction._repr import format_with_unit
 from stiction._text import printable_path, printable_text
@@ -384,7 +385,7 @@ def _interpret_file(
     convert: Callable[[RawHeights, str, ReadOptions], InterpretedScan[_Body]],
 ) -> FileReading[_Body]:
     """Read a file and interpret its content. Every error message contains the complete path."""
-    path = Path(path)
+    path = parse_path("path", path)
     try:
         raw = select_heights(_read_content(path, options.words), options.channel, options.columns)
         interpreted_scan = convert(raw, path.name, options)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction._checks import check_instance, make_read_only
+from stiction._checks import check_instance, make_read_only, parse_path
 from stiction._files import UnreadableFileError, create_file_atomically, read_file_bytes
 from stiction._text import printable_path, printable_text
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
@@ -65,7 +65,7 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
     import pandas
 
     check_instance("spectrum", spectrum, JoinedSpectrum, "a JoinedSpectrum")
-    path = Path(path)
+    path = parse_path("path", path)
     if path.suffix.lower() != ".csv":
         raise FormatError(f"{path}: cannot be written: its name must end in .csv")
     names = [_format_scan_name(name) for name in spectrum.names]
@@ -151,7 +151,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     """
     import pandas
 
-    path = Path(path)
+    path = parse_path("path", path)
     try:
         text = read_file_bytes(path, MAX_TEXT_BYTES).decode("utf-8-sig", "replace")
         # pandas before version 3 would round numbers

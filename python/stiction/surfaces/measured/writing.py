@@ -5,11 +5,10 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Iterable
-from pathlib import Path
 
 import numpy as np
 
-from stiction._checks import Floats, check_instance
+from stiction._checks import Floats, check_instance, parse_path
 from stiction._files import create_file_atomically
 from stiction._text import printable_text
 from stiction.surfaces.measured.npy import write_npy
@@ -88,7 +87,8 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     """
     check_instance("surface", surface, Surface, "a Surface")
     columns = surface.heights.shape[1]
-    if Path(path).suffix.lower() == ".csv" and columns < MIN_MATRIX_COLUMNS:
+    path = parse_path("path", path)
+    if path.suffix.lower() == ".csv" and columns < MIN_MATRIX_COLUMNS:
         raise FormatError(
             f"{path}: cannot be written: a matrix in .csv must have at least {MIN_MATRIX_COLUMNS} columns, but the "
             f"surface has {columns}; choose .npy"
@@ -100,7 +100,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
 
 def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: list[str], rows: Iterable[str]) -> None:
     """Write a body to a file whose name ends in .csv (text: `head`, the history, then `rows`) or .npy (arrays)."""
-    path = Path(path)
+    path = parse_path("path", path)
     if path.suffix.lower() not in (".csv", ".npy"):
         raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")
     with create_file_atomically(path, FormatError) as partial_file:
