@@ -519,10 +519,11 @@ def _write_study_file(stored_result: StoredResult, claim: FolderClaim) -> None:
     except FileExistsError:
         if _contains_study(path, study):  # another run of the same study was faster
             return
-        _check_resumable(stored_result.reload())
-        _check_replaceable(path, study)
         if not _contains_study(path, study, repetitions_may_differ=True):
             check_unused(path, claim)
+        # The blocks are listed after the claims, because a run writes its blocks before it ends.
+        _check_resumable(stored_result.reload())
+        _check_replaceable(path, study)
         _files.write_atomically(path / STUDY_FILE, content)
 
 
