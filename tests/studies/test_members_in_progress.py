@@ -1,5 +1,7 @@
 """Test that interrupted members continue with the same bits, and that their progress is shown."""
 
+import time
+
 import numpy as np
 import pytest
 from stiction import run
@@ -161,8 +163,16 @@ def test_progress_of_a_member_rises_with_its_iterations(study):
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
 def test_progress_inside_a_member_is_printed_without_a_terminal(study, monkeypatch, capfd):
+    solve = ContactSolver.at
+
+    def solve_slowly(*arguments):
+        solution = solve(*arguments)
+        time.sleep(0.2)  # many times longer than the interval between two lines
+        return solution
+
+    monkeypatch.setattr(ContactSolver, "at", solve_slowly)
     monkeypatch.setattr(executors, "PROGRESS_LINE_INTERVAL", 0.0)
-    monkeypatch.setattr(runner, "PROGRESS_INTERVAL", 1e-3)
+    monkeypatch.setattr(runner, "PROGRESS_INTERVAL", 0.01)
     run(study, progress=True)
     lines = [line.removeprefix("progress: ") for line in capfd.readouterr().err.splitlines()]
     percentages = [float(line.split()[2].rstrip("%")) for line in lines]
