@@ -255,6 +255,25 @@ class TestMachinedTexture:
         heights = turned_surface(np.random.default_rng(1), 1, feed=(feed, feed))
         assert instrument_limit(make_body(heights)).period == pytest.approx(0.1 * feed, rel=0.01)
 
+    @pytest.mark.parametrize("feed", [120, 250])
+    def test_cusps_of_unequal_depth_are_not_attributed_to_the_instrument(self, feed):
+        profiles = [
+            make_body(
+                turned_surface(np.random.default_rng(seed), 1, feed=(0.9 * feed, 1.1 * feed), depth_variation=depth)
+            )
+            for depth in (0.15, 0.3)
+            for seed in range(30)
+        ]
+        assert not any(instrument_limit(each).matters for each in profiles)
+        # Noise that contributes most of the mean square slope is still found at the shorter feed.
+        rng = np.random.default_rng(1)
+        noisy_profiles = [
+            Profile(each.heights + 0.1 * each.heights.std() * rng.normal(size=len(each)), spacing=each.spacing)
+            for each in profiles[:10]
+        ]
+        if feed == 120:
+            assert sum(instrument_limit(each).matters for each in noisy_profiles) >= 5
+
     @pytest.mark.parametrize("hurst", [0.3, 0.8, 1.0])
     def test_random_profile_has_no_feed_marks(self, hurst):
         for seed in range(10):

@@ -46,6 +46,10 @@ CUTOFF_WAVELENGTH_RATIO = 1.9
 _MIN_SLOPE_FRACTION = 1e-4  # fractions of the mean square slope below this limit may be due to round-off
 # In the octave of the shortest wavelengths, the exponent of a rough surface is at least this large, even with aliasing.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
+# A spectrum with the harmonics of a texture falls at least with this exponent, unless noise exceeds the harmonics. In
+# 1080 generated profiles of turned surfaces with feeds from 15 to 500 points, noise was suspected in 8, and in 22
+# without this criterion; added noise was found equally often.
+_MIN_TEXTURED_SURFACE_EXPONENT = 0.8
 # Heights count as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
 # A spectrum counts as flat if both its exponent and the rms deviation of its log density are below this limit.
@@ -403,7 +407,8 @@ def instrument_limit(
     textures:
 
     - All harmonics, or the odd harmonics, of one period, such as feed marks. The spectrum is then assessed between the
-      harmonics, or not at all if they are less than 10 bins apart.
+      harmonics, or not at all if they are less than 10 bins apart. Noise between the harmonics counts only if it also
+      flattens the spectrum with the harmonics, because cusps of unequal depth raise the density between them.
     - A hump at more than 24 points, if the spectrum decreases beyond it.
     - A hump in one line. Lines of a map along straight grooves are copies of each other and count as one: the number
       of independent lines is estimated from the spectrum across them.
@@ -628,6 +633,7 @@ def _find_disturbance(
             return _SpectrumDisturbance(math.nan, "noise floor", 0.0, period)
         # The first harmonic is excluded, because cusps of unequal depth cause a hump near it.
         above_first_harmonic = slice(int(first_harmonic), None)
+        density_with_harmonics = density[above_first_harmonic]
         density, q, count = (
             density_between_harmonics(density, count, harmonic_distance)[above_first_harmonic],
             q[above_first_harmonic],
@@ -636,6 +642,8 @@ def _find_disturbance(
     wavelength_limit, kind = _find_noise_wavelength(q, density, count, spacing, periodic=periodic)
     if not wavelength_limit > 0 or (textured and kind not in INSTRUMENT_REASONS):
         return _SpectrumDisturbance(math.nan, kind, 0.0, period)
+    if first_harmonic > 0 and _falls_like_surface(q, density_with_harmonics, wavelength_limit):
+        return _SpectrumDisturbance(math.nan, kind, 0.0, period)
     is_unattributed = q * wavelength_limit > 2 * math.pi
     mean_square_slope = float((np.square(q) * density)[is_unattributed].sum() * (q[1] - q[0]) / math.pi)
     # a noise floor has the same density at all wave numbers, namely the density at the end of the spectrum
@@ -643,6 +651,29 @@ def _find_disturbance(
         floor_density = float(density[q * math.sqrt(2) > q[-1]].mean())
         mean_square_slope = min(mean_square_slope, floor_density * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
     return _SpectrumDisturbance(wavelength_limit, kind, mean_square_slope, period)
+
+
+def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> bool:
+    """Return whether a spectrum with the harmonics of a texture falls as fast as that of a surface below a wavelength.
+
+    Noise that matters exceeds the harmonics at short wavelengths, and flattens this spectrum too. Cusps of unequal
+    depth raise only the density between the harmonics.
+    """
+    end, start = float(q[-1]) * ROUND_OFF_FACTOR, 2 * math.pi / wavelength_limit
+    ratio = math.sqrt(2)
+    band_pairs = [((end / 2, end / ratio), (end / ratio, end))]
+    for step in range(max(math.ceil(2 * math.log2(end / start)), 1)):
+        upper = end / ratio**step
+        band_pairs.append(((upper / 4, upper / 2), (upper / 2, upper)))
+    for longer, shorter in band_pairs:
+        is_in_longer, is_in_shorter = ((q > low) & (q <= high) for low, high in (longer, shorter))
+        if not is_in_longer.any() or not is_in_shorter.any():
+            continue
+        octaves = math.log2(shorter[1] / longer[1])
+        fall = float(density[is_in_shorter].mean()) / float(density[is_in_longer].mean())
+        if fall > 2 ** (-_MIN_TEXTURED_SURFACE_EXPONENT * octaves):
+            return False
+    return True
 
 
 def _find_noise_wavelength(
