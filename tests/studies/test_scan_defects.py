@@ -168,6 +168,37 @@ def test_spikes_of_rounded_scan_are_found(num_levels, shape):
         assert num_spikes == [0, 5]
 
 
+def build_scratched_profile(rng, num_points=2000):
+    """Return heights with 40 scratches, each 2 to 8 points wide."""
+    heights, x = 0.05 * scale_to_unit_rms(filtered_noise(rng, (num_points,), 0.8)), np.arange(num_points)
+    for centre in rng.uniform(0, num_points, 40):
+        heights -= rng.uniform(0.3, 1) * np.exp(-(((x - centre) / rng.uniform(2, 8)) ** 2))
+    return 0.05 * scale_to_unit_rms(heights)
+
+
+def build_honed_profile(rng, num_points=2000):
+    """Return heights that are clipped at their median, with a smooth plateau."""
+    heights, plateau = (
+        scale_to_unit_rms(filtered_noise(rng, (num_points,), 0.8, longest=longest)) for longest in (60, 500)
+    )
+    return 0.05 * scale_to_unit_rms(np.minimum(heights, np.median(heights)) + 0.03 * plateau)
+
+
+@pytest.mark.parametrize("build_heights", [build_scratched_profile, build_honed_profile])
+def test_spikes_of_scratched_and_honed_profiles_are_found_but_no_scratches(build_heights):
+    num_found = {-1: 0, 1: 0}
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        heights = build_heights(rng)
+        clean = ScanDefects(Profile(heights, spacing=0.5), None, textured=False)
+        assert clean.num_spikes == 0
+        for sign in num_found:
+            spiky_heights = heights.copy()
+            spiky_heights[rng.integers(3, heights.size - 3)] += sign * 5 * heights.std()
+            num_found[sign] += ScanDefects(Profile(spiky_heights, spacing=0.5), None, textured=False).num_spikes > 0
+    assert min(num_found.values()) >= 27
+
+
 def test_outlier_of_a_few_rounding_steps_in_a_flat_profile_is_no_spike():
     rng = np.random.default_rng(0)
     steps = np.where(rng.random(2000) < 0.05, rng.choice([-1.0, 1.0, 2.0], 2000), 0.0)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._caching import cached_property
+from stiction._checks import Floats
 from stiction.surfaces.height_step import find_height_step
 from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
 from stiction.surfaces.measured.writing import heights_with_nan
@@ -30,6 +31,17 @@ MIN_SPIKE_HEIGHT_RATIO = 6.0
 A point far from its neighbours that is also an outlier is a spike. The distance is a multiple of the robust standard
 deviation of the heights. It is at most 4 for machined surfaces, and 5 for white noise.
 """
+
+MIN_SPIKE_TO_FLANK_RATIO = 2.0
+"""Minimum ratio of the height of a spike of a profile, per point of its width, to the height of its flanks.
+
+The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and ground profiles.
+"""
+_NUM_FLANK_POINTS = 4  # number of points on each side of a spike within which its height is measured
+# Minimum ratio of the largest step between two points to the height of a wide spike. The ratio is 0.4 for a groove with
+# a Gaussian cross section whose depth falls to 1/e over two points.
+_MIN_STEP_RATIO = 0.7
+_MIN_DEEP_SPIKE_RATIO = 2.0  # minimum height of wide spikes and of dips of a profile, as a multiple of the rms height
 
 # Smallest ratio of the height range without outliers to the height range with outliers. If the ratio is smaller, the
 # scan is flat except for outliers.
@@ -64,11 +76,17 @@ class ScanDefects:
 
     @cached_property
     def num_spikes(self) -> int:
-        """Number of outliers that are also sharp (profiles) or far from their neighbours (maps).
+        """Number of outliers that are also sharp and isolated (profiles) or far from their neighbours (maps).
 
-        Cusps and edges of machined surfaces are sharp too, but usually not outliers; narrow scratches can be outliers.
+        Cusps and edges of machined surfaces are sharp too, but usually not outliers. Narrow scratches can be outliers,
+        but are not isolated.
         """
-        return int(np.count_nonzero(self.outliers & _find_sharp_points(self.body))) if self.outliers.any() else 0
+        if not self.outliers.any():
+            return 0
+        is_spike = self.outliers & _find_sharp_points(self.body)
+        if isinstance(self.body, Profile) and is_spike.any():
+            is_spike &= _find_isolated_points(self.body, self.outliers)
+        return int(np.count_nonzero(is_spike))
 
     @cached_property
     def body_without_outliers(self) -> Profile | Surface:
@@ -150,6 +168,40 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     # More than half of the distances between rounded heights may be 0.
     usual_distance = max(float(np.median(typical_distances)) / 0.6745, rounding_distance)
     return np.asarray(distances > threshold * usual_distance)
+
+
+def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Find the outliers of a profile that rise from it abruptly, unlike the bottom of a groove or the tip of a cusp.
+
+    A group of adjacent outliers is isolated if its deviation from the profile without outliers is large compared with
+    the height of its flanks, or if a single step on its flanks makes up most of its height. Dips must also be deep,
+    because shallow dips do not touch and occur on honed plateaus.
+    """
+    from scipy.ndimage import find_objects, label
+
+    is_isolated = np.zeros(outliers.shape, np.bool_)
+    remaining_heights = with_interpolated_points(profile, outliers).heights
+    min_height = _MIN_DEEP_SPIKE_RATIO * float(levelled(profile, "line").heights.std())
+
+    def measure_from_flanks(heights: Floats, group: slice) -> Floats:
+        """Return heights near a group, measured from the line between two points of the profile beside it."""
+        start, stop = max(group.start - _NUM_FLANK_POINTS, 0), min(group.stop + _NUM_FLANK_POINTS, outliers.size)
+        base = np.linspace(remaining_heights[start], remaining_heights[stop - 1], stop - start)
+        return heights[start:stop] - base
+
+    for (group,) in find_objects(label(outliers)[0]):
+        width = group.stop - group.start
+        # Several points at an end may be one side of a groove or of a ridge.
+        if width > 1 and (group.start == 0 or group.stop == outliers.size):
+            continue
+        deviation = max((profile.heights - remaining_heights)[group].tolist(), key=abs)
+        flank_height = float(np.abs(measure_from_flanks(remaining_heights, group)).max())
+        is_above_flanks = abs(deviation) > MIN_SPIKE_TO_FLANK_RATIO * width * flank_height
+        heights = measure_from_flanks(profile.heights, group)
+        height = float(np.abs(heights).max())
+        has_step = height > min_height and float(np.abs(np.diff(heights)).max()) > _MIN_STEP_RATIO * height
+        is_isolated[group] = has_step or (is_above_flanks and (deviation > 0 or -deviation > min_height))
+    return is_isolated
 
 
 def find_scan_defects(
