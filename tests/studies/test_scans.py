@@ -6,11 +6,12 @@ import os
 
 import numpy as np
 import pytest
-from stiction import Profile, Study, Surface, open_result, pair, self_affine_surface
+from stiction import Profile, Study, Surface, open_result, pair, self_affine, self_affine_surface
 from stiction.studies.input_caveats import find_study_caveats
 from stiction.studies.intervals import average_scan_pairs, student_quantile
 from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.studies.pair import MeasuredPair
+from stiction.studies.scan_defects import estimate_roughness_drift
 from stiction.surfaces.measured.writing import write_surface
 from stiction.views.sentence import point_note_text
 
@@ -246,3 +247,69 @@ def test_repeated_extreme_height_adds_a_caveat_unless_it_is_accepted_or_declared
     )
     (caveat,) = MeasuredBodySettings.from_body(Profile(heights, spacing=100.0), "upper").caveats
     assert caveat.name == "repeated-extreme"
+
+
+# ---- Drift of the roughness along a single scan ----------------------------------------------------------------------
+
+
+def build_map(seed, *, drift=0.0, points=96):
+    """Return a map that is cut from a stationary surface, whose logarithmic slope then changes by `drift` along x."""
+    stationary = self_affine_surface(
+        seed, hurst_exponent=0.8, rms=0.03, shape=(2 * points, 2 * points), spacing=0.2, longest_wavelength=4.0
+    )
+    factor = np.exp(drift * np.linspace(-0.5, 0.5, points))
+    return Surface(stationary.heights[:points, :points] * factor, spacing=0.2)
+
+
+DRIFT_OPTIONS = {"load": "60 MPa", "effective_modulus": 80.0, "mu0": 0.2, "tau0": "400 MPa", "shifts": 4, "onset": 0}
+DRIFT_CAVEAT = "from one end of the scan to the other"
+
+
+def test_drift_of_a_single_scan_widens_the_interval_and_is_named_in_budget_and_caveat():
+    result = pair(build_map(1, drift=0.8), build_map(2), **DRIFT_OPTIONS)
+    lower, upper = result.interval
+    assert lower < result.of_positions[0] < result.of_positions[1] < upper
+    budget = result.budget.set_index("input")
+    assert budget.index[0] == "which piece of the upper part"
+    assert "which piece of the lower part" not in budget.index
+    # The remaining interval reflects only the positions.
+    assert budget.loc["which piece of the upper part", ["lower", "upper"]].tolist() == pytest.approx(
+        list(result.of_positions), rel=0.01
+    )
+    caveats = [each for each in result.caveats if DRIFT_CAVEAT in each.text]
+    assert [each.severity for each in caveats] == ["caution"]
+    assert caveats[0].text.startswith("upper: ")
+    assert result.next_test[0] < lower < upper < result.next_test[1]
+
+
+def test_drift_hardly_matters_for_plastic_contacts_and_is_not_used_beside_several_scans():
+    plastic = pair(
+        build_map(1, drift=0.8), build_map(2), **DRIFT_OPTIONS | {"tau0": "50 MPa", "hardness": "0.3 GPa"}
+    )  # fmt: skip
+    assert not any(DRIFT_CAVEAT in each.text for each in plastic.caveats)
+    upper_scans = [build_map(seed, drift=0.8) for seed in (1, 3, 4)]
+    several = pair(upper_scans, build_map(2), **DRIFT_OPTIONS)
+    assert not any(DRIFT_CAVEAT in each.text for each in several.caveats)
+
+
+@pytest.mark.parametrize("masked", [False, True])
+def test_drift_is_found_in_proportion_and_only_where_the_roughness_drifts(masked):
+    def estimate_drifts(build_body, drift, count):
+        return np.array([estimate_roughness_drift(build_body(seed, drift)) for seed in range(count)])
+
+    def build_profile(seed, drift):
+        heights = self_affine(
+            seed, hurst_exponent=0.8, rms=0.1, points=4000, spacing=0.5, longest_wavelength=100.0
+        ).heights[:2000]  # fmt: skip
+        missing = np.arange(2000) % 97 < 9 if masked else None
+        return Profile(heights * np.exp(drift * np.linspace(-0.5, 0.5, 2000)), spacing=0.5, missing=missing)
+
+    def build_masked_map(seed, drift):
+        surface = build_map(seed, drift=drift)
+        missing = np.zeros(surface.heights.shape, bool)
+        missing[10:30, 40:60] = masked
+        return Surface(surface.heights, spacing=0.2, missing=missing if masked else None)
+
+    for build_body in (build_profile, build_masked_map):
+        assert (estimate_drifts(build_body, 0.0, 30) > 0).sum() <= 2
+        assert estimate_drifts(build_body, 0.8, 6) == pytest.approx(0.8, abs=0.3)

@@ -58,6 +58,8 @@ MIN_MERGED_AREA_FRACTION = 0.3
 # A caveat is issued if a problem affects more than this fraction of the load, the members or the scan length.
 MAX_AFFECTED_FRACTION = 0.5
 MAX_INTERPOLATED_FRACTION = 0.02  # A caveat is issued if more than this fraction of the scan points is interpolated.
+MIN_DRIFT_EFFECT = 0.02
+"""Relative standard error of a coefficient above which a caveat about drift of the roughness is issued."""
 MAX_SPACING_RATIO = 3.0  # A caveat is issued if the grid spacings of the two scans differ by more than this factor.
 
 # an interface counts as nearly as strong as the bulk if the ratio of τ0 to H/√α exceeds this limit
@@ -321,6 +323,7 @@ def find_point_caveats(
     yield from find_caveats_of_failed_checks(([EQUALS_MU0_CHECK],), numbers)
     yield from _find_adhesion_caveats(point, study)
     yield from _find_grid_caveats(point, study)
+    yield from _find_drift_caveats(point, study, value)
     yield from _find_area_caveats(point, study)
     yield from find_caveats_of_failed_checks((_build_contact_count_checks(study), *contact_checks), numbers)
 
@@ -665,6 +668,25 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
             yield Caveat(
                 f"{text} of {format_with_unit(scan_length, 'um')}", "use profiles without --lay isotropic", "caution"
             )
+
+
+def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
+    """Yield a caveat for each body with a single scan whose drift of the roughness affects the coefficient.
+
+    The part of the coefficient beyond mu0 is inversely proportional to the slope, unless the hardness limits pressures.
+    """
+    elastic_fraction = 1.0
+    if study.contact.hardness is not None:
+        elastic_fraction = 1 - mean_over_directions(point, "load_share_at_hardness")
+    sensitivity = elastic_fraction * (value.value - float(point["mu0"])) / value.value if value.value > 0 else 0.0
+    for side in ("upper", "lower"):
+        drift, fraction = np.asarray(point.attrs.get(f"{side}_drift", (0.0, 0.0))).tolist()
+        if drift * fraction * sensitivity > MIN_DRIFT_EFFECT:
+            text = (
+                f"{side}: the rms slope changes by {format_percent(math.expm1(drift))} from one end of the scan to the "
+                "other, so another place on the part may differ as much; the interval includes this"
+            )
+            yield Caveat(text, "scan several places on the part", "caution")
 
 
 def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:

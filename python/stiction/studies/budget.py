@@ -18,9 +18,11 @@ from stiction.studies.alternatives import ALTERNATIVE_LABELS, AlternativeName, l
 from stiction.studies.at_load import at_load
 from stiction.studies.coefficient_samples import (
     INTERFACE_INPUT_NAME,
+    LOWER_SCANS_INPUT_NAME,
     POSITIONS_INPUT_NAME,
     SAMPLING_INPUT_NAMES,
     UNRESOLVED_ROUGHNESS_INPUT_NAME,
+    UPPER_SCANS_INPUT_NAME,
     CoefficientSamples,
     StrengthArrays,
 )
@@ -30,6 +32,7 @@ from stiction.studies.intervals import ScanPairMean, average_scan_pairs
 from stiction.studies.junction_growth import build_area_interpolator, compute_area_growth_ratio
 from stiction.studies.member_sums import MemberSums
 from stiction.studies.member_values import compute_mean_areas, interpolate_member_sums, member_values
+from stiction.surfaces.pairing import SIDES
 
 if TYPE_CHECKING:
     import xarray
@@ -150,10 +153,11 @@ def _evaluate_uncertainty(
     shape = tuple(at.sizes[dim] for dim in dims)
     inputs, strengths = _find_inputs_and_strengths(study)
     scan_means = _average_pairs_of_scans(result, at, dims)
+    drifts = find_slope_drifts(at.attrs)
     input_names = [
         *([INTERFACE_INPUT_NAME] if strengths else []),
         *inputs,
-        *(SAMPLING_INPUT_NAMES if scan_means else (POSITIONS_INPUT_NAME,)),
+        *(name for name in SAMPLING_INPUT_NAMES if scan_means or name in drifts or name == POSITIONS_INPUT_NAME),
         UNRESOLVED_ROUGHNESS_INPUT_NAME,
     ]
     coefficient_intervals, test_intervals = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
@@ -163,7 +167,7 @@ def _evaluate_uncertainty(
     )
     dwell_intervals, seizing_fractions = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
     pressures = at["load"].values / float(at["nominal_area"])
-    for position, samples in _iterate_samples(result, at, dims, inputs, strengths, scan_means):
+    for position, samples in _iterate_samples(result, at, dims, inputs, strengths, scan_means, drifts):
         if not samples.names:
             coefficient_intervals[position] = samples.estimate_zero_coefficient()
             continue
@@ -229,6 +233,15 @@ def _find_inputs_and_strengths(study: Study) -> tuple[dict[str, Any], list[Stren
     return {name: each for name, each in inputs.items() if name not in replaced_names}, strengths
 
 
+def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
+    """Return the standard deviations of ln(rms slope of the gap) due to the drift of single scans, by source.
+
+    The slope of another place on a part is assumed to differ by as much as the slopes at the two ends of the scan.
+    """
+    names = zip(SIDES, (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME), strict=True)
+    return {name: float(np.prod(attributes[f"{side}_drift"])) for side, name in names if f"{side}_drift" in attributes}
+
+
 def _average_pairs_of_scans(
     result: MemberSums, at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[tuple[int, ...], ScanPairMean | None]:
@@ -249,6 +262,7 @@ def _average_pairs_of_scans(
 def _iterate_samples(
     result: MemberSums, at: xarray.Dataset, dims: Sequence[str], inputs: Mapping[str, Any],
     strengths: Sequence[StrengthArrays], scan_means: Mapping[tuple[int, ...], ScanPairMean | None],
+    drifts: Mapping[str, float],
 ) -> Iterator[tuple[tuple[int, ...], CoefficientSamples]]:  # fmt: skip
     """Yield the indices of each coefficient (along `dims`) and the samples of its inputs."""
     study = result.study
@@ -266,7 +280,7 @@ def _iterate_samples(
         yield position, CoefficientSamples(
             {name: values[position] for name, values in values_by_name.items()}, position[dims.index("load")], study,
             inputs, ForcesPerLoad.from_contact_sums({name: sums[position] for name, sums in sums_by_name.items()}),
-            areas, strengths, scan_means.get(position),
+            areas, strengths, scan_means.get(position), drifts,
         )  # fmt: skip
 
 

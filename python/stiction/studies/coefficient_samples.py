@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -46,6 +47,7 @@ SAME_INPUT_TOLERANCE = 1e-3
 MAX_LOG_COEFFICIENT_RATIO = 50.0
 # a bound on the tail is estimated from a subsample that contains one in this number of samples
 TAIL_SUBSAMPLING_STRIDE = 61
+_LOG_SLOPE_STEP = 0.05  # change of ln(slope) from which the sensitivity of the coefficient to the slope is computed
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
@@ -57,12 +59,14 @@ class CoefficientSamples:
     """Friction coefficient returned by `at_load`, and the input samples from which its interval is computed.
 
     `names` lists the uncertain inputs and sources of sampling uncertainty; it is empty if there is no coefficient or no
-    interval.
+    interval. `drifts` contains, by source of sampling uncertainty, the standard deviations of the logarithm of the
+    slope of the gap between the scan of a part and the whole part.
     """
 
     def __init__(
         self, point: Mapping[str, Any], load: int, study: Study, inputs: Mapping[str, Any], friction: ForcesPerLoad,
         areas: AreaInterpolator, strengths: Sequence[StrengthArrays] = (), scan_mean: ScanPairMean | None = None,
+        drifts: Mapping[str, float] = MappingProxyType({}),
     ) -> None:  # fmt: skip
         self.study, self.friction, self.areas, self.load = study, friction, areas, load
         self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
@@ -91,7 +95,9 @@ class CoefficientSamples:
             bracket_inputs = self.mu0, self.tau0 / float(point["sheared_pressure"]), self.contacts
             self.finest = friction_range_for_finer_scans(value, *bracket_inputs)
             self.bracket = friction_range_for_finer_scans(value, *bracket_inputs, upper)
-        self.standard_errors = self._find_standard_errors(scan_mean)
+        # relative standard errors due to the drift of the roughness along single scans
+        self.drift_errors = self._find_drift_errors(drifts)
+        self.standard_errors = self._find_standard_errors(scan_mean) | self.drift_errors
         self.scatter, self.freedom = self._find_scatter(point, scan_mean)
         is_unresolved = self.finest is not None and self.finest[1] > self.finest[0]
         self.names = (
@@ -129,6 +135,30 @@ class CoefficientSamples:
         total_deviation = math.sqrt(sum(scan_mean.variances)) or 1.0
         errors = [error * math.sqrt(variance) / total_deviation for variance in scan_mean.variances]
         return {name: each for name, each in zip(SAMPLING_INPUT_NAMES, errors, strict=True) if each > 0}
+
+    def _find_drift_errors(self, drifts: Mapping[str, float]) -> dict[str, float]:
+        """Return the nonzero relative standard errors of the coefficient due to drifts of the roughness.
+
+        The drifts are standard deviations of the logarithm of the slope of the gap, by source. Multiplying all heights
+        by a factor changes the true area in the same way as multiplying E* by this factor.
+        """
+        if not drifts:
+            return {}
+        hardness = None if self.areas.hardness is None else np.array([self.areas.hardness])
+        smoother, rougher = (
+            float(
+                self.friction.compute_coefficient(
+                    self.mu0,
+                    self.tau0,
+                    self.areas.area_ratio(self.load, hardness, math.exp(log_factor))[0] * self.own_growth,
+                )
+            )
+            for log_factor in (-_LOG_SLOPE_STEP, _LOG_SLOPE_STEP)
+        )
+        if not smoother > rougher > 0:
+            return {}
+        sensitivity = math.log(smoother / rougher) / (2 * _LOG_SLOPE_STEP)
+        return {name: sensitivity * drift for name, drift in drifts.items()}
 
     def _find_scatter(self, point: Mapping[str, Any], scan_mean: ScanPairMean | None) -> tuple[float, float]:
         """Return the relative standard deviation of single tests from the mean, and its degrees of freedom.
@@ -196,7 +226,7 @@ class CoefficientSamples:
         )
 
     def _compute_sampled_interval(self, fixed: Mapping[str, float]) -> Interval:
-        if self.names == tuple(self.standard_errors) and not fixed:
+        if self.names == tuple(self.standard_errors) and not fixed and not self.drift_errors:
             return Interval(max(self.sampling[0], 0.0), self.sampling[1])
         from scipy.special import ndtri
 
@@ -265,9 +295,12 @@ class CoefficientSamples:
             (),
             lambda: stdtrit(self.freedom, generate_stratified_points(len(self.names) + 1)[:, -1]),
         )
-        scatter = math.sqrt(math.log1p(self.scatter**2))
+        # The next test is at another place of a part whose roughness drifts.
+        place_scatter = sum(error**2 for error in self.drift_errors.values())
+        scatter = math.sqrt(math.log1p(self.scatter**2 + place_scatter))
         factor = np.exp(np.minimum(scores * scatter, MAX_LOG_COEFFICIENT_RATIO))
-        interval = self._compute_scaled_interval(dict.fromkeys(self.standard_errors, 0.5), factor=factor)
+        fixed = {name: 0.5 for name in self.standard_errors if name not in self.drift_errors}
+        interval = self._compute_scaled_interval(fixed, factor=factor)
         return interval.extended_to((self.value, self.value))
 
     def friction_after_dwell(self, wait: float, pressure: float) -> tuple[float, float, float]:

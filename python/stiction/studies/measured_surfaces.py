@@ -534,6 +534,8 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     },
     # fraction of interpolated points, and area (µm²) or length (µm) of the largest gap
     **{f"{side}_filled": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
+    # change of ln(rms slope) along a single scan, and fraction of the mean square slope of the gap that it contributes
+    **{f"{side}_drift": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
 }
 """Attributes of a result that describe measured bodies. A value for each axis is in the order of the array axes."""
 

@@ -14,9 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from stiction._caching import cached_property
 from stiction._checks import Floats, check_instance
 from stiction.studies.generated_surfaces import SelfAffineSettings
 from stiction.studies.measured_surfaces import BodyAttributes, EnsembleMember, MeasuredSurfaceSettings, MemberSource
+from stiction.studies.scan_defects import compute_mean_square_slope, estimate_roughness_drift
 from stiction.studies.study import Study
 from stiction.surfaces import fractal
 from stiction.surfaces.pairing import SIDES
@@ -237,7 +239,27 @@ class PreparedBodies:
             attributes[f"{side}_extent_um"] = scan.extent
             if (interpolated := getattr(self._surfaces, side).find_interpolated_fraction_and_gap()).any():
                 attributes[f"{side}_filled"] = interpolated
+        attributes |= self._drift_attributes
         return BodyAttributes.from_values(float(properties.area) * self._find_measured_fraction(), attributes)
+
+    @cached_property
+    def _drift_attributes(self) -> dict[str, Any]:
+        """Drift of the roughness along each body that has a single scan, if there is any.
+
+        Each attribute contains the drift, and the fraction of the mean square slope of the gap due to the body.
+        """
+        pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
+        candidates = [getattr(pairs, side, None) for side in SIDES]
+        bodies = [body for body in candidates if isinstance(body, Profile | Surface)]
+        if len(bodies) < len(SIDES):  # a gap, or spectra
+            return {}
+        mean_squares = np.array([compute_mean_square_slope(body) for body in bodies])
+        fractions = mean_squares / (mean_squares.sum() or 1.0)
+        return {
+            f"{side}_drift": np.array([drift, fraction])
+            for side, body, fraction, count in zip(SIDES, bodies, fractions, self._surfaces.scan_counts, strict=True)
+            if count == 1 and (drift := estimate_roughness_drift(body)) > 0
+        }
 
     def _find_measured_fraction(self) -> float:
         """Return the area fraction in which both bodies were measured, averaged over the first members."""
