@@ -22,7 +22,7 @@ from stiction.studies.at_load import at_load
 from stiction.studies.contact_statistics import QUANTILE_PROBABILITIES
 from stiction.studies.member_values import member_values
 from stiction.surfaces.pairing import MIN_PIECE_SIDE_POINTS, MapPairs
-from support.rough_surfaces import rough_maps
+from support.rough_surfaces import rough_maps, self_affine_map
 from support.studies_of_files import pair_study
 
 LOADS = (0.02, 0.1)
@@ -310,3 +310,41 @@ def test_pair_function_rejects_maps_that_are_too_small():
     small_surface = Surface(np.zeros((MIN_PIECE_SIDE_POINTS, 30)), spacing=1.0)
     with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):
         pair_study(small_surface, small_surface, load=[0.1], mu0=0.3, effective_modulus=10.0)
+
+
+# ---- Caveats about orientation and about scattered missing points ----------------------------------------------------
+
+CAVEAT_OPTIONS = {
+    "load": "20 MPa", "effective_modulus": 80.0, "mu0": 0.2, "tau0": "400 MPa", "shifts": 4, "onset": 0,
+    "cutoff": "none",
+}  # fmt: skip
+
+
+def build_map(seed, *, stretch=1.0, missing=None):
+    heights = 0.3 * self_affine_map(seed, 0.8, (48, 48), longest=16, stretch=stretch).heights
+    return Surface(heights, spacing=0.5, missing=missing)
+
+
+def find_caveat_texts(upper, lower, word, **changes):
+    result = stiction.pair(upper, lower, **CAVEAT_OPTIONS | changes)
+    return [caveat.text for caveat in result.caveats if word in caveat.text]
+
+
+@pytest.mark.parametrize(("stretches", "has_caveat"), [((20, 20), True), ((20, 1), False), ((1, 1), False)])
+def test_pair_of_maps_with_lay_has_a_caveat_about_orientation(stretches, has_caveat):
+    upper, lower = (build_map(seed, stretch=stretch) for seed, stretch in enumerate(stretches, start=1))
+    assert len(find_caveat_texts(upper, lower, "orientation")) == has_caveat
+    if has_caveat:
+        assert find_caveat_texts(upper, lower, "orientation", rotate=90.0) == []
+
+
+def test_points_missing_at_random_have_a_caveat_with_a_number_but_no_blobs():
+    rng = np.random.default_rng(1)
+    scattered, blob = rng.random((48, 48)) < 0.3, np.zeros((48, 48), bool)
+    blob[5:30, 10:40] = True
+    (text,) = find_caveat_texts(build_map(1, missing=scattered), build_map(2), "holes")
+    # A point is missing between two measured points along x or y with the probability 0.3 (1 - (1 - 0.7**2)**2).
+    assert text.startswith("22 % of the points")
+    assert "up to 11 % too small" in text
+    assert find_caveat_texts(build_map(1, missing=blob), build_map(2), "holes") == []
+    assert find_caveat_texts(build_map(1), build_map(2), "holes") == []

@@ -534,6 +534,10 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     },
     # fraction of interpolated points, and area (µm²) or length (µm) of the largest gap
     **{f"{side}_filled": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
+    # fraction of the points that are missing between two measured points
+    **{f"{side}_pierced": AttributeSpec(sizes=(1,), bounds=(0, 1), is_required=False) for side in SIDES},
+    # ratio of the rms slopes of a map across and along its lay, if both maps have a lay
+    **{f"{side}_lay": AttributeSpec(sizes=(1,), bounds=(1, MAX_STORED_VALUE), is_required=False) for side in SIDES},
     # change of ln(rms slope) along a single scan, and fraction of the mean square slope of the gap that it contributes
     **{f"{side}_drift": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
 }

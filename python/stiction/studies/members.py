@@ -18,9 +18,15 @@ from stiction._caching import cached_property
 from stiction._checks import Floats, check_instance
 from stiction.studies.generated_surfaces import SelfAffineSettings
 from stiction.studies.measured_surfaces import BodyAttributes, EnsembleMember, MeasuredSurfaceSettings, MemberSource
-from stiction.studies.scan_defects import compute_mean_square_slope, estimate_roughness_drift
+from stiction.studies.scan_defects import (
+    MIN_LAY_RATIO,
+    compute_lay_ratio,
+    compute_mean_square_slope,
+    estimate_roughness_drift,
+)
 from stiction.studies.study import Study
 from stiction.surfaces import fractal
+from stiction.surfaces.missing_data import compute_pierced_fraction
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile, Side, combine_missing_masks, scale_profile
 from stiction.surfaces.self_affine import self_affine_surface
@@ -239,8 +245,29 @@ class PreparedBodies:
             attributes[f"{side}_extent_um"] = scan.extent
             if (interpolated := getattr(self._surfaces, side).find_interpolated_fraction_and_gap()).any():
                 attributes[f"{side}_filled"] = interpolated
-        attributes |= self._drift_attributes
+        attributes |= self._drift_attributes | self._lay_attributes
+        for side, scans in zip(SIDES, self._parts, strict=True):
+            masks = [mask for scan in scans if (mask := getattr(scan, "missing", None)) is not None]
+            if pierced := sum(map(compute_pierced_fraction, masks)) / len(scans):
+                attributes[f"{side}_pierced"] = pierced
         return BodyAttributes.from_values(float(properties.area) * self._find_measured_fraction(), attributes)
+
+    @cached_property
+    def _pressed_bodies(self) -> list[Profile | Surface]:
+        """Both filtered scans from which pairs are formed. The list is empty for a gap, and for spectra."""
+        pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
+        candidates = [getattr(pairs, side, None) for side in SIDES]
+        bodies = [body for body in candidates if isinstance(body, Profile | Surface)]
+        return bodies if len(bodies) == len(SIDES) else []
+
+    @cached_property
+    def _lay_attributes(self) -> dict[str, Any]:
+        """Ratios of the rms slopes across and along the lay of both maps, if maps are pressed and both have a lay."""
+        maps = [body for body in self._pressed_bodies if isinstance(body, Surface)]
+        if self._surfaces.press != "areas" or len(maps) < len(SIDES):
+            return {}
+        ratios = {f"{side}_lay": compute_lay_ratio(body) for side, body in zip(SIDES, maps, strict=True)}
+        return ratios if min(ratios.values()) > MIN_LAY_RATIO else {}
 
     @cached_property
     def _drift_attributes(self) -> dict[str, Any]:
@@ -248,10 +275,8 @@ class PreparedBodies:
 
         Each attribute contains the drift, and the fraction of the mean square slope of the gap due to the body.
         """
-        pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
-        candidates = [getattr(pairs, side, None) for side in SIDES]
-        bodies = [body for body in candidates if isinstance(body, Profile | Surface)]
-        if len(bodies) < len(SIDES):  # a gap, or spectra
+        bodies = self._pressed_bodies
+        if not bodies:
             return {}
         mean_squares = np.array([compute_mean_square_slope(body) for body in bodies])
         fractions = mean_squares / (mean_squares.sum() or 1.0)

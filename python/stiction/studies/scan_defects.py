@@ -48,6 +48,12 @@ _MIN_DEEP_SPIKE_RATIO = 2.0  # minimum height of wide spikes and of dips of a pr
 # scan is flat except for outliers.
 MIN_ROUGHNESS_RATIO = 1e-6
 
+MIN_LAY_RATIO = 2.0
+"""Ratio of the rms slopes across and along the lay of a map above which its orientation matters.
+
+The ratio is at most 1.2 for isotropic maps with 64 x 64 points.
+"""
+MAX_LAY_RATIO = 1000.0  # largest ratio of the rms slopes across and along a lay that is reported
 # Number of strips along each axis whose rms slopes are compared.
 _NUM_STRIPS = 8
 # A scan has at least this number of points in each strip, or its drift is not assessed.
@@ -157,6 +163,20 @@ def compute_mean_square_slope(body: Profile | Surface) -> float:
     """Return the mean square of the first differences along all axes, each divided by the spacing."""
     axes = range(body.heights.ndim)
     return sum(float(np.square(np.diff(body.heights, axis=axis)).mean()) / body.spacings[axis] ** 2 for axis in axes)
+
+
+def compute_lay_ratio(surface: Surface) -> float:
+    """Return the ratio of the largest to the smallest rms slope of a map over all directions, at most `MAX_LAY_RATIO`.
+
+    The slopes are averaged over the cells of the grid.
+    """
+    heights, (step_y, step_x) = surface.heights, surface.spacing
+    slope_y = (np.diff(heights[:, 1:], axis=0) + np.diff(heights[:, :-1], axis=0)) / (2 * step_y)
+    slope_x = (np.diff(heights[1:], axis=1) + np.diff(heights[:-1], axis=1)) / (2 * step_x)
+    smallest, largest = np.linalg.eigvalsh(np.cov(slope_y.ravel(), slope_x.ravel())).tolist()
+    if not largest > 0:
+        return 1.0
+    return math.sqrt(largest / max(smallest, largest / MAX_LAY_RATIO**2))
 
 
 def estimate_roughness_drift(body: Profile | Surface) -> float:

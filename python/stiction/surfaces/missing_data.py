@@ -66,6 +66,15 @@ def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
     return filled_heights
 
 
+def compute_pierced_fraction(missing: NDArray[np.bool_]) -> float:
+    """Return the fraction of all points that are missing between two measured points along at least one axis."""
+    is_between = np.zeros(missing.shape, np.bool_)
+    for axis in range(missing.ndim):
+        lines, between = np.moveaxis(missing, axis, -1), np.moveaxis(is_between, axis, -1)
+        between[..., 1:-1] |= lines[..., 1:-1] & ~lines[..., :-2] & ~lines[..., 2:]
+    return float(is_between.mean())
+
+
 def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]]:
     """Return the number of points in the largest connected gap, and its bounding box."""
     from scipy.ndimage import find_objects, label
