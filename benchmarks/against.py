@@ -4,7 +4,7 @@ import numpy as np
 import plain
 from measure import median_time
 from stiction import HertzCylinder, Profile, Study, press, random_phases, weierstrass_mandelbrot_family
-from stiction.studies.member_solution import compute_member_arrays
+from stiction.solve.member_solution import compute_member_arrays
 
 NUM_POINTS, PROFILE_LENGTH = 150_000, 40.0
 CONTACT_SUM_NAMES = ("contact_count", "contact_area", "normal_elastic", "tangential_elastic", "normal_frictional",

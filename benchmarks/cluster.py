@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 from measure import median_time
 from stiction import Study
-from stiction.studies import runner
-from stiction.studies.layout import compute_bytes_per_member, stack_members
-from stiction.studies.member_solution import compute_member_arrays
-from stiction.studies.store import encode_members
+from stiction.solve import runner
+from stiction.solve.layout import compute_bytes_per_member, stack_members
+from stiction.solve.member_solution import compute_member_arrays
+from stiction.solve.store import encode_members
 
 STUDY_NAMES = ("figure6", "figure6-areal", "figure6-half-plane")
 NUM_BLOCKS = 60

@@ -2,7 +2,7 @@
 
 from measure import measure_in_time_units, measure_peak_mebibytes
 from stiction import Study, run
-from stiction.studies.member_solution import compute_member_arrays
+from stiction.solve.member_solution import compute_member_arrays
 
 BASE_STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 from stiction import Study, area_map, friction_map, stiffness_map
-from stiction.studies import runner, store
-from stiction.studies.member_solution import get_array_shapes_and_types
-from stiction.studies.runner import compute_missing_blocks
+from stiction.solve import runner, store
+from stiction.solve.member_solution import get_array_shapes_and_types
+from stiction.solve.runner import compute_missing_blocks
 
 NUM_REPETITIONS = 1_000_000
 NUM_ADDED_REPETITIONS = 10_000

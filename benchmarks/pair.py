@@ -5,8 +5,8 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 import numpy as np
 from measure import measure_in_time_units, measure_time_unit, median_time
 from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
-from stiction.studies.member_solution import _get_reused_array, compute_member_arrays
-from stiction.studies.members import fill_profile_family
+from stiction.solve.member_solution import _get_reused_array, compute_member_arrays
+from stiction.study.members import fill_profile_family
 
 # The number is large, so that the last repetition, which a single thread computes, takes little of the time.
 NUM_REPETITIONS = 60

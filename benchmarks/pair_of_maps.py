@@ -10,11 +10,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from stiction import half_space, self_affine_surface, write_surface
-from stiction.studies.members import load_bodies
-from stiction.studies.onset import NUM_AREAL_ONSET_MEMBERS, compute_member_onset
-from stiction.studies.resolution import CUTOFF_STUDY_FOLDER
-from stiction.studies.store import open_stored_result
-from stiction.studies.study import Study
+from stiction.companions.onset import NUM_AREAL_ONSET_MEMBERS, compute_member_onset
+from stiction.companions.resolution import CUTOFF_STUDY_FOLDER
+from stiction.solve.store import open_stored_result
+from stiction.study.members import load_bodies
+from stiction.study.study import Study
 
 NUM_TIMING_ROUNDS = 3
 COMMAND_ARGUMENTS = [

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import xarray
 from stiction import Study, friction_map, run
-from stiction.studies.nodes import compute_error_to_tolerance_ratio
+from stiction.summary.nodes import compute_error_to_tolerance_ratio
 from stiction.views.report import save_report
 
 BENCHMARK_FOLDER = Path(__file__).parent

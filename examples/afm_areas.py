@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from stiction import Study, run, self_affine_surface, write_surface
-from stiction.studies.contact_picture import contact_picture
+from stiction.companions.contact_picture import contact_picture
 from stiction.views.figures import draw_figures
 from stiction.views.text import result_text
 

@@ -13,8 +13,8 @@ import sys
 import textwrap
 from pathlib import Path
 
-from stiction.studies import pair_options
-from stiction.studies.pair_options import (
+from stiction.study import pair_options
+from stiction.study.pair_options import (
     DEFAULT_UNITS,
     OPTION_GROUPS,
     PAIR_OPTIONS,
@@ -25,7 +25,7 @@ from stiction.studies.pair_options import (
 )
 
 ROOT = Path(__file__).resolve().parents[1]
-PAIR_FUNCTION_FILE = ROOT / "python/stiction/views/pair.py"
+PAIR_FUNCTION_FILE = ROOT / "python/stiction/measured_pair.py"
 PAIR_COMMAND_FILE = ROOT / "python/stiction/cli/pair.py"
 CHARACTERISE_COMMAND_FILE = ROOT / "python/stiction/cli/characterise.py"
 LINE_LENGTH = 120

@@ -96,7 +96,7 @@ def disable_figures(no_figures):
 def no_contact_pictures():
     """Disable the contact pictures that are stored with results, for faster tests of values and intervals."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stiction.studies.pipeline.contact_picture", lambda _: None)
+        patch.setattr("stiction.pipeline.contact_picture", lambda _: None)
         yield
 
 

@@ -26,7 +26,7 @@ import stiction
 from markdown_it import MarkdownIt
 from matplotlib.testing.compare import compare_images
 from stiction import Study
-from stiction.studies import store
+from stiction.solve import store
 from stiction.views.study_keys import study_keys_markdown
 from support.command import call_stiction
 

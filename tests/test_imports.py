@@ -13,11 +13,17 @@ import typer
 from stiction.cli import application
 
 PACKAGE_FOLDER = Path(stiction.__file__).parent
-LAYERS = ("surfaces", "mechanics", "studies", "views", "app", "cli")
+FACADE = ("result", "pipeline", "measured_pair")
+"""Modules that users hold. They may import all layers except the user interfaces, and no layer imports them."""
+
+LAYERS = (
+    "surfaces", "mechanics", "study", "solve", "evaluate", "companions", "calibration", "summary", "views", "facade",
+    "app", "cli",
+)  # fmt: skip
 """Layers from low to high. Each layer may import from itself and from lower layers."""
 
-MODULE_IMPORTING_VIEWS = "studies/result.py"
-"""Module in a layer below the views; its methods may import views, because a result draws figures and reports."""
+SLOW_PACKAGES = {"matplotlib", "PIL", "starlette", "uvicorn"}
+"""Third-party packages that take long to load. Functions may import modules of this package that need one of them."""
 
 ALLOWED_DEPENDENCIES = {
     "numpy",
@@ -46,46 +52,122 @@ def imported_names(source):
         yield from (name for name in names if name.split(".")[0] == "stiction")
 
 
+MODULES = {
+    ".".join(path.relative_to(PACKAGE_FOLDER).with_suffix("").parts).removesuffix(".__init__"): path
+    for path in sorted(PACKAGE_FOLDER.rglob("*.py"))
+}
+"""Files of all modules, by their names in the package."""
+
+
+def imported_modules(module, *, only_top_level=False):
+    """Return the modules of the package that a module imports, also inside functions and for type checkers."""
+    tree = ast.parse(MODULES[module].read_text("utf-8"))
+    found = set()
+    for node in tree.body if only_top_level else ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("stiction."):
+            base = node.module.removeprefix("stiction.")
+            found |= {name if (name := f"{base}.{each.name}") in MODULES else base for each in node.names}
+        elif isinstance(node, ast.Import):
+            found |= {each.name.removeprefix("stiction.") for each in node.names if each.name.startswith("stiction.")}
+    return found & set(MODULES)
+
+
+def layer_of(module):
+    """Return the layer of a module, or an empty string for modules that all layers use."""
+    first = module.split(".")[0]
+    return "facade" if first in FACADE else "" if first.startswith("_") else first
+
+
 @pytest.mark.parametrize("layer", ["", *LAYERS])
 def test_layers_import_only_from_lower_layers(layer):
     """Check also that modules which all layers use do not import from any layer."""
-    paths = (PACKAGE_FOLDER / layer).rglob("*.py") if layer else PACKAGE_FOLDER.glob("_*.py")
-    allowed_layers = LAYERS[: LAYERS.index(layer) + 1] if layer else ()
-    for source in sorted(path.relative_to(PACKAGE_FOLDER) for path in paths):
-        for name in imported_names(source):
-            imported_layer = name.split(".")[1]
-            if source.as_posix() == MODULE_IMPORTING_VIEWS and imported_layer == "views":
+    allowed_layers = {"", *(LAYERS[: LAYERS.index(layer) + 1] if layer else ())}
+    for module in (name for name in MODULES if layer_of(name) == layer and name != "__main__"):
+        for imported in imported_modules(module):
+            assert layer_of(imported) in allowed_layers, f"{module} imports {imported}"
+
+
+def test_layers_of_the_package_are_its_folders():
+    assert {path.parent.name for path in PACKAGE_FOLDER.glob("*/__init__.py")} == {*LAYERS} - {"facade"}
+    assert {name for name in MODULES if "." not in name and not name.startswith("_")} == {*LAYERS, *FACADE} - {"facade"}
+
+
+def find_circles(imports):
+    """Return the modules that import each other in a circle, found by removing modules without open imports."""
+    open_imports = {name: set(found) for name, found in imports.items()}
+    while finished := {name for name, found in open_imports.items() if not found & set(open_imports)}:
+        open_imports = {name: found for name, found in open_imports.items() if name not in finished}
+    return open_imports
+
+
+def test_circles_of_imports_are_found():
+    assert set(find_circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": set()})) == {"a", "b", "c"}
+
+
+def test_modules_import_each_other_in_no_circle():
+    """Count imports inside functions and for type checkers, because both tie modules to each other."""
+    assert find_circles({name: imported_modules(name) - {name} for name in MODULES}) == {}
+
+
+def find_slow_modules():
+    """Return the modules that load a slow package when they are imported."""
+    slow = set()
+    for name, path in MODULES.items():
+        for node in ast.parse(path.read_text("utf-8")).body:
+            names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            names += [each.name for each in node.names] if isinstance(node, ast.Import) else []
+            if {each.split(".")[0] for each in names} & SLOW_PACKAGES:
+                slow.add(name)
+    while more := {name for name in set(MODULES) - slow if imported_modules(name, only_top_level=True) & slow}:
+        slow |= more
+    return slow
+
+
+FUNCTIONS_WITH_IMPORTS = {("cli", "main")}
+"""Functions that may import any module: `main` handles Ctrl-C while the modules of the command are imported."""
+
+
+def test_functions_import_only_modules_that_load_slow_packages():
+    slow_modules = find_slow_modules()
+    for module, path in MODULES.items():
+        for function in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if not isinstance(function, ast.FunctionDef) or (module, function.name) in FUNCTIONS_WITH_IMPORTS:
                 continue
-            assert imported_layer.startswith("_") or imported_layer in allowed_layers or source.name == "__main__.py", (
-                f"{source}: {name}"
-            )
+            for node in ast.walk(function):
+                if isinstance(node, ast.ImportFrom) and node.module.startswith("stiction."):
+                    base = node.module.removeprefix("stiction.")
+                    names = {f"{base}.{each.name}" for each in node.names} & set(MODULES) or {base}
+                    assert names <= slow_modules, f"{module}.{function.name} imports {node.module}"
+
+
+def test_modules_import_neither_the_package_itself_nor_relatively():
+    for source in (path.relative_to(PACKAGE_FOLDER) for path in MODULES.values()):
+        list(imported_names(source))
 
 
 MODULES_RESTRICTED_FOR_VIEWS = {
-    "at_load", "budget", "contact_forces", "contact_picture", "ensemble_means", "height_scale", "intervals",
-    "junction_growth", "maps", "member_means", "member_solution", "member_values", "members", "nodes", "onset",
-    "pipeline", "runner", "store",
+    "companions.contact_forces", "companions.contact_picture", "companions.height_scale", "companions.onset",
+    "evaluate.at_load", "evaluate.budget", "evaluate.ensemble_means", "evaluate.intervals", "evaluate.junction_growth",
+    "evaluate.maps", "evaluate.member_means", "evaluate.member_values", "solve.member_solution", "solve.runner",
+    "solve.store", "study.members", "summary.nodes",
 }  # fmt: skip
-"""Modules of studies that read stored results and files, evaluate results, compute statistics or solve contacts.
+"""Modules that read stored results and files, evaluate results, compute statistics or solve contacts.
 
-Views use `Result` and `Summary` instead, and import only constants from these modules.
+Views use `Evaluation` and `Summary` instead, and import only constants from these modules.
 """
 
 ALLOWED_IMPORTS_OF_VIEWS = {
-    "height_scale.ScaledBodies", "nodes.NodeAxis", "onset.OnsetValues",
+    "companions.height_scale.ScaledBodies", "summary.nodes.NodeAxis", "companions.onset.OnsetValues",
 }  # fmt: skip
 """Types that views may import from these modules."""
 
 
 def test_views_import_neither_stores_nor_readers_nor_statistics():
-    modules = {path.stem for path in (PACKAGE_FOLDER / "studies").glob("*.py")}
-    assert modules >= MODULES_RESTRICTED_FOR_VIEWS
+    assert set(MODULES) >= MODULES_RESTRICTED_FOR_VIEWS
     for source in sorted(path.relative_to(PACKAGE_FOLDER) for path in (PACKAGE_FOLDER / "views").rglob("*.py")):
-        if source.as_posix() == "views/pair.py":  # The module of `stiction.pair` is not a view.
-            continue
         for name in imported_names(source):
-            *layers, module, imported = name.split(".")
-            if layers == ["stiction", "studies"] and module in MODULES_RESTRICTED_FOR_VIEWS:
+            module, _, imported = name.removeprefix("stiction.").rpartition(".")
+            if module in MODULES_RESTRICTED_FOR_VIEWS:
                 assert imported.isupper() or f"{module}.{imported}" in ALLOWED_IMPORTS_OF_VIEWS, f"{source}: {name}"
 
 

@@ -29,10 +29,10 @@ from stiction import (
     surface_spectrum,
     write_surface,
 )
+from stiction.companions.contact_picture import contact_picture
+from stiction.evaluate.at_load import at_load
+from stiction.evaluate.member_values import member_values
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.at_load import at_load
-from stiction.studies.contact_picture import contact_picture
-from stiction.studies.member_values import member_values
 from stiction.views.rows import point_record
 from support.command import call_stiction, check_stiction
 from support.studies_of_files import pair_study

@@ -30,9 +30,9 @@ import numpy as np
 import xarray
 from numpy.typing import ArrayLike, NDArray
 from stiction import Study, open_result, run
+from stiction.evaluate.intervals import LoadCrossings
 from stiction.mechanics import friction
-from stiction.studies.intervals import LoadCrossings
-from stiction.studies.study import parse_study_of_dataset
+from stiction.study.study import parse_study_of_dataset
 
 Floats = NDArray[np.float64]
 SlidingRule = Literal["opposing", "all"]

@@ -10,7 +10,7 @@ from claims import HIGH_AMPLITUDE, LOW_AMPLITUDE, ResampledMeans
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from stiction import gentle_friction, random_phases, weierstrass_mandelbrot_moments, weierstrass_mandelbrot_surface
-from stiction.studies import store
+from stiction.solve import store
 
 DOCS_FOLDER = Path(__file__).parents[1]
 RESULTS_FOLDER = DOCS_FOLDER.parent / "build/claims/columns"

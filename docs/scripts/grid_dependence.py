@@ -6,8 +6,8 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import Study, run
+from stiction.evaluate.intervals import PowerSums
 from stiction.mechanics.friction import compute_load
-from stiction.studies.intervals import PowerSums
 from stiction.views.style import (
     INCHES_PER_MILLIMETRE,
     MATPLOTLIB_STYLE,

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import Study, friction_map, run
-from stiction.studies import store
+from stiction.solve import store
 
 DOCS_FOLDER = Path(__file__).parents[1]
 

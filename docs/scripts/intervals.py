@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.special import stdtrit
-from stiction.studies.intervals import average_correlated_values
+from stiction.evaluate.intervals import average_correlated_values
 
 DOCS_FOLDER = Path(__file__).parent.parent
 sys.path.insert(0, str(DOCS_FOLDER.parent / "tests"))

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 from stiction import Result, run, self_affine_surface
-from stiction.studies.at_load import at_load
-from stiction.studies.member_values import member_values
-from stiction.studies.pair import build_study_from_options
-from stiction.studies.pair_options import validate_option_values
+from stiction.evaluate.at_load import at_load
+from stiction.evaluate.member_values import member_values
+from stiction.study.pair_options import validate_option_values
+from stiction.study.pair_study import build_study_from_options
 
 TABLE_FILE = Path(__file__).parent.parent / "generated/map_intervals.md"
 NUM_PAIRS, NUM_SHIFTS, SAMPLE_SIZE = 40, 400, 16

@@ -12,7 +12,7 @@ from typing import Any
 import stiction
 import typer
 from stiction.cli.application import COMMANDS_BY_GROUP, app
-from stiction.studies.study import read_study_description, study_names
+from stiction.study.study import read_study_description, study_names
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, SURFACE_PARAMETERS
 from stiction.views.study_keys import markdown_row
 

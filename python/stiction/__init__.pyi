@@ -1,5 +1,14 @@
 from stiction._core import __version__ as __version__
-from stiction.mechanics.contact import Asperities as Asperities, asperities as asperities
+from stiction.calibration.calibration import calibrate as calibrate
+from stiction.calibration.friction_tests import Ball as Ball, FrictionTest as FrictionTest
+from stiction.calibration.prediction import (
+    Interface as Interface,
+    interface as interface,
+    read_interface as read_interface,
+)
+from stiction.evaluate.friction_table import friction_table as friction_table, table_study as table_study
+from stiction.evaluate.maps import area_map as area_map, friction_map as friction_map, stiffness_map as stiffness_map
+from stiction.measured_pair import pair as pair
 from stiction.mechanics.candidates import Candidates as Candidates, candidates as candidates
 from stiction.mechanics.closed_forms import (
     dmt as dmt,
@@ -16,8 +25,16 @@ from stiction.mechanics.closed_forms import (
     slope_friction as slope_friction,
     tabor_friction as tabor_friction,
     tabor_parameter as tabor_parameter,
+    westergaard_contact_fraction as westergaard_contact_fraction,
+    westergaard_gap as westergaard_gap,
+    westergaard_pressure as westergaard_pressure,
 )
-from stiction.mechanics.contact import Contacts as Contacts, contacts as contacts
+from stiction.mechanics.contact import (
+    Asperities as Asperities,
+    Contacts as Contacts,
+    asperities as asperities,
+    contacts as contacts,
+)
 from stiction.mechanics.friction import SurfaceValidity as SurfaceValidity, Validity as Validity
 from stiction.mechanics.half_space import (
     HalfSpaceContact as HalfSpaceContact,
@@ -42,30 +59,18 @@ from stiction.mechanics.materials import (
 )
 from stiction.mechanics.model import ContactModel as ContactModel
 from stiction.mechanics.onset import Onset as Onset
-from stiction.mechanics.presliding import FourParameterIwan as FourParameterIwan
-from stiction.mechanics.presliding import LuGre as LuGre
-from stiction.mechanics.resolution import resolution as resolution, resolution_friction as resolution_friction
-from stiction.mechanics.resolution import spectral_resolution as spectral_resolution
-from stiction.mechanics.closed_forms import (
-    westergaard_contact_fraction as westergaard_contact_fraction,
-    westergaard_gap as westergaard_gap,
-    westergaard_pressure as westergaard_pressure,
+from stiction.mechanics.presliding import FourParameterIwan as FourParameterIwan, LuGre as LuGre
+from stiction.mechanics.resolution import (
+    resolution as resolution,
+    resolution_friction as resolution_friction,
+    spectral_resolution as spectral_resolution,
 )
-from stiction.studies.interfaces import Ball as Ball, FrictionTest as FrictionTest, Interface as Interface
-from stiction.studies.calibration import calibrate as calibrate
-from stiction.studies.friction_table import friction_table as friction_table, table_study as table_study
-from stiction.studies.interfaces import (
-    interface as interface,
-    interfaces as interfaces,
-    read_interface as read_interface,
-    write_interface as write_interface,
-)
-from stiction.studies.maps import area_map as area_map, friction_map as friction_map, stiffness_map as stiffness_map
-from stiction.studies.layout import nondimensional as nondimensional
-from stiction.studies.members import pair_of as pair_of
-from stiction.studies.result import Result as Result, open_result as open_result
-from stiction.studies.pipeline import run as run
-from stiction.studies.study import Study as Study, study_names as study_names
+from stiction.pipeline import run as run
+from stiction.result import Result as Result, open_result as open_result
+from stiction.solve.layout import nondimensional as nondimensional
+from stiction.study.interfaces import interfaces as interfaces, write_interface as write_interface
+from stiction.study.members import pair_of as pair_of
+from stiction.study.study import Study as Study, study_names as study_names
 from stiction.surfaces.cut_off import cut_off as cut_off
 from stiction.surfaces.filters import filtered as filtered
 from stiction.surfaces.fractal import (
@@ -82,6 +87,7 @@ from stiction.surfaces.lines import (
     line_roughness as line_roughness,
     lines_along_both as lines_along_both,
 )
+from stiction.surfaces.material_ratio import bearing_curve as bearing_curve, material_ratio as material_ratio
 from stiction.surfaces.measured.raw import FormatError as FormatError, FormatWarning as FormatWarning
 from stiction.surfaces.measured.reading import (
     read_measurement as read_measurement,
@@ -93,17 +99,16 @@ from stiction.surfaces.measured.writing import write_profile as write_profile, w
 from stiction.surfaces.pairing import paired_lines as paired_lines
 from stiction.surfaces.preparation import (
     cropped as cropped,
+    flipped as flipped,
     levelled as levelled,
     on_common_grid as on_common_grid,
     rotated as rotated,
-    flipped as flipped,
 )
 from stiction.surfaces.profile import Profile as Profile
 from stiction.surfaces.repeated_scans import (
     RepeatedScans as RepeatedScans,
     compare_repeated_scans as compare_repeated_scans,
 )
-from stiction.surfaces.material_ratio import bearing_curve as bearing_curve, material_ratio as material_ratio
 from stiction.surfaces.roughness import (
     RoughnessParameters as RoughnessParameters,
     SurfaceParameters as SurfaceParameters,
@@ -139,4 +144,3 @@ from stiction.surfaces.surrogates import (
 )
 from stiction.surfaces.tip import tip_reconstructed as tip_reconstructed
 from stiction.views.calibration import calibration_figure as calibration_figure
-from stiction.views.pair import pair as pair

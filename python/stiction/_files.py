@@ -130,6 +130,11 @@ class FolderClaim:
         """Create the file of this claim. The folder must exist."""
         self._file.touch()
 
+    def refresh(self) -> None:
+        """Mark the claim as recent, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`."""
+        with suppress(OSError):
+            os.utime(self._file)
+
     def find_competitor(self) -> str | None:
         """Return the name of a partial file of another active run in this folder, or None.
 

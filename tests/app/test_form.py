@@ -17,7 +17,7 @@ from stiction.app.form import (
     replace_option_names_in_preview,
 )
 from stiction.app.preview import preview_scan
-from stiction.studies.pair_options import PAIR_OPTIONS, FileReadingOptions, list_option_choices
+from stiction.study.pair_options import PAIR_OPTIONS, FileReadingOptions, list_option_choices
 
 
 def test_form_fields_of_reader_options_have_the_names_of_these_options():

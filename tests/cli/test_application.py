@@ -69,7 +69,7 @@ def test_exhausted_system_resource_is_reported_without_traceback(tmp_path, monke
     def raise_error(*_, **__):
         raise error
 
-    monkeypatch.setattr("stiction.studies.pipeline.complete_blocks", raise_error)
+    monkeypatch.setattr("stiction.pipeline.complete_blocks", raise_error)
     assert_rejected(call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path), expected_message)
 
 

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 from stiction import Ball, Result, interface, read_interface, self_affine_surface, write_interface, write_surface
-from stiction.studies.store import open_stored_result
-from stiction.studies.tests_file import parse_friction_tests
+from stiction.calibration.tests_file import parse_friction_tests
+from stiction.solve.store import open_stored_result
 from support.command import assert_rejected, call_stiction, check_stiction
 
 TRUE_MU0, TRUE_TAU0 = 0.15, 0.012

@@ -10,7 +10,7 @@ import stiction
 import typer
 from stiction import Study, study_names
 from stiction.cli.application import COMMANDS_BY_GROUP, app
-from stiction.studies import store
+from stiction.solve import store
 from support.command import assert_rejected, call_stiction, check_stiction
 
 SMALL_STUDY_OPTIONS = [

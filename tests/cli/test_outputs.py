@@ -5,10 +5,10 @@ import errno
 
 import numpy as np
 import pytest
-from stiction import _files, open_result, self_affine_surface, write_surface
+from stiction import _files, open_result, pipeline, self_affine_surface, write_surface
 from stiction.cli.result_output import write_pair_files
 from stiction.cli.table import table_command
-from stiction.studies import pipeline, store
+from stiction.solve import store
 from support.command import assert_rejected, call_stiction, check_stiction
 
 PAIR_COMMAND = ["pair", "upper.csv", "lower.csv", "--effective-modulus", "80 GPa", "--mu0", "0.2", "--load", "2 mN"]

@@ -16,15 +16,15 @@ from stiction._estimate import Estimate
 from stiction.cli.application import app, print_output
 from stiction.cli.options import show_reader_import_status
 from stiction.cli.pair_options import read_given_options
-from stiction.studies import store
-from stiction.studies.at_load import at_load
-from stiction.studies.input_caveats import find_input_caveats
-from stiction.studies.member_solution import solve_at_loads
-from stiction.studies.members import load_bodies
-from stiction.studies.pair import MeasuredPair
-from stiction.studies.pair_options import validate_option_values
-from stiction.studies.store import export
-from stiction.studies.values import StudyError
+from stiction.evaluate.at_load import at_load
+from stiction.solve import store
+from stiction.solve.member_solution import solve_at_loads
+from stiction.solve.store import export
+from stiction.study.members import load_bodies
+from stiction.study.pair_options import validate_option_values
+from stiction.study.pair_study import MeasuredPair
+from stiction.study.values import StudyError
+from stiction.summary.input_caveats import find_input_caveats
 from support.command import assert_rejected, call_stiction, check_stiction
 
 MATERIAL_OPTIONS = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "50 MPa"]
@@ -723,7 +723,7 @@ def test_pair_command_with_changed_tau0_reuses_stored_repetitions(scans_folder):
 @pytest.mark.usefixtures("disable_figures", "no_reports")
 def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeypatch):
     """Two equal commands in one directory write the same files, and both must succeed."""
-    from stiction.studies import contact_picture, onset
+    from stiction.companions import contact_picture, onset
 
     def with_written_copy(compute, file_name):
         def compute_and_write_copy(*args, **options):

@@ -19,9 +19,9 @@ from stiction import (
     write_spectrum,
     write_surface,
 )
-from stiction.studies.measured_surfaces import MeasuredBodySettings
-from stiction.studies.resolution import evaluate_at_cutoffs, find_resolution_limits
-from stiction.studies.store import open_stored_result
+from stiction.companions.resolution import evaluate_at_cutoffs, find_resolution_limits
+from stiction.solve.store import open_stored_result
+from stiction.study.measured_bodies import MeasuredBodySettings
 from stiction.surfaces.measured.spectrum_file import is_spectrum_file
 from stiction.surfaces.pairing import SpectralSurfacePairs
 from support.command import assert_rejected, call_stiction, check_stiction

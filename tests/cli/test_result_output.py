@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 from stiction import Study
 from stiction.cli.result_output import print_pair_values, print_resolution_and_onset, print_result, print_result_json
-from stiction.studies.store import StoreError
+from stiction.solve.store import StoreError
 from support.synthetic_results import measured_study
 
 

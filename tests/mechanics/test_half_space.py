@@ -29,7 +29,7 @@ from stiction import (
     westergaard_gap,
     westergaard_pressure,
 )
-from stiction.studies.members import pair_of
+from stiction.study.members import pair_of
 from support.rough_surfaces import flat_like, periodic_body
 
 EFFECTIVE_MODULUS = 10.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from stiction import half_space
+from stiction.evaluate.hardness_nodes import HARDNESS_NODE_POSITIONS_BY_MODULI_COUNT
 from stiction.mechanics.hardness import MIXING_EXPONENT_FACTOR, MIXING_EXPONENT_POWER, interpolate_area_per_load
-from stiction.studies.hardness import HARDNESS_NODE_POSITIONS_BY_MODULI_COUNT
 from support.rough_surfaces import rough_maps
 
 FRICTION_TOLERANCE, AREA_TOLERANCE = 0.01, 0.03

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import stiction
 from stiction import Profile, Study, Surface, pair, resolution, run
+from stiction.evaluate.at_load import at_load
 from stiction.mechanics.friction import LOAD_SUM_NAMES, VALIDITY_RATIOS, ContactSums, SurfaceValidity, Validity
 from stiction.mechanics.quantities import (
     ADHESION_QUANTITIES,
@@ -19,10 +20,9 @@ from stiction.mechanics.quantities import (
     ZERO_LOAD_SUM_QUANTITIES,
     quantity_names_shown_in,
 )
-from stiction.studies.at_load import at_load
-from stiction.studies.contact_statistics import LOAD_FRACTION_FORMULAS
-from stiction.studies.study import parse_study_of_dataset
-from stiction.studies.summary import summarize
+from stiction.solve.contact_statistics import LOAD_FRACTION_FORMULAS
+from stiction.study.study import parse_study_of_dataset
+from stiction.summary.summary import summarize
 from stiction.views.rows import summary_table
 from support.studies_of_files import pair_study
 
@@ -224,9 +224,7 @@ def test_modules_do_not_infer_properties_of_quantities_from_their_names():
         rf"""["']_?({name_pattern})\w*["'] in (str\()?name\b|\bname\)?\.({tests})\(\(?["']_?({name_pattern})"""
     )
     root = Path(stiction.__file__).parent
-    files = [
-        path for folder in ("mechanics", "studies", "views", "cli", "app") for path in (root / folder).rglob("*.py")
-    ]
+    files = [path for path in root.rglob("*.py") if "surfaces" not in path.relative_to(root).parts]
     assert len(files) > 100
     result = {path.name for path in files if pattern.search(path.read_text(encoding="utf-8"))}
     assert result == set()

@@ -23,8 +23,8 @@ from pathlib import Path
 
 import numpy as np
 from stiction import Study
-from stiction.studies import member_solution, store
-from stiction.studies.store import decode_members
+from stiction.solve import member_solution, store
+from stiction.solve.store import decode_members
 
 DEFAULT_NUM_KILLS = 200
 KILLS_PER_FOLDER = 20  # This number is small, so that many kills happen while a folder is new.
@@ -50,7 +50,7 @@ SITECUSTOMIZE_CODE = """
 import os, sys
 if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
     import pathlib, random, time
-    from stiction.studies import runner
+    from stiction.solve import runner
     runner.TARGET_BLOCK_TIME = 0.02
     sums = runner.compute_member_arrays
     def record(study, member):
@@ -187,7 +187,7 @@ class WriterKillTest:
             self.add_worker()
 
     def add_worker(self) -> None:
-        code = "import stiction.studies.runner; from distributed.cli.dask_worker import main; main()"
+        code = "import stiction.solve.runner; from distributed.cli.dask_worker import main; main()"
         options = [self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
         self.dask_processes.append(self.start_process([sys.executable, "-c", code, *options]))
 

@@ -5,8 +5,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 import xarray
 from stiction import Study
-from stiction.studies.layout import MEMBER_COORDINATE_TYPES, build_dataset, variable_specs
-from stiction.studies.measured_surfaces import BodyAttributes
+from stiction.solve.layout import MEMBER_COORDINATE_TYPES, build_dataset, variable_specs
+from stiction.study.member_sources import BodyAttributes
 
 # Study with several fractal dimensions, amplitudes, repetitions and approaches; it runs in about a second.
 SMALL_STUDY = Study.named("quick").with_changes(

@@ -2,9 +2,9 @@
 
 import numpy as np
 from stiction import run, self_affine, self_affine_surface
-from stiction.studies.pair import build_study_from_options
-from stiction.studies.pair_options import validate_option_values
-from stiction.studies.study import parse_study
+from stiction.study.pair_options import validate_option_values
+from stiction.study.pair_study import build_study_from_options
+from stiction.study.study import parse_study
 
 SIDES = ("upper", "lower")
 

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 from stiction.mechanics.friction import STATUS_DTYPE
-from stiction.studies.study import Study
+from stiction.study.study import Study
 
 RESULT_STATISTICS = ("mean", "lower", "upper")
 SLIDING_RULES = ("all", "opposing")

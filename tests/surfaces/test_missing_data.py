@@ -18,7 +18,7 @@ from stiction import (
     write_profile,
     write_surface,
 )
-from stiction.studies.pair import MeasuredPair
+from stiction.study.pair_study import MeasuredPair
 from stiction.surfaces.missing_data import find_outliers, with_interpolated_points
 from support.machined_surfaces import MACHINED_SURFACES, filtered_noise
 

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from stiction.studies.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat
-from stiction.studies.point import iterate_points
-from stiction.studies.summary import POSSIBLE_NOISE_INPUT_NAME, summarize, summarize_point
-from stiction.studies.values import quantity
+from stiction.evaluate.point import iterate_points
+from stiction.study.values import quantity
+from stiction.summary.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat
+from stiction.summary.summary import POSSIBLE_NOISE_INPUT_NAME, summarize, summarize_point
 from stiction.views.latex import latex_table
 from stiction.views.layout import format_paragraph
 from stiction.views.point import averaged_directions_text, cutoff_text

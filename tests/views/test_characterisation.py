@@ -28,8 +28,9 @@ from stiction import (
     surface_parameters,
     surface_spectrum,
 )
+from stiction.summary.characterisation import Characterisation
 from stiction.surfaces.spectrum import find_spectral_peak
-from stiction.views.characterisation import NEGLIGIBLE_SLOPE_FRACTION, Characterisation, characterisation_text
+from stiction.views.characterisation import NEGLIGIBLE_SLOPE_FRACTION, CharacterisationTable, characterisation_text
 from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.scans import joined_spectrum_figure
 from support.rough_surfaces import periodic_body
@@ -90,7 +91,10 @@ def test_instrument_limit_is_negligible_if_its_slope_fraction_is_small(profile):
     smooth_heights = cut_off(profile, 0.3).heights
     for rms, expected_words in ((1e-5, "negligible, "), (1e-4, "unreliable below")):
         characterisation = Characterisation(Profile(smooth_heights + rms * noise, spacing=0.01))
-        assert expected_words in {row.label: row.texts[0] for row in characterisation.rows}["instrument"]
+        assert (
+            expected_words
+            in {row.label: row.texts[0] for row in CharacterisationTable(characterisation).rows}["instrument"]
+        )
         assert (characterisation.instrument_limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION) == (rms < 1e-4)
 
 
@@ -109,7 +113,8 @@ def test_tip_radius_adds_a_line_without_a_second_cutoff(profile):
     ):
         with_tip, without_tip = (Characterisation(scans[name], tip_radius=each) for each in (radius, None))
         texts, texts_without_tip = (
-            {row.label: row.texts[0] for row in result.rows} for result in (with_tip, without_tip)
+            {row.label: row.texts[0] for row in CharacterisationTable(result).rows}
+            for result in (with_tip, without_tip)
         )
         assert expected_words in texts["tip"]
         assert "cutoff" not in texts["tip"]
@@ -139,10 +144,10 @@ def test_spectrum_that_is_not_a_power_law_has_no_hurst_exponent(profile):
     filter_gain = np.interp(power_spectrum(profile).wave_number, [0.1, 3.0, 3.01, 300], [1.0, 1.0, 0.02, 0.02])
     heights = np.fft.irfft(np.fft.rfft(profile.heights) * np.concatenate([[0.0], filter_gain]), len(profile))
     characterisation = Characterisation(Profile(heights, spacing=0.01), band=(0.1, 5.0))
-    texts = {row.label: row.texts[0] for row in characterisation.rows}
+    texts = {row.label: row.texts[0] for row in CharacterisationTable(characterisation).rows}
     assert characterisation.power_law_misfit > 1.5
     assert texts["Hurst exponent H"].startswith("none: the spectrum is not a power law")
-    values = {value["name"]: value for row in characterisation.rows for value in row.values}
+    values = {value["name"]: value for row in CharacterisationTable(characterisation).rows for value in row.values}
     assert values["hurst_exponent"]["status"] == "no-line"
     assert np.isnan(values["hurst_exponent"]["value"])
     spectrum = next(ax for ax in characterisation_figure(characterisation).axes if "density $C$" in ax.get_ylabel())
@@ -219,7 +224,7 @@ def test_spectrum_and_hurst_exponent_exclude_outliers_but_roughness_parameters_i
         heights = body.heights.copy()
         heights.flat[np.arange(331, heights.size, heights.size // 20)] += 10 * float(heights.std())
         results = [Characterisation(each) for each in (body, type(body)(heights, spacing=body.spacing))]
-        clean, spiky = ({row.label: row for row in result.rows} for result in results)
+        clean, spiky = ({row.label: row for row in CharacterisationTable(result).rows} for result in results)
         assert results[1].power_law_fit.value == pytest.approx(results[0].power_law_fit.value, abs=0.02)
         assert results[1].roughness.gradient[-1] == pytest.approx(results[0].roughness.gradient[-1], rel=0.02)
         assert spiky["instrument"].texts == clean["instrument"].texts
@@ -295,7 +300,8 @@ def test_small_slope_estimate_of_one_scan_assumes_two_equal_surfaces():
     expected_friction = gentle_friction(0.4, rms_gradient=slope * np.sqrt(2), rms_slope=slope * np.sqrt(2))
 
     def friction_text_of(body, **options):
-        (text,) = (row.texts[0] for row in Characterisation(body, **options).rows if row.label == "friction by slope")
+        rows = CharacterisationTable(Characterisation(body, **options)).rows
+        (text,) = (row.texts[0] for row in rows if row.label == "friction by slope")
         return text
 
     friction_text = friction_text_of(Profile(heights, spacing=0.01), periodic=True, band=(0.02, 20.0))
@@ -347,8 +353,8 @@ class TestSectionParameters:
 
     def test_rows_of_section_parameters_equal_library_values(self):
         characterisation = Characterisation(self.TURNED_PROFILE)
-        texts = {row.label: row.texts[0] for row in characterisation.rows}
-        values = {value["name"]: value for row in characterisation.rows for value in row.values}
+        texts = {row.label: row.texts[0] for row in CharacterisationTable(characterisation).rows}
+        values = {value["name"]: value for row in CharacterisationTable(characterisation).rows for value in row.values}
         expected = section_parameters(self.TURNED_PROFILE)
         for name, value in expected.values.items():
             if np.isfinite(value):
@@ -362,26 +368,28 @@ class TestSectionParameters:
 
     def test_profile_shorter_than_one_section_has_a_status_instead_of_section_parameters(self):
         characterisation = Characterisation(Profile(self.TURNED_PROFILE.heights[:100], spacing=0.5))
-        texts = {row.label: row.texts[0] for row in characterisation.rows}
-        values = {value["name"]: value for row in characterisation.rows for value in row.values}
+        texts = {row.label: row.texts[0] for row in CharacterisationTable(characterisation).rows}
+        values = {value["name"]: value for row in CharacterisationTable(characterisation).rows for value in row.values}
         assert texts["R and W parameters"].startswith(
             "none: one section length is 80 µm, and the profile is 50 µm long"
         )
         assert values["Ra"]["status"] == "no-section"
         assert np.isnan(values["Ra"]["value"])
         with pytest.raises(ValueError, match="one section length is 60 µm"):
-            _ = Characterisation(Profile(self.TURNED_PROFILE.heights[:100], spacing=0.5), lc=60.0).rows
+            _ = CharacterisationTable(
+                Characterisation(Profile(self.TURNED_PROFILE.heights[:100], spacing=0.5), lc=60.0)
+            ).rows
 
     def test_surface_parameters_are_those_of_the_filtered_surface(self):
         surface = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(64, 80), spacing=0.1)
         characterisation = Characterisation(surface, lc=3.0, ls=0.3)
         filtered_surface = filtered(filtered(surface, cutoff=0.3), cutoff=3.0, kind="L")
         assert characterisation.parameters.Sq == surface_parameters(filtered_surface).Sq
-        texts = {row.label: row.texts[0] for row in characterisation.rows}
+        texts = {row.label: row.texts[0] for row in CharacterisationTable(characterisation).rows}
         assert texts["filters"] == "S-filter (Gaussian, 0.3 µm), then L-filter (Gaussian, 3 µm)"
         for options, expected_message in (
             ({"lc": 1.0, "ls": 2.0}, "ls must be below lc"),
             ({"robust": True}, "lc must be given for the robust filter"),
         ):
             with pytest.raises(ValueError, match=expected_message):
-                _ = Characterisation(surface, **options).rows
+                _ = CharacterisationTable(Characterisation(surface, **options)).rows

@@ -13,22 +13,22 @@ from matplotlib.image import imread
 from matplotlib.patches import PathPatch
 from stiction import Profile, Result, Surface, pair
 from stiction._text import printable_text
-from stiction.studies import resolution
-from stiction.studies.at_load import at_load
-from stiction.studies.contact_forces import build_contact_forces
-from stiction.studies.contact_picture import contact_picture
-from stiction.studies.figure_values import (
+from stiction.companions import resolution
+from stiction.companions.contact_forces import build_contact_forces
+from stiction.companions.contact_picture import contact_picture
+from stiction.companions.resolution import find_resolution_limits
+from stiction.evaluate.at_load import at_load
+from stiction.evaluate.load_range import choose_loads_in_range
+from stiction.evaluate.maps import friction_map
+from stiction.study.members import load_bodies
+from stiction.study.study import parse_study_of_dataset
+from stiction.summary.figure_values import (
     evaluate_area_over_load,
     evaluate_friction_over_dimension,
     find_opposing_contacts,
 )
-from stiction.studies.load_range import choose_loads_in_range
-from stiction.studies.maps import friction_map
-from stiction.studies.members import load_bodies
-from stiction.studies.report_data import collect_report_data
-from stiction.studies.resolution import find_resolution_limits
-from stiction.studies.study import parse_study_of_dataset
-from stiction.studies.summary import UncertaintyBudgetEntry, summarize
+from stiction.summary.report_data import collect_report_data
+from stiction.summary.summary import UncertaintyBudgetEntry, summarize
 from stiction.views import style
 from stiction.views.figures import draw_figures
 from stiction.views.figures.budget import uncertainty_budget_figure

@@ -6,7 +6,9 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from stiction import Profile, Surface, flipped, instrument_limit, interface, levelled, pair, self_affine
-from stiction.studies.input_caveats import (
+from stiction.study.measured_bodies import MeasuredBodySettings
+from stiction.study.study_description import get_pair_name
+from stiction.summary.input_caveats import (
     MAX_FORM_FRACTION,
     MAX_PLAUSIBLE_MU0,
     MAX_PRESSURE_OVER_MODULUS,
@@ -14,8 +16,6 @@ from stiction.studies.input_caveats import (
     find_input_caveats,
     find_scan_caveats,
 )
-from stiction.studies.measured_surfaces import MeasuredBodySettings
-from stiction.studies.study_description import get_pair_name
 from stiction.surfaces.hidden_noise import find_hidden_noise
 from support.machined_surfaces import MACHINED_SURFACES, scale_to_unit_rms
 from support.rough_surfaces import rough_maps, self_affine_map

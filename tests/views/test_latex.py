@@ -7,8 +7,8 @@ import subprocess
 import numpy as np
 import pytest
 from stiction import open_result, pair, run
-from stiction.studies.study import Study
-from stiction.studies.summary import summarize
+from stiction.study.study import Study
+from stiction.summary.summary import summarize
 from stiction.views.latex import latex_table
 from support.rough_surfaces import rough_maps
 from support.synthetic_results import generated_result, generated_study, measured_result, measured_study

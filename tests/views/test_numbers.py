@@ -10,12 +10,12 @@ import pytest
 from stiction import Study, friction_map, run
 from stiction._estimate import Estimate, count_estimate_decimals
 from stiction._number_format import format_significant, list_number_formats
-from stiction.studies.assessment import MAX_AFFECTED_FRACTION, LimitCheck
-from stiction.studies.at_load import at_load
-from stiction.studies.budget import add_uncertainty
-from stiction.studies.nodes import NodeAxis, compute_error_to_tolerance_ratio, interpolate_table
-from stiction.studies.study import parse_study_of_dataset
-from stiction.studies.summary import summarize
+from stiction.evaluate.at_load import at_load
+from stiction.evaluate.budget import add_uncertainty
+from stiction.study.study import parse_study_of_dataset
+from stiction.summary.assessment import MAX_AFFECTED_FRACTION, LimitCheck
+from stiction.summary.nodes import NodeAxis, compute_error_to_tolerance_ratio, interpolate_table
+from stiction.summary.summary import summarize
 from stiction.views.report import report_page
 from stiction.views.report.tables import NumberArray
 from support.generated_studies import SMALL_STUDY, empty_dataset

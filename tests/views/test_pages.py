@@ -7,13 +7,14 @@ import xml.etree.ElementTree
 import numpy as np
 import pytest
 from stiction import friction_map, levelled, self_affine, self_affine_surface
-from stiction.studies.at_load import at_load
-from stiction.studies.contact_picture import contact_picture
-from stiction.studies.input_caveats import find_input_caveats
-from stiction.studies.nodes import compute_error_to_tolerance_ratio
-from stiction.studies.study import parse_study_of_dataset
-from stiction.studies.summary import summarize
-from stiction.views.characterisation import Characterisation
+from stiction.companions.contact_picture import contact_picture
+from stiction.evaluate.at_load import at_load
+from stiction.study.study import parse_study_of_dataset
+from stiction.summary.characterisation import Characterisation
+from stiction.summary.input_caveats import find_input_caveats
+from stiction.summary.nodes import compute_error_to_tolerance_ratio
+from stiction.summary.summary import summarize
+from stiction.views.characterisation import CharacterisationTable
 from stiction.views.report import report_page, save_report
 from stiction.views.report.surface import surface_page
 from support import browser
@@ -225,7 +226,7 @@ def test_report_of_a_scan_has_a_table_and_a_small_slope_estimate(driver, pages, 
         "return [...document.querySelectorAll('tr')].map((row) => [...row.cells].map((cell) => cell.innerText))"
     )
     characterisation = Characterisation(profile)
-    expected_rows = [(row.label, row.texts[0]) for row in characterisation.rows if row.label]
+    expected_rows = [(row.label, row.texts[0]) for row in CharacterisationTable(characterisation).rows if row.label]
     assert [name for name, *_ in table] == [name for name, _ in expected_rows]
     assert dict(table)["Pq"] == dict(expected_rows)["Pq"]
     text = driver.find_element("id", "main").text

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from stiction import Profile, Result, Study, levelled, pair, run, self_affine
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_QUANTITIES
-from stiction.studies.nodes import MAX_NODES, NUM_REPORT_LOADS
-from stiction.studies.report_data import collect_report_data
-from stiction.studies.study import parse_study_of_dataset
+from stiction.study.study import parse_study_of_dataset
+from stiction.summary.nodes import MAX_NODES, NUM_REPORT_LOADS
+from stiction.summary.report_data import collect_report_data
 from stiction.views.files import REPORT_FILE_SIGNATURE
 from stiction.views.report import ReportError, report_page, save_report
 from stiction.views.report.content import _interpolation_error_text

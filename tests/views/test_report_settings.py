@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from stiction import Result, Study, pair, run, self_affine_surface
-from stiction.studies.nodes import MAX_SHOWN_ERROR_RATIO, VALUE_TOLERANCE
+from stiction.summary.nodes import MAX_SHOWN_ERROR_RATIO, VALUE_TOLERANCE
 from stiction.views.report import save_report
 from support import browser
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stiction._estimate import Interval
-from stiction.studies.assessment import Caveat
-from stiction.studies.summary import UncertaintyBudgetEntry, summarize
+from stiction.summary.assessment import Caveat
+from stiction.summary.summary import UncertaintyBudgetEntry, summarize
 from stiction.views.rows import SCHEMA_VERSION, summary_json, summary_table, values_frame
 from stiction.views.spreadsheet import frame_to_csv
 from support.synthetic_results import (

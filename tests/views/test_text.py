@@ -9,8 +9,8 @@ import xarray
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_significant, format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.assessment import VERDICTS_BY_SEVERITY, Caveat
-from stiction.studies.summary import Summary, UncertaintyBudgetEntry, summarize
+from stiction.summary.assessment import VERDICTS_BY_SEVERITY, Caveat
+from stiction.summary.summary import Summary, UncertaintyBudgetEntry, summarize
 from stiction.views.assessment import assessment_paragraph
 from stiction.views.layout import format_paragraph
 from stiction.views.overview import overview_text

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
 from stiction._errors import ArgumentError
-from stiction.studies.pair_options import (
+from stiction.study.pair_options import (
     PAIR_OPTIONS,
     READING_OPTION_NAMES,
     FormField,

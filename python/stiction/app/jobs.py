@@ -24,8 +24,8 @@ from pathlib import Path
 from typing import Any
 
 from stiction.app.form import find_first_option_name, replace_option_names, replace_option_names_in_caveats
-from stiction.studies.executors import PROGRESS_PREFIX
-from stiction.studies.store import StoredResult, open_stored_result
+from stiction.solve.executors import PROGRESS_PREFIX
+from stiction.solve.store import StoredResult, open_stored_result
 
 POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a command
 # maximum time in seconds that a stopped command may take to write its results; then it is killed

@@ -10,10 +10,10 @@ from typing import Any
 from stiction._number_format import to_json
 from stiction.app.form import group_option_values, replace_option_names_in_caveats
 from stiction.app.jobs import REPORTED_EXCEPTIONS, hide_private_paths
-from stiction.studies.pair import MeasuredPair
-from stiction.studies.pipeline import compute_preview_result
-from stiction.studies.result import Result, open_result
-from stiction.studies.study import Study
+from stiction.pipeline import compute_preview_result
+from stiction.result import Result, open_result
+from stiction.study.pair_study import MeasuredPair
+from stiction.study.study import Study
 from stiction.views.files import result_csv
 from stiction.views.report import report_page
 from stiction.views.rows import point_record, summary_json

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from stiction.app.preview import MAX_PREVIEW_SIDE_POINTS, draw_lines_svg
-from stiction.studies.members import generate_profile_pairs
-from stiction.studies.study import Study
+from stiction.study.members import generate_profile_pairs
+from stiction.study.study import Study
 from stiction.surfaces.measured.writing import write_surface
 from stiction.surfaces.self_affine import self_affine_surface
 

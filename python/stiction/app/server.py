@@ -42,9 +42,9 @@ from stiction.app.form import (
 )
 from stiction.app.jobs import Job, JobQueue, RejectedRequestError, hide_private_paths
 from stiction.mechanics.materials import materials
-from stiction.studies.interfaces import interfaces
-from stiction.studies.pair import MeasuredPair
-from stiction.studies.store import open_stored_result
+from stiction.solve.store import open_stored_result
+from stiction.study.interfaces import interfaces
+from stiction.study.pair_study import MeasuredPair
 
 MAX_SCAN_BYTES = 300_000_000  # maximum size of an uploaded scan in bytes, equal to the readers' limit for text files
 MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # maximum total size of all uploaded scans in bytes

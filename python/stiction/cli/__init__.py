@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import _thread
 import math
 import os
-import signal
 import sys
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 
-EXIT_INTERRUPTED = 130  # exit status after Ctrl-C, the same as in shells
-EXIT_BAD_INPUT = 2  # exit status after an error in the input
+from stiction.cli.exit_status import EXIT_BAD_INPUT, EXIT_INTERRUPTED, exit_on_interrupt
 
 MIN_ADDRESS_SPACE = 2**30
 """Address space in bytes (ulimit -v) below which OpenBLAS may block forever while SciPy is imported."""
@@ -31,7 +26,7 @@ def main() -> None:
         sys.exit(EXIT_BAD_INPUT)
     try:
         with exit_on_interrupt():
-            from stiction.cli.application import run_command_line
+            from stiction.cli.application import run_command_line  # Ctrl-C during this import needs the handler
         status = run_command_line()
     except KeyboardInterrupt:  # Ctrl-C was pressed during the import of libraries
         status = EXIT_INTERRUPTED
@@ -41,39 +36,6 @@ def main() -> None:
             sys.stderr.flush()
         os._exit(status)
     sys.exit(status)
-
-
-@contextmanager
-def exit_on_interrupt() -> Iterator[None]:
-    """Exit on Ctrl-C while modules are imported, because some modules catch every exception.
-
-    OpenBLAS raises the same signal if it cannot start its threads, for example if the number of processes is limited.
-    """
-
-    def exit_process(*_: object) -> None:
-        if _can_start_thread():
-            os.write(2, b"stiction: interrupted\n")
-            os._exit(EXIT_INTERRUPTED)
-        os.write(2, b"stiction: no thread can be started; the number of processes may be limited (ulimit -u)\n")
-        os._exit(EXIT_BAD_INPUT)
-
-    is_main = threading.current_thread() is threading.main_thread()
-    if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield  # keep a custom handler; in a background job, keep ignoring SIGINT
-        return
-    try:
-        signal.signal(signal.SIGINT, exit_process)
-        yield
-    finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-def _can_start_thread() -> bool:
-    try:
-        _thread.start_new_thread(lambda: None, ())
-    except RuntimeError:
-        return False
-    return True
 
 
 def _redirect_closed_streams() -> None:

@@ -26,7 +26,7 @@ from stiction._core import __version__, build
 from stiction._errors import ArgumentError
 from stiction._files import describe_os_error
 from stiction._text import MAX_QUOTED_LINE_LENGTH, printable_path, printable_text
-from stiction.cli import EXIT_BAD_INPUT, EXIT_INTERRUPTED, exit_on_interrupt
+from stiction.cli.exit_status import EXIT_BAD_INPUT, EXIT_INTERRUPTED, exit_on_interrupt
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -258,9 +258,11 @@ _OPTION_NAMES_BY_ARGUMENT = {"height_scale": "--scale-heights", "compute=True": 
 
 def _option_name(argument: str) -> str:
     """Return the command line option that corresponds to an argument in Python."""
-    from stiction.studies.pair_options import format_command_line_name
-
-    return _OPTION_NAMES_BY_ARGUMENT.get(argument) or format_command_line_name(argument)
+    if argument in _OPTION_NAMES_BY_ARGUMENT:
+        return _OPTION_NAMES_BY_ARGUMENT[argument]
+    # The module is imported when an option is named, so that the help needs no numeric package.
+    pair_options = import_module("stiction.study.pair_options")
+    return str(pair_options.format_command_line_name(argument))
 
 
 def run_command_line() -> int:

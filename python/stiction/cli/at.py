@@ -24,14 +24,25 @@ from stiction.cli.application import command, print_output, print_warning, repor
 from stiction.cli.execution import WorkersOption
 from stiction.cli.options import JsonOption, VerboseOption, option, reject_options
 from stiction.cli.result_output import VERBOSE_OPTION, open_result_with_warning
+from stiction.companions.height_scale import (
+    compute_results_at_height_factors,
+    evaluate_at_height_factors,
+    parse_height_factors,
+)
+from stiction.evaluate.computed_loads import find_loads_outside_range, find_loads_without_values
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.quantities import UNCERTAINTY_QUANTITIES
+from stiction.result import Result
+from stiction.solve.executors import thread_pool_executor
+from stiction.views import rows
+from stiction.views.height_scale import height_scale_json, height_scale_text
+from stiction.views.text import default_friction_parameters_text, missing_loads_text, result_text
 
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.result import Result
-    from stiction.studies.store import StoredResult
+    from stiction.result import Result
+    from stiction.solve.store import StoredResult
 
 
 LoadsOption = Annotated[
@@ -110,9 +121,6 @@ def at(
     values, the exit status is 2. If there are more points than fit on a screen, a selection is printed; --verbose and
     --json contain all points. Each factor of --scale-heights is computed once and stored with the result.
     """
-    from stiction.studies.computed_loads import find_loads_without_values
-    from stiction.views import rows, text
-
     result = open_result_with_warning(directory)
     mu0_values = None if mu0 is None else parse_coefficients("mu0", mu0)
     tau0_values = None
@@ -148,15 +156,13 @@ def at(
         print_output(rows.summary_json("at", result.summarize_dataset(values)))
     else:
         summary = result.summarize_dataset(values.drop_sel(load=missing_loads))
-        if default_text := text.default_friction_parameters_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
+        if default_text := default_friction_parameters_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
             print_output(default_text)
-        print_output(text.result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
+        print_output(result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
 
 
 def _report_missing_loads(result: Result, values: xarray.Dataset, missing_loads: Sequence[float]) -> None:
     """Print a warning that names the loads without values. If no load has values, raise a `ValueError` instead."""
-    from stiction.views.text import missing_loads_text
-
     if not missing_loads:
         return
     message = missing_loads_text(result, values, missing_loads)
@@ -170,16 +176,6 @@ def _print_height_factor_results(
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Print a result for several height factors. If `compute` is True, first compute the missing results."""
-    from stiction.studies.computed_loads import find_loads_outside_range
-    from stiction.studies.executors import thread_pool_executor
-    from stiction.studies.height_scale import (
-        compute_results_at_height_factors,
-        evaluate_at_height_factors,
-        parse_height_factors,
-    )
-    from stiction.studies.result import Result
-    from stiction.views.height_scale import height_scale_json, height_scale_text
-
     scaled_bodies: Any = scaled
     height_factors = parse_height_factors(text)
     if compute:

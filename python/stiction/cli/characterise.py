@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_args
+from typing import Annotated, Any, get_args
 
 import typer
 
@@ -15,14 +15,33 @@ from stiction._text import MAX_PATH_LENGTH, printable_path, printable_text
 from stiction.cli.application import command, option_was_given, print_message, print_output
 from stiction.cli.options import JsonOption, VerboseOption, load_measurement, option
 from stiction.cli.pair_options import pair_option, read_given_options
-from stiction.studies.measured_surfaces import MACHINING_PROCESSES
-from stiction.studies.pair_options import READING_OPTION_NAMES
+from stiction.cli.result_output import choose_message_printer
+from stiction.study.measured_bodies import MACHINING_PROCESSES
+from stiction.study.pair_options import READING_OPTION_NAMES
+from stiction.summary.characterisation import Characterisation
+from stiction.surfaces.cut_off import cut_off
+from stiction.surfaces.joined_spectrum import joined_spectrum
+from stiction.surfaces.measured.spectrum_file import write_spectrum
+from stiction.surfaces.measured.writing import write_profile, write_surface
 from stiction.surfaces.preparation import ProfileForm, SurfaceForm, levelled
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.repeated_scans import compare_repeated_scans
 from stiction.surfaces.surface import Surface
-
-if TYPE_CHECKING:
-    from stiction.views.characterisation import Characterisation
+from stiction.views import characterisation as views
+from stiction.views.characterisation import find_outlier_caveats
+from stiction.views.files import REPORT_FILE_SIGNATURE, write_new_text_file
+from stiction.views.report.reading import file_reading_table
+from stiction.views.rows import record_json
+from stiction.views.scans import (
+    joined_spectrum_figure,
+    joined_spectrum_record,
+    joined_spectrum_text,
+    octave_noise_csv,
+    repeated_scans_figure,
+    repeated_scans_record,
+    repeated_scans_text,
+)
+from stiction.views.style import FIGURE_FILE_SIGNATURES, save_figure
 
 RowOption = Annotated[
     int | None, option("--row N", "Characterise only this row of a surface, counted from 0.", minimum=0)
@@ -111,13 +130,6 @@ def characterise(
     For one file, print the main parameters (all of them with --verbose), and write an HTML report and a figure. For
     several files, write one CSV file with a row for each. With --json, write only the file of --output.
     """
-    from stiction.cli.result_output import choose_message_printer
-    from stiction.surfaces.cut_off import cut_off
-    from stiction.views import characterisation as views
-    from stiction.views.files import write_new_text_file
-    from stiction.views.rows import record_json
-    from stiction.views.style import save_figure
-
     reading_options = {
         name: str(text) for name, text in read_given_options(context).items() if name in READING_OPTION_NAMES
     }
@@ -146,9 +158,7 @@ def characterise(
         body = _level_body(_select_row_or_column(scan.body, row, column), level)
         body = body if cutoff_wavelength is None else cut_off(body, cutoff_wavelength)
         characterisations.append(
-            views.Characterisation(
-                body, band=hurst_band, tip_radius=tip_radius, textured=texture is not None, **filters
-            )
+            Characterisation(body, band=hurst_band, tip_radius=tip_radius, textured=texture is not None, **filters)
         )
     if dry_run:
         if as_json:
@@ -177,7 +187,6 @@ def characterise(
             remark = f", {len(files)} files"
             write_new_text_file(path, views.characterisation_csv(characterised_files))
         elif path.suffix.lower() == ".html":
-            from stiction.views.report.reading import file_reading_table
             from stiction.views.report.surface import surface_page
 
             remark = ", without a figure" if len(output_paths) == 1 else ""
@@ -204,14 +213,6 @@ def _print_joined_spectrum(
     files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
 ) -> None:
     """Print and write the joined spectrum of several scans."""
-    from stiction.cli.result_output import choose_message_printer
-    from stiction.surfaces.joined_spectrum import joined_spectrum
-    from stiction.surfaces.measured.spectrum_file import write_spectrum
-    from stiction.views.characterisation import find_outlier_caveats
-    from stiction.views.rows import record_json
-    from stiction.views.scans import joined_spectrum_figure, joined_spectrum_record, joined_spectrum_text
-    from stiction.views.style import save_figure
-
     names = _name_scans(files)
     joined_scans = joined_spectrum(
         [scan.body_without_outliers for scan in scans], tip_radii=[scan.tip_radius for scan in scans], names=names
@@ -240,15 +241,6 @@ def _print_scan_comparison(
     files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
 ) -> None:
     """Print and write the comparison of two scans of the same place."""
-    from stiction.cli.result_output import choose_message_printer
-    from stiction.surfaces.measured.writing import write_profile, write_surface
-    from stiction.surfaces.repeated_scans import compare_repeated_scans
-    from stiction.views.characterisation import find_outlier_caveats
-    from stiction.views.files import write_new_text_file
-    from stiction.views.rows import record_json
-    from stiction.views.scans import octave_noise_csv, repeated_scans_figure, repeated_scans_record, repeated_scans_text
-    from stiction.views.style import save_figure
-
     comparison = compare_repeated_scans(
         scans[0].body, scans[1].body, outliers=[scan.excluded_outliers for scan in scans]
     )
@@ -276,9 +268,6 @@ def _print_scan_comparison(
 
 def _choose_output_paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     """Return the paths of the files to write. Existing files other than figures and reports are never replaced."""
-    from stiction.views.files import REPORT_FILE_SIGNATURE
-    from stiction.views.style import FIGURE_FILE_SIGNATURES
-
     paths = _list_output_paths(files, output, together=together, repeated=repeated)
     file_marks = {".html": REPORT_FILE_SIGNATURE.encode(), **FIGURE_FILE_SIGNATURES}
     for path in paths:

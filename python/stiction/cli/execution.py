@@ -13,13 +13,13 @@ from stiction._text import printable_path
 from stiction._units import short_repr
 from stiction.cli.application import print_message, print_output, report_interruption, show_status
 from stiction.cli.options import option
-from stiction.studies.executors import thread_pool_executor
-from stiction.studies.members_in_progress import find_members_in_progress
-from stiction.studies.pipeline import complete_result
-from stiction.studies.result import Result
-from stiction.studies.store import StoreError, StudyMismatchError, open_stored_result
-from stiction.studies.study import Study
-from stiction.studies.values import StudyError
+from stiction.pipeline import complete_result
+from stiction.result import Result
+from stiction.solve.executors import connect_to_cluster, thread_pool_executor
+from stiction.solve.members_in_progress import find_members_in_progress
+from stiction.solve.store import StoreError, StudyMismatchError, open_stored_result
+from stiction.study.study import Study
+from stiction.study.values import StudyError
 
 WorkersOption = Annotated[
     int | None, option("--workers -w N", "Number of threads.", "one per core", minimum=1, panel="Computing")
@@ -43,8 +43,6 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
         return thread_pool_executor(workers)
     if workers is not None:
         raise StudyError("--workers must not be combined with --scheduler")
-    from stiction.studies.executors import connect_to_cluster
-
     return connect_to_cluster(scheduler)
 
 

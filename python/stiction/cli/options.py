@@ -12,6 +12,9 @@ import typer
 
 from stiction._text import printable_path
 from stiction.cli.application import option_was_given, show_status
+from stiction.study.pair_options import split_option_text
+from stiction.surfaces.measured.reading import READERS, read_with_interpretation
+from stiction.surfaces.measured.spectrum_file import is_spectrum_file
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -44,10 +47,6 @@ VerboseOption = Annotated[
 
 def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReading[Profile | Surface]:
     """Load a profile or surface from a file, applying the reading options given on the command line."""
-    from stiction.studies.pair_options import split_option_text
-    from stiction.surfaces.measured.reading import read_with_interpretation
-    from stiction.surfaces.measured.spectrum_file import is_spectrum_file
-
     if is_spectrum_file(file):
         raise ValueError(
             f"{printable_path(file)} is a spectrum of several scans; only stiction pair accepts a spectrum instead of "
@@ -60,8 +59,6 @@ def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReadi
 
 def show_reader_import_status(file: Path) -> None:
     """If SurfaceTopography must be imported to read a file, show a message on a terminal."""
-    from stiction.surfaces.measured.reading import READERS
-
     if file.suffix.lower() not in READERS and file.is_file() and "SurfaceTopography" not in sys.modules:
         show_status(f"loading SurfaceTopography, which takes some seconds, to read {printable_path(file.name)}")
 

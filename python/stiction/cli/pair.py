@@ -29,11 +29,23 @@ from stiction.cli.pair_options import (
     pair_option,
     read_given_options,
 )
-from stiction.studies.pair import MeasuredPair
-from stiction.studies.pair_options import validate_option_values
-from stiction.studies.result import Result
-from stiction.studies.store import STUDY_FILE
-from stiction.studies.study import Study
+from stiction.cli.result_output import (
+    choose_message_printer,
+    print_pair_values,
+    print_resolution_and_onset,
+    print_result_json,
+    write_pair_files,
+)
+from stiction.pipeline import compute_preview_result
+from stiction.result import Result
+from stiction.solve.store import STUDY_FILE
+from stiction.study.members import find_body_attributes
+from stiction.study.pair_options import validate_option_values
+from stiction.study.pair_study import MeasuredPair
+from stiction.study.study import Study
+from stiction.views.files import OUTPUT_FILE_SIGNATURES, check_all_replaceable
+from stiction.views.rows import summary_json
+from stiction.views.text import preview_text
 
 UpperFileArgument = Annotated[str | None, pair_argument("upper")]
 LowerFileArgument = Annotated[str | None, pair_argument("lower")]
@@ -124,17 +136,6 @@ def pair(
     files; repeat an option to set UPPER and LOWER separately. The result is a study in DIR that run, at, plot, report,
     info and export accept.
     """
-    from stiction.cli.result_output import (
-        choose_message_printer,
-        print_pair_values,
-        print_resolution_and_onset,
-        print_result_json,
-        write_pair_files,
-    )
-    from stiction.studies.members import find_body_attributes
-    from stiction.views.files import OUTPUT_FILE_SIGNATURES, check_all_replaceable
-    from stiction.views.rows import summary_json
-
     part_number, print_written = parse_part(part), choose_message_printer(as_json)
     check_output_directory(output)
     check_all_replaceable(output, OUTPUT_FILE_SIGNATURES)
@@ -199,9 +200,6 @@ def compute_preview_line(study: Study) -> str:
 
     Raises `ValueError` if the surfaces do not touch.
     """
-    from stiction.studies.pipeline import compute_preview_result
-    from stiction.views.text import preview_text
-
     return preview_text(compute_preview_result(study).summary())
 
 

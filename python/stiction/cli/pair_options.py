@@ -1,4 +1,4 @@
-"""Command line options created from the declarations in `studies.pair_options`."""
+"""Command line options created from the declarations in `study.pair_options`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import typer
 
 from stiction.cli.application import SHOW_ALL_OPTIONS_KEY, option_was_given, print_output
 from stiction.cli.options import option
-from stiction.studies.pair_options import OPTION_GROUPS, PAIR_OPTIONS, format_command_line_name
+from stiction.study.pair_options import OPTION_GROUPS, PAIR_OPTIONS, format_command_line_name
 
 PAIR_SHORT_HELP_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.items() if declared.is_common) | {
     "upper", "lower", "output", "help_all",

@@ -10,10 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 from stiction._text import printable_path
 from stiction.cli.application import print_message, print_output, print_warning, show_status
+from stiction.result import Result
+from stiction.solve.store import StoreError, open_stored_result
+from stiction.summary.summary import Summary
+from stiction.views.files import OUTPUT_FILE_SIGNATURES, RESULT_TABLE_NAME, replace_text_file, result_csv
+from stiction.views.rows import summary_json
+from stiction.views.sentence import no_values_text, quotable_sentences
+from stiction.views.text import main_values_text, resolution_and_onset_text, study_result_text
 
 if TYPE_CHECKING:
-    from stiction.studies.result import Result
-    from stiction.studies.summary import Summary
+    from stiction.result import Result
+    from stiction.summary.summary import Summary
 
 
 # Maximum number of lines for caveats. With this limit, the output of `pair` and `run` fits on 24 terminal lines.
@@ -29,9 +36,6 @@ def complete_output_command(result: Result) -> str:
 
 def open_result_with_warning(directory: Path) -> Result:
     """Open the result in a directory, and print a warning if it is unfinished."""
-    from stiction.studies.result import Result
-    from stiction.studies.store import StoreError, open_stored_result
-
     stored_result = open_stored_result(directory)
     num_repetitions = stored_result.study.ensemble.repetitions
     count_text = stored_result.study.member_names.with_count(num_repetitions)
@@ -44,8 +48,6 @@ def open_result_with_warning(directory: Path) -> Result:
 
 def print_result(result: Result, *, verbose: bool = False) -> None:
     """Print a result at the loads of its study: values, assessment, cutoff study and onset of sliding."""
-    from stiction.views.text import study_result_text
-
     command = complete_output_command(result)
     options: dict[str, Any] = {"max_overview_lines": MAX_CAVEAT_LINES, "complete_command": command}
     print_output(study_result_text(_summarize(result), verbose=verbose, **options))
@@ -53,32 +55,24 @@ def print_result(result: Result, *, verbose: bool = False) -> None:
 
 def print_pair_values(result: Result, *, verbose: bool = False) -> None:
     """Print the values of a measured pair without the cutoff study and the onset of sliding."""
-    from stiction.views.text import main_values_text
-
     options: dict[str, Any] = {"max_lines": MAX_CAVEAT_LINES, "complete_command": complete_output_command(result)}
     print_output(main_values_text(_summarize(result), verbose=verbose, **options))
 
 
 def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None:
     """Print the cutoff study and the onset of sliding of a measured pair, if the result has values."""
-    from stiction.views.text import resolution_and_onset_text
-
     if text := resolution_and_onset_text(_summarize(result), verbose=verbose):
         print_output(text)
 
 
 def print_sentences(result: Result) -> None:
     """Print the sentence to quote for each load, each on a line that is not wrapped."""
-    from stiction.views.sentence import no_values_text, quotable_sentences
-
     summary = _summarize(result)
     print_output("\n".join(quotable_sentences(summary)) if summary.points else no_values_text(summary))
 
 
 def print_result_json(result: Result, command: str, **fields: Any) -> None:
     """Print a result at the loads of its study as a JSON record of a command, with additional fields."""
-    from stiction.views.rows import summary_json
-
     print_output(summary_json(command, _summarize(result), **fields))
 
 
@@ -88,9 +82,6 @@ def _summarize(result: Result) -> Summary:
     If it raises a `ValueError`, return a summary without points and with the message as `no_points_reason`.
     """
     import xarray
-
-    from stiction.studies.store import StoreError
-    from stiction.studies.summary import Summary
 
     try:
         # The warning about tau0 was already printed when the study was created.
@@ -108,9 +99,6 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     If another command has stored other mu0, tau0 or loads in the directory in the meantime, the files are written for
     these values, so that they agree with the stored study.
     """
-    from stiction.studies.result import Result
-    from stiction.studies.store import open_stored_result
-
     folder = result.path
     assert folder is not None, "the result of the command is stored"
     file_names: list[str] = []
@@ -129,7 +117,6 @@ MAX_OUTPUT_ATTEMPTS = 4  # maximum number of attempts to write files while the s
 
 def _write_result_files(result: Result, folder: Path) -> list[str]:
     from stiction.views.figures import draw_figures
-    from stiction.views.files import OUTPUT_FILE_SIGNATURES, RESULT_TABLE_NAME, replace_text_file, result_csv
     from stiction.views.report import save_report
 
     replace_text_file(folder / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_SIGNATURES[RESULT_TABLE_NAME])

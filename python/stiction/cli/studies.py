@@ -10,10 +10,20 @@ import typer
 
 from stiction._units import short_repr
 from stiction.cli.application import command, print_output
-from stiction.cli.execution import PartOption, SchedulerOption, WorkersOption
+from stiction.cli.execution import (
+    PartOption,
+    SchedulerOption,
+    WorkersOption,
+    compute_result_in_folder,
+    open_executor,
+    parse_part,
+)
 from stiction.cli.options import VerboseOption, option
-from stiction.studies.study import Study, read_study_description, study_names
-from stiction.studies.values import MAX_LISTED_FAULTS, StudyError, parse_toml
+from stiction.cli.result_output import print_result, write_figures
+from stiction.study.study import Study, read_study_description, study_names
+from stiction.study.values import MAX_LISTED_FAULTS, StudyError, parse_toml
+from stiction.views.layout import wrap_text
+from stiction.views.study_keys import study_keys_text
 
 ChangesOption = Annotated[
     list[str] | None, option("--set KEY=VALUE", "Change a value, such as ensemble.repetitions=10. Repeatable.")
@@ -43,9 +53,6 @@ def run_study_command(
 
     Repetitions (for a pair, positions) that already exist in the output directory are kept.
     """
-    from stiction.cli.execution import compute_result_in_folder, open_executor, parse_part
-    from stiction.cli.result_output import print_result, write_figures
-
     chosen_study, directory = _load_study(study)
     try:
         chosen_study = chosen_study.with_changes(parse_overrides(overrides or []))
@@ -70,8 +77,6 @@ def studies(
 ) -> None:
     """List the built-in studies, print one as a study file, or list the keys of study files."""
     if keys:
-        from stiction.views.study_keys import study_keys_text
-
         if name is not None:
             raise StudyError(f"--keys must not be combined with the name of a study, got {short_repr(name)}")
         print_output(study_keys_text())
@@ -79,8 +84,6 @@ def studies(
     if name is not None:
         print_output(Study.named(name).to_toml())
         return
-    from stiction.views.layout import wrap_text
-
     names = study_names()
     width = max(map(len, names)) + 2
     for name in names:

@@ -15,10 +15,14 @@ from stiction._arguments import (
 )
 from stiction._text import printable_path
 from stiction.cli.application import command, print_output
-from stiction.cli.execution import SchedulerOption, WorkersOption
+from stiction.cli.execution import SchedulerOption, WorkersOption, compute_result_in_folder, open_executor
 from stiction.cli.options import option
 from stiction.cli.pair_options import pair_option
-from stiction.studies.store import CHECKSUM_PREFIX
+from stiction.evaluate.friction_table import friction_table, table_study
+from stiction.solve.store import CHECKSUM_PREFIX, export
+from stiction.study.elasticity import determine_elasticity
+from stiction.views.files import check_all_replaceable, replace_text_file
+from stiction.views.friction_table import fitted_laws_csv, friction_table_csv, friction_table_text
 
 NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME = "table.nc", "table.csv", "laws.csv"
 TABLE_FILE_SIGNATURES = {
@@ -62,13 +66,6 @@ def table_command(
     Pairs of generated surfaces are pressed as elastic half-spaces. The same command resumes an interrupted table.
     Further values of mu0 and tau0 need no new contact computation.
     """
-    from stiction.cli.execution import compute_result_in_folder, open_executor
-    from stiction.studies.elasticity import determine_elasticity
-    from stiction.studies.friction_table import friction_table, table_study
-    from stiction.studies.store import export
-    from stiction.views.files import check_all_replaceable, replace_text_file
-    from stiction.views.friction_table import fitted_laws_csv, friction_table_csv, friction_table_text
-
     modulus = determine_elasticity(effective_modulus, young, poisson).effective_modulus
     wavelength_limits = parse_quantities("wavelengths", wavelengths, "length")
     if len(wavelength_limits) != 2:

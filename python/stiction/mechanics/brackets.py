@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats
+from stiction.mechanics.patches import grid_slopes
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import ScaleDependentRoughness, fitted_and_limiting_power_laws
@@ -36,8 +37,6 @@ def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
 
 def gap_rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
     """Compute the rms gradient of a gap from the slopes that the half-space model uses."""
-    from stiction.mechanics.patches import grid_slopes
-
     gap_slopes = grid_slopes(gap.heights, gap.spacings, periodic=periodic)
     return math.sqrt(sum(float(np.mean(np.square(slope))) for slope in gap_slopes))
 

@@ -18,10 +18,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, make_read_only, validate_fraction, validate_number
+from stiction._drawing import draw_contact_pressure
 from stiction._errors import NoSolutionError
 from stiction._repr import PlotReprMixin, axes_or_new_axes
 from stiction._units import loads_to_core_units, to_core_units
+from stiction.mechanics.adhesion import solve_separation, solve_with_adhesion
 from stiction.mechanics.friction import FrictionCurve
+from stiction.mechanics.half_space_problem import (
+    ContactSolver,
+    from_step_result,
+    make_problem,
+    parse_loads_or_approaches,
+    to_contact_solution,
+    to_step_result,
+)
+from stiction.mechanics.mindlin import HalfSpaceTangentialProblem
 from stiction.mechanics.model import (
     ContactModel,
     Direction,
@@ -32,6 +43,7 @@ from stiction.mechanics.model import (
 )
 from stiction.mechanics.onset import Onset, compute_onset, parse_direction, resolve_index, validate_nonzero_strengths
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
+from stiction.mechanics.tilt import solve_with_balanced_tilt
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import BodyLike, as_bodies
 
@@ -107,8 +119,6 @@ class HalfSpaceContact(PlotReprMixin):
 
         Draws into given axes or new ones, and returns them.
         """
-        from stiction._drawing import draw_contact_pressure
-
         return draw_contact_pressure(axes_or_new_axes(ax), self.pressure, self.heights, self.spacing)
 
 
@@ -228,8 +238,6 @@ class HalfSpaceCurve(FrictionCurve):
     @cached_property
     def _separation_solutions(self) -> tuple[list[ContactSolution], str]:
         """Contacts during separation, and the reason why the largest tension is uncertain ("" if it is certain)."""
-        from stiction.mechanics.adhesion import solve_separation
-
         contact_solution = self._contact_solutions[int(np.argmin(self.load))]
         return solve_separation(contact_solution, tolerance=self._tolerance, record=self._record)
 
@@ -367,8 +375,6 @@ class HalfSpaceCurve(FrictionCurve):
         RuntimeError
             If the error of a step exceeds the tolerance.
         """
-        from stiction.mechanics.mindlin import HalfSpaceTangentialProblem
-
         mu0, tau0 = validate_nonzero_strengths(mu0, tau0, self.effective_modulus)
         angle = parse_direction(direction, line=self._problem.gap.ndim == 1)
         contact_solution = self._contact_solutions[resolve_index(index, self.load.size, "loads")]
@@ -495,8 +501,6 @@ def half_space(
     >>> curve.contact_area.round(2)  # Westergaard: 2/π arcsin (p/p*)^(1/2) = 0.385
     array([0.38])
     """
-    from stiction.mechanics.half_space_problem import make_problem, parse_loads_or_approaches
-
     upper, lower = as_bodies(upper, lower, spacing=spacing, unit=unit)
     check_pair(upper, lower, whole=False)
     model = ContactModel(
@@ -549,20 +553,9 @@ def _solve_contacts(
     progress: Callable[[int, int, float], object] | None, record: SolutionRecord,
 ) -> list[ContactSolution]:  # fmt: skip
     """Solve the contact problem at each load (mN) or at each approach (µm)."""
-    from stiction.mechanics.half_space_problem import (
-        ContactSolver,
-        from_step_result,
-        to_contact_solution,
-        to_step_result,
-    )
-
     if problem.work_of_adhesion > 0:
-        from stiction.mechanics.adhesion import solve_with_adhesion
-
         return solve_with_adhesion(problem, steps, tolerance=tolerance, progress=progress, record=record)
     if problem.turns:
-        from stiction.mechanics.tilt import solve_with_balanced_tilt
-
         return solve_with_balanced_tilt(problem, steps, tolerance=tolerance, progress=progress, record=record)
     solutions: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(solutions), iteration, error)

@@ -18,6 +18,7 @@ from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
 from stiction.mechanics.contact import Contacts, contacts
 from stiction.mechanics.friction import ContactSums, FrictionCurve, SurfaceValidity, Validity, compute_load
+from stiction.mechanics.mindlin import AsperityTangentialProblem
 from stiction.mechanics.model import (
     ContactModel,
     ContactModelArguments,
@@ -124,8 +125,6 @@ class LoadCurve(FrictionCurve, ContactSums):
             If an argument is outside its range, mu0 and tau0 are both 0, there is no contact, or the law is
             HertzCylinder.
         """
-        from stiction.mechanics.mindlin import AsperityTangentialProblem
-
         mu0, tau0 = validate_nonzero_strengths(mu0, tau0, self.effective_modulus)
         angle = parse_direction(direction, line=not isinstance(self, SurfaceLoadCurve))
         approach = float(self.approach[resolve_index(index, self.approach.size, "approaches")])

@@ -15,9 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, make_read_only, validate_number, validate_whole_number
+from stiction._drawing import draw_onset
 from stiction._repr import PlotReprMixin, axes_or_new_axes
 from stiction.mechanics.friction import validate_mu0_and_tau0
 from stiction.mechanics.model import ContactModel, Direction
+from stiction.mechanics.presliding import fit_iwan, fit_lugre
 
 if TYPE_CHECKING:
     import pandas
@@ -232,8 +234,6 @@ class Onset(PlotReprMixin):
 
         Draws into given axes or new ones, and returns them.
         """
-        from stiction._drawing import draw_onset
-
         curve_properties = {"sliding_load": self.sliding_load, "stiffness": self.stiffness}
         return draw_onset(
             axes_or_new_axes(ax), self.tangential_load, self.displacement, self.slipped_area, **curve_properties
@@ -247,8 +247,6 @@ class Onset(PlotReprMixin):
         ValueError
             If there are fewer than three loads, or no displacements.
         """
-        from stiction.mechanics.presliding import fit_iwan
-
         curve_properties = {"sliding_load": self.sliding_load, "stiffness": self.stiffness}
         return fit_iwan(self.displacement, self.tangential_load, **curve_properties)
 
@@ -260,8 +258,6 @@ class Onset(PlotReprMixin):
         ValueError
             If there are no displacements.
         """
-        from stiction.mechanics.presliding import fit_lugre
-
         return fit_lugre(self.displacement, self.tangential_load, sliding_load=self.sliding_load)
 
     def _resolve_load_index(self, index: Any) -> int:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
 import stiction._core as _core
@@ -31,6 +30,8 @@ def grid_slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) 
 
 
 def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
+    import scipy.fft
+
     n = heights.shape[axis]
     factor = 2j * np.pi * scipy.fft.rfftfreq(n, step)
     if n % 2 == 0:

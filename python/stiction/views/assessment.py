@@ -6,15 +6,15 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from stiction.studies.alternatives import ALTERNATIVE_LABELS, SPIKES_ALTERNATIVE, TIP_ALTERNATIVE
-from stiction.studies.assessment import VERDICTS_BY_SEVERITY, WIDE_INTERVAL_CHECK_NAME, Caveat
-from stiction.studies.coefficient_samples import (
+from stiction.evaluate.coefficient_samples import (
     LOWER_SCANS_INPUT_NAME,
     POSITIONS_INPUT_NAME,
     UNRESOLVED_ROUGHNESS_INPUT_NAME,
     UPPER_SCANS_INPUT_NAME,
 )
-from stiction.studies.summary import POSSIBLE_NOISE_INPUT_NAME, PointSummary
+from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, SPIKES_ALTERNATIVE, TIP_ALTERNATIVE
+from stiction.summary.assessment import VERDICTS_BY_SEVERITY, WIDE_INTERVAL_CHECK_NAME, Caveat
+from stiction.summary.summary import POSSIBLE_NOISE_INPUT_NAME, PointSummary
 from stiction.views.layout import Paragraph, ShortenedList, WrappedText
 
 COMPLETE_OUTPUT_METHOD = "summary()"  # method of a result that prints all points and caveats

@@ -13,8 +13,9 @@ from stiction._checks import check_instance
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_with_unit
 from stiction._repr import render_png
-from stiction.studies.calibration_fit import MIN_AREA_VARIATION
-from stiction.studies.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_VALUE_LIMIT, Interface, StrengthFit
+from stiction.calibration.fit import MIN_AREA_VARIATION
+from stiction.calibration.prediction import Interface
+from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_VALUE_LIMIT, StrengthFit
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.rows import json_entry, record_json

@@ -9,47 +9,25 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stiction._number_format import format_percent, format_with_unit
-from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import STATUS_OK
-from stiction.studies.assessment import Caveat
-from stiction.studies.contact_statistics import compute_slopes
-from stiction.studies.input_caveats import INSTRUMENT_LIMIT_REASON_TEXTS, find_scan_caveats
-from stiction.studies.scan_defects import ScanDefects, find_scan_defects
-from stiction.surfaces.filters import filtered, validate_cutoff
-from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
-from stiction.surfaces.lines import MAX_POWER_LAW_MISFIT, LineRoughness, lines_along_both, power_law_misfit
+from stiction.summary.assessment import Caveat
+from stiction.summary.characterisation import ASSUMED_MU0, Characterisation
+from stiction.summary.input_caveats import INSTRUMENT_LIMIT_REASON_TEXTS
+from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ROUGHNESS_PARAMETERS, ParameterDefinition
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import (
-    RoughnessParameters,
-    SurfaceParameters,
-    rms_gradient,
-    roughness_parameters,
-    surface_parameters,
-)
-from stiction.surfaces.scale import InstrumentLimit, ScaleDependentRoughness, scale_dependent_roughness
-from stiction.surfaces.sections import DEFAULT_SECTION_COUNT, SectionLengthError, SectionParameters, section_parameters
-from stiction.surfaces.spectrum import (
-    PowerSpectrum,
-    ProfileMoments,
-    RadialSpectrum,
-    find_spectral_peak,
-    power_spectrum,
-    spectral_moments,
-    surface_spectrum,
-)
+from stiction.surfaces.scale import InstrumentLimit
+from stiction.surfaces.sections import DEFAULT_SECTION_COUNT, SectionLengthError, SectionParameters
+from stiction.surfaces.spectrum import PowerSpectrum, find_spectral_peak, spectral_moments
 from stiction.surfaces.surface import Surface
 from stiction.views.layout import wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.rows import caveat_record, json_entry, record_json
 from stiction.views.spreadsheet import frame_to_csv
 
-ASSUMED_MU0 = 0.4  # molecular friction coefficient mu0 that is assumed in the small-slope estimate
-RADIAL_BINS_PER_DECADE = 20  # number of bins per decade in the spectrum of a surface
 NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
 # Unreliable wavelengths are ignored if they contribute less than this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
@@ -58,8 +36,6 @@ _MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths for a compar
 _MIN_PEAK_FRACTION = 0.1  # a peak is reported if it contributes at least this fraction of m4
 # the scatter is reported if the dispersion of the spectrum relative to its fit exceeds this limit
 _MAX_DISPERSION = 2.0
-# Variance of the logarithmic density in a bin of a Hann-windowed spectrum, multiplied by the number of harmonics.
-_HANN_LOG_VARIANCE = 2.0
 
 _UNIT_SYMBOLS = {
     "1": "",
@@ -87,206 +63,34 @@ HEADLINE_PARAMETERS = (
 
 
 @dataclass(frozen=True, eq=False)
-class Characterisation:
-    """Characterisation of a levelled profile or surface. Properties are computed on first access.
+class CharacterisationTable:
+    """Table of the values of one scan."""
 
-    Attributes
-    ----------
-    body : Profile or Surface
-        Body to characterise. It must not be flat, and must have at least 7 points along each axis.
-    band : (float, float), µm, optional
-        Shortest and longest wavelength for the fit of Hurst exponents. By default the band is chosen automatically.
-    tip_radius : float, µm, optional
-        Radius of the stylus or probe tip.
-    periodic : bool
-        As in `power_spectrum`.
-    lc, ls : float, µm, optional
-        Cutoff wavelengths for the R- and W-parameters of a profile, as in `section_parameters`, or for the S-parameters
-        of a surface. A surface without cutoffs is not filtered.
-    robust : bool
-        True if the L-filter is the robust regression filter.
-
-    Raises
-    ------
-    ValueError
-        When a property is accessed: if the body is flat or too small, if the band contains too few wavelengths, or if a
-        cutoff is not suitable for the profile.
-    """
-
-    body: Profile | Surface
-    band: tuple[float, float] | None = None
-    tip_radius: float | None = None
-    periodic: bool = False
-    textured: bool = False
-    """True if the body was machined, so that lines and humps in its spectrum are attributed to the surface."""
-    lc: float | None = None
-    ls: float | None = None
-    robust: bool = False
-
-    @cached_property
-    def parameters(self) -> RoughnessParameters | SurfaceParameters:
-        """Roughness parameters of heights and slopes."""
-        body = self.scale_limited_body
-        return roughness_parameters(body) if isinstance(body, Profile) else surface_parameters(body)
-
-    @cached_property
-    def scale_limited_body(self) -> Profile | Surface:
-        """Body from which roughness parameters are computed: the profile itself, or the surface after filtering."""
-        body = self.body
-        if isinstance(body, Profile):
-            return body
-        if self.lc is None and self.robust:
-            raise ValueError("lc must be given for the robust filter of a surface")
-        if self.lc is not None and self.ls and self.ls >= self.lc:
-            raise ValueError(f"ls must be below lc ({self.lc:g} µm), got {self.ls:g} µm")
-        if self.ls:
-            body = filtered(body, cutoff=validate_cutoff("ls", self.ls, body, longest=1), kind="S")
-        if self.lc is not None:
-            body = filtered(body, cutoff=validate_cutoff("lc", self.lc, body, longest=1), kind="L", robust=self.robust)
-        return body
-
-    @cached_property
-    def neighbour_slope(self) -> float:
-        """Rms slope or gradient, computed from height differences of neighbouring points."""
-        body = self.scale_limited_body
-        if isinstance(body, Profile):
-            return roughness_parameters(body, derivative="neighbours").Pdq
-        return rms_gradient(body, "neighbours")
-
-    @cached_property
-    def section_parameters(self) -> SectionParameters | SectionLengthError | None:
-        """R- and W-parameters of a profile, or the error that prevented their computation; None for a surface."""
-        if not isinstance(self.body, Profile):
-            return None
-        try:
-            return section_parameters(self.body, lc=self.lc, ls=self.ls, robust=self.robust)
-        except SectionLengthError as error:
-            if self.lc is not None:
-                raise
-            return error
-
-    @property
-    def _defects(self) -> ScanDefects:
-        return find_scan_defects(self.body, self.tip_radius, textured=self.textured, periodic=self.periodic)
-
-    @property
-    def body_without_outliers(self) -> Profile | Surface:
-        """Body with interpolated outliers, from which the spectrum and all values of the spectrum are computed."""
-        return self._defects.body_without_outliers
-
-    @property
-    def excluded_outliers(self) -> NDArray[np.bool_]:
-        """Mask of the outliers that are interpolated in `body_without_outliers`."""
-        outliers = self._defects.outliers
-        return outliers if self.body_without_outliers is not self.body else np.zeros_like(outliers)
-
-    @cached_property
-    def spectrum(self) -> PowerSpectrum | None:
-        """Power spectrum of a profile, or None for a surface."""
-        body = self.body_without_outliers
-        return power_spectrum(body, periodic=self.periodic) if isinstance(body, Profile) else None
-
-    @cached_property
-    def _areal_analysis(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...], float]:
-        """Radial spectrum of a surface, moments along x and y, and the direction of the largest mean square slope."""
-        assert isinstance(self.body_without_outliers, Surface)
-        spectrum = surface_spectrum(self.body_without_outliers)
-        moments = tuple(spectrum.moments(direction) for direction in (0, 90))
-        return spectrum.radial(RADIAL_BINS_PER_DECADE), moments, spectrum.steepest_direction()
-
-    @cached_property
-    def binned_spectrum(self) -> PowerSpectrum | RadialSpectrum:
-        """Power spectrum averaged in bins of log q."""
-        return self._areal_analysis[0] if self.spectrum is None else self.spectrum.in_bins()
-
-    @cached_property
-    def line_roughnesses(self) -> tuple[LineRoughness, ...]:
-        """Roughness of a surface along x and y."""
-        body = self.body_without_outliers
-        return () if isinstance(body, Profile) else lines_along_both(body, band=self.band)
-
-    @cached_property
-    def power_law_fit(self) -> HurstEstimate | None:
-        """Power law fitted to the spectrum, regardless of the quality of the fit, or None if no band can be fitted."""
-        try:
-            return estimate_hurst_exponent(self.body_without_outliers, band=self.band, periodic=self.periodic)
-        except ValueError:
-            if self.band is not None:
-                raise
-            return None
-
-    @cached_property
-    def power_law_misfit(self) -> float:
-        """Factor by which the spectrum deviates from its power law, or NaN if no power law was fitted."""
-        if self.power_law_fit is None:
-            return math.nan
-        band = self.power_law_fit.shortest_wavelength, self.power_law_fit.longest_wavelength
-        dimensions, log_variance = self.power_law_fit.dimensions, _HANN_LOG_VARIANCE
-        return power_law_misfit(
-            self.binned_spectrum, band, self.power_law_fit.value, dimensions=dimensions, chance=log_variance
-        )
-
-    @property
-    def valid_power_law(self) -> HurstEstimate | None:
-        """Power law of the spectrum, or None if the spectrum deviates from a power law."""
-        return None if self.power_law_misfit > MAX_POWER_LAW_MISFIT else self.power_law_fit
-
-    @cached_property
-    def roughness(self) -> ScaleDependentRoughness:
-        """Cumulative slope and curvature as functions of wavelength."""
-        return scale_dependent_roughness(self.body_without_outliers, periodic=self.periodic)
-
-    @property
-    def instrument_limit(self) -> InstrumentLimit:
-        """Shortest reliable wavelength, limited by pixels and noise but not by the tip."""
-        return self._defects.instrument_limit
-
-    @property
-    def tip_limit(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength, limited by pixels, noise and tip, or None without a tip radius."""
-        return self._defects.limit_with_tip
-
-    @cached_property
-    def friction_estimates(self) -> tuple[float, ...]:
-        """Small-slope friction estimates for two bodies like this one, along x (and along y); empty for a flat body."""
-        # The mean square slope of the gap between two such bodies is twice the mean square slope of one body.
-        # The list is reversed, so that the estimate along x comes first.
-        mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
-        return tuple(
-            float(
-                gentle_friction(
-                    ASSUMED_MU0, rms_gradient=math.sqrt(sum(mean_square_slopes)), rms_slope=math.sqrt(mean_square_slope)
-                )
-            )
-            for mean_square_slope in mean_square_slopes
-            if min(mean_square_slopes) > 0
-        )
-
-    # ---- Table rows --------------------------------------------------------------------------------------------------
+    scan: Characterisation
 
     @cached_property
     def rows(self) -> list[TableRow]:
         """Table rows for the body as a whole."""
-        points, spacings = np.shape(self.body.heights)[::-1], np.atleast_1d(self.body.spacing)[::-1]
+        points, spacings = np.shape(self.scan.body.heights)[::-1], np.atleast_1d(self.scan.body.spacing)[::-1]
         rows = [
             TableRow("" if index else "history", (step,), is_detail=True)
-            for index, step in enumerate(self.body.history)
+            for index, step in enumerate(self.scan.body.history)
         ]
         for index, (count, step) in enumerate(zip(points, spacings.tolist(), strict=True)):
-            direction_text = f" along {'xy'[index]}" if self.spectrum is None else ""
+            direction_text = f" along {'xy'[index]}" if self.scan.spectrum is None else ""
             text = f"{count}{direction_text}, {length_text(step)} apart, over {length_text(count * step)}"
             rows.append(TableRow("" if index else "points", (text,)))
-        if self.body.missing is not None:
+        if self.scan.body.missing is not None:
             rows.append(TableRow("", ("missing heights are interpolated along lines in the following values",)))
-        count = int(self._defects.outliers.sum())
+        count = int(self.scan.defects.outliers.sum())
         text = (
             f"{_describe_outliers(count)}; excluded from the spectrum; "
             f"--outliers mask removes {'them' if count > 1 else 'it'}"
         )
         rows.append(TableRow("outliers", (text if count else "none",), (json_entry("outliers", count),)))
         rows += [*self._parameter_rows(), TableRow("friction by slope", (self._friction_text(),))]
-        if self.spectrum is not None and isinstance(body := self.body_without_outliers, Profile):
-            moments = spectral_moments(body, periodic=self.periodic)
+        if self.scan.spectrum is not None and isinstance(body := self.scan.body_without_outliers, Profile):
+            moments = spectral_moments(body, periodic=self.scan.periodic)
             rows += [
                 row._replace(is_detail=True)
                 for row in (
@@ -298,27 +102,22 @@ class Characterisation:
                     ),
                 )
             ]  # fmt: skip
-            rows += _spectral_peak_rows("peak", self.spectrum)
+            rows += _spectral_peak_rows("peak", self.scan.spectrum)
         rows += [*self._wavelength_rows(), *self._hurst_rows()]
-        if self.spectrum is not None:
-            window_text = "without a window, periodic" if self.periodic else "after a Hann window"
+        if self.scan.spectrum is not None:
+            window_text = "without a window, periodic" if self.scan.periodic else "after a Hann window"
             rows.append(TableRow("spectrum", (f"{window_text}; moments over all of its wavelengths",), is_detail=True))
         rows += [
             TableRow("" if index else "caveats", (f"{item.text}; {item.remedy}",))
-            for index, item in enumerate(self.caveats)
+            for index, item in enumerate(self.scan.caveats)
         ]
         return rows
 
-    @cached_property
-    def caveats(self) -> list[Caveat]:
-        """Caveats about the scan: heights, form, spikes, and wavelengths that may be noise."""
-        return find_scan_caveats(self.body, tip_radius=self.tip_radius, textured=self.textured, periodic=self.periodic)
-
     def _parameter_rows(self) -> list[TableRow]:
-        rows = self._rows_of_parameter_values(self.parameters.values)
-        result = self.section_parameters
+        rows = self._rows_of_parameter_values(self.scan.parameters.values)
+        result = self.scan.section_parameters
         if result is None:
-            filter_steps = self.scale_limited_body.history[len(self.body.history) :]
+            filter_steps = self.scan.scale_limited_body.history[len(self.scan.body.history) :]
             no_filters = "none: S-F surface with all wavelengths; --ls and --lc set filters"
             filters_text = ", then ".join(filter_steps) if filter_steps else no_filters
             return [TableRow("filters", (filters_text,)), *rows]
@@ -338,7 +137,7 @@ class Characterisation:
         for name, value in values.items():
             rows.append(self._parameter_row(ROUGHNESS_PARAMETERS[name], value))
             if name == "Std":
-                steepest_direction = self._areal_analysis[2]
+                steepest_direction = self.scan.areal_analysis[2]
                 text = f"{steepest_direction:.1f}°, direction in which lines are steepest on average"
                 rows.append(
                     TableRow(
@@ -353,7 +152,7 @@ class Characterisation:
             is_detail=name not in HEADLINE_PARAMETERS
         )
         if name in ("Pdq", "Sdq"):
-            neighbours_entry = json_entry(f"{name}_neighbours", self.neighbour_slope)
+            neighbours_entry = json_entry(f"{name}_neighbours", self.scan.neighbour_slope)
             text = f"{row.texts[0]} (seven points), {neighbours_entry['value']:.4g} (neighbours)"
             return TableRow(name, (text,), (*row.values, neighbours_entry))
         if name == "Std":
@@ -369,22 +168,22 @@ class Characterisation:
 
     def _missing_autocorrelation_text(self, name: str) -> str:
         """Return the text for an autocorrelation parameter (Sal or Str) that requires a larger map."""
-        autocorrelation_length = getattr(self.parameters, "Sal", math.nan)
+        autocorrelation_length = getattr(self.scan.parameters, "Sal", math.nan)
         if name == "Sal":
             return "none: no decay to 0.2 within half the map"
         if math.isnan(autocorrelation_length):
             return "none, without Sal"
-        max_ratio = autocorrelation_length / (np.min(self.body.extent) / 2)
+        max_ratio = autocorrelation_length / (np.min(self.scan.body.extent) / 2)
         return f"below {max_ratio:.2g}: no decay to 0.2 along the lay within half the map"
 
     def _friction_text(self) -> str:
-        if not self.friction_estimates:
+        if not self.scan.friction_estimates:
             return "none: the surface has no slopes"
-        if not all(map(math.isfinite, self.friction_estimates)):
+        if not all(map(math.isfinite, self.scan.friction_estimates)):
             return "none: contacts on such steep slopes are self-locking"
-        axis_texts = (" along x", " along y") if len(self.friction_estimates) == 2 else ("",)
+        axis_texts = (" along x", " along y") if len(self.scan.friction_estimates) == 2 else ("",)
         values = ", ".join(
-            f"{value:.3f}{axis}" for value, axis in zip(self.friction_estimates, axis_texts, strict=True)
+            f"{value:.3f}{axis}" for value, axis in zip(self.scan.friction_estimates, axis_texts, strict=True)
         )
         return (
             f"{SLIDING_RULE_DESCRIPTIONS['all']}: μ0; {SLIDING_RULE_DESCRIPTIONS['opposing']}: {values} "
@@ -392,7 +191,7 @@ class Characterisation:
         )
 
     def _wavelength_rows(self) -> list[TableRow]:
-        result, limit = self.roughness, self.instrument_limit
+        result, limit = self.scan.roughness, self.scan.instrument_limit
         fraction = float(result.fraction_below(2 * limit.pixels))
         longest_wavelength = float(result.wavelength[0])
         slopes = ", ".join(
@@ -415,12 +214,12 @@ class Characterisation:
             assessment = "unreliable" if limit.origin == "instrument" else "perhaps not from the surface"
             reason = f"{INSTRUMENT_LIMIT_REASON_TEXTS[limit.reason]}, {contribution_text}"
             limit_text = f"{assessment} below {wavelength}: {reason}; --cutoff '{cutoff_text}' removes this fraction"
-        if self.textured and (limit.reason == "pixels" or limit.origin == "instrument"):
+        if self.scan.textured and (limit.reason == "pixels" or limit.origin == "instrument"):
             limit_text += "; no line or hump to attribute to the surface (--texture)"
         shortest_octave_text = (
             f"below {format_with_unit(2 * limit.pixels, 'um')}: {format_percent(fraction)} of the mean square slope"
         )
-        tip_wavelength = math.nan if self.tip_limit is None else self.tip_limit.tip
+        tip_wavelength = math.nan if self.scan.tip_limit is None else self.scan.tip_limit.tip
         limit_entries = (
             json_entry("noise_floor_below", limit.noise, "um"),
             json_entry("tip_follows_down_to", tip_wavelength, "um"),
@@ -435,14 +234,14 @@ class Characterisation:
             TableRow("cumulative slope", (slopes,)),
             *self._period_rows(),
             TableRow("instrument", (limit_text,), limit_entries),
-            *([] if self.tip_limit is None else [TableRow("tip", (_tip_limit_text(self.tip_limit),))]),
+            *([] if self.scan.tip_limit is None else [TableRow("tip", (_tip_limit_text(self.scan.tip_limit),))]),
         ]
 
     def _period_rows(self) -> list[TableRow]:
-        period = self.instrument_limit.period
+        period = self.scan.instrument_limit.period
         if not period > 0:
             return []
-        direction_text = "" if isinstance(self.body, Profile) else ", along x or y"
+        direction_text = "" if isinstance(self.scan.body, Profile) else ", along x or y"
         text = (
             f"period {length_text(period)}{direction_text}, with its harmonics: "
             "attributed to the surface, such as a feed mark"
@@ -451,13 +250,13 @@ class Characterisation:
 
     def _hurst_rows(self) -> list[TableRow]:
         names = ("hurst_exponent", "1"), ("shortest_wavelength", "um"), ("longest_wavelength", "um")
-        fit = self.power_law_fit
-        if fit is None or self.valid_power_law is None:
+        fit = self.scan.power_law_fit
+        if fit is None or self.scan.valid_power_law is None:
             reason, status = "no self-affine band was found; choose one from the spectrum with --band", "no-band"
             if fit is not None:
                 reason, status = (
                     "the spectrum is not a power law; "
-                    f"the best fit deviates by a factor of {self.power_law_misfit:.1f}",
+                    f"the best fit deviates by a factor of {self.scan.power_law_misfit:.1f}",
                     "no-line",
                 )
             missing_entries = tuple(json_entry(name, math.nan, unit, status=status) for name, unit in names)
@@ -469,7 +268,7 @@ class Characterisation:
             interval_text = f"{fit.value:.3f} [{fit.lower:.3f}, {fit.upper:.3f}] (95 %)"
             wave_name = "harmonics" if fit.dimensions == 1 else "wavelengths"
             band_limits = fit.shortest_wavelength, fit.longest_wavelength
-            source = f"{'given' if self.band else 'automatic'}; {fit.harmonics} {wave_name}"
+            source = f"{'given' if self.scan.band else 'automatic'}; {fit.harmonics} {wave_name}"
             band_text = f"{' to '.join(map(length_text, band_limits))} ({source})"
             classical_text = f"{fit.fractal_dimension_classical:.3f} (classical, 2 - H)"
             value = json_entry(names[0][0], fit.value, lower=fit.lower, upper=fit.upper)
@@ -507,7 +306,7 @@ class Characterisation:
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """
-        spectrum = self.binned_spectrum if self.spectrum is None else self.spectrum
+        spectrum = self.scan.binned_spectrum if self.scan.spectrum is None else self.scan.spectrum
         q, band_start = spectrum.wave_number, 2 * math.pi / longest
         # exclude wavelengths that are affected by the window and by levelling
         is_longer = (q > 2.5 * q[0]) & (q < band_start / 1.5)
@@ -519,9 +318,9 @@ class Characterisation:
     @cached_property
     def line_table_rows(self) -> list[TableRow]:
         """Table rows for the lines of a surface along x and along y."""
-        if not self.line_roughnesses:
+        if not self.scan.line_roughnesses:
             return []
-        line_directions, moments = self.line_roughnesses, self._areal_analysis[1]
+        line_directions, moments = self.scan.line_roughnesses, self.scan.areal_analysis[1]
         band_texts = [
             "none" if line.band is None else " to ".join(map(length_text, line.band)) for line in line_directions
         ]
@@ -541,7 +340,7 @@ class Characterisation:
                 ["none" if math.isnan(line.misfit) else f"factor {line.misfit:.2f}" for line in line_directions],
             ),
         ]
-        if self.band is None and line_directions[0].band != line_directions[1].band:
+        if self.scan.band is None and line_directions[0].band != line_directions[1].band:
             columns.append(("band found in", [f"{line.with_band} of {line.fitted} lines" for line in line_directions]))
         rows = [
             TableRow("lines", ("along x", "along y")),
@@ -551,10 +350,10 @@ class Characterisation:
             rows += _spectral_peak_rows(f"  peak along {axis}", line.spectrum, line.fitted)
         mean_exponents = [float(line.hurst_exponents.mean()) for line in line_directions if line.is_straight]
         if (
-            self.valid_power_law is not None
+            self.scan.valid_power_law is not None
             and mean_exponents
             and not any(
-                self.valid_power_law.lower < mean_exponent < self.valid_power_law.upper
+                self.scan.valid_power_law.lower < mean_exponent < self.scan.valid_power_law.upper
                 for mean_exponent in mean_exponents
             )
         ):
@@ -625,7 +424,8 @@ def characterisation_text(
     points              4000, 10 nm apart, over 40 µm
     """
     result = to_characterisation(body, **options)
-    rows = [*result.rows, *(row._replace(is_detail=True) for row in result.line_table_rows)]
+    table = CharacterisationTable(result)
+    rows = [*table.rows, *(row._replace(is_detail=True) for row in table.line_table_rows)]
     shown_rows = [row for row in rows if not (headline_only and row.is_detail)]
     lines = [
         wrap_text(f"{row.label:<19} {'  '.join(f'{item:<23}' for item in row.texts)}".rstrip(), hanging_indent=" " * 20)
@@ -724,7 +524,7 @@ CharacterisedFiles = Sequence[tuple[str, Characterisation]]  # pairs of file nam
 
 
 def _json_values(result: Characterisation) -> list[dict[str, Any]]:
-    return [value for row in result.rows for value in row.values]
+    return [value for row in CharacterisationTable(result).rows for value in row.values]
 
 
 def characterisation_json(files: CharacterisedFiles, readings: Sequence[dict[str, Any]] = ()) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from stiction._files import check_replaceable, create_file_atomically, replace_file_atomically
 from stiction._text import printable_path
-from stiction.studies.evaluation import Evaluation
+from stiction.summary.evaluation import Evaluation
 from stiction.views.latex import latex_table
 from stiction.views.rows import summary_table
 from stiction.views.spreadsheet import frame_to_csv

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray
 
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
+from stiction.evaluate.friction_table import MAX_LAW_DEVIATION
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT, column_title_and_factor
-from stiction.studies.friction_table import MAX_LAW_DEVIATION
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
+
+if TYPE_CHECKING:
+    import xarray
 
 _COLUMN_TITLES = {
     "friction_coefficient": ("mu_s", 1.0), "contact_area_fraction": ("A/A0 (%)", 100.0),
@@ -38,6 +40,8 @@ def fitted_laws_csv(table: xarray.Dataset) -> str:
 
 
 def _table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
+    import xarray
+
     columns: dict[str, Any] = {}
     for name, values in law_table.data_vars.items():
         title, factor = _COLUMN_TITLES.get(str(name)) or column_title_and_factor(str(name))

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._number_format import choose_prefixed_unit, format_significant, format_with_unit
-from stiction.mechanics.friction import STATUS_OK
-from stiction.studies.point import (
+from stiction.evaluate.point import (
     find_contact_status,
     has_nominal_area,
     is_unloaded,
@@ -18,6 +17,7 @@ from stiction.studies.point import (
     read_estimate,
     select_sliding_rule,
 )
+from stiction.mechanics.friction import STATUS_OK
 from stiction.views import rows
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text
@@ -26,8 +26,8 @@ from stiction.views.quantities import percent_text
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.height_scale import ScaledBodies
-    from stiction.studies.study import Study
+    from stiction.companions.height_scale import ScaledBodies
+    from stiction.study.study import Study
 
 SCALED_SURFACE_TEXTS: dict[ScaledBodies, str] = {
     "both": "both surfaces",

@@ -11,8 +11,8 @@ from stiction._number_format import format_significant
 from stiction._text import printable_text
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import column_title_and_factor
-from stiction.studies.study_description import describe_study
-from stiction.studies.summary import PointSummary, Summary
+from stiction.study.study_description import describe_study
+from stiction.summary.summary import PointSummary, Summary
 from stiction.views.point import cutoff_text
 from stiction.views.sentence import covered_inputs_text, shared_conditions_text
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
+from stiction.companions.onset import OnsetValues
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.onset import OnsetValues
 from stiction.views.layout import Paragraph, Table
 from stiction.views.point import coordinate_text
 
 if TYPE_CHECKING:
-    from stiction.studies.study import Study
+    from stiction.study.study import Study
 
 HALF_SLIDING_LOAD_FRACTION = 0.5
 CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loading, relative to the sliding load

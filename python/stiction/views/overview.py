@@ -7,16 +7,16 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from stiction._number_format import format_with_unit
+from stiction.evaluate.point import CELL_DIMENSIONS, SlidingRuleCoefficient
 from stiction.mechanics.friction import STATUS_OK
-from stiction.studies.point import CELL_DIMENSIONS, SlidingRuleCoefficient
-from stiction.studies.summary import PointSummary, Summary
+from stiction.summary.summary import PointSummary, Summary
 from stiction.views.assessment import COMPLETE_OUTPUT_METHOD, assessment_paragraph
 from stiction.views.layout import Table, format_paragraphs
 from stiction.views.point import COORDINATE_LABELS, SLIDING_RULE_DESCRIPTIONS, coordinate_text
 from stiction.views.sentence import no_values_text
 
 if TYPE_CHECKING:
-    from stiction.studies.study import Study
+    from stiction.study.study import Study
 
 
 def overview_text(

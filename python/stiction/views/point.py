@@ -13,10 +13,10 @@ from stiction.mechanics.friction import STATUS_OK
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from stiction.studies.measured_surfaces import ScanCutoffs
-    from stiction.studies.point import SlidingRuleCoefficient
-    from stiction.studies.study import Study
-    from stiction.studies.summary import PointSummary
+    from stiction.evaluate.point import SlidingRuleCoefficient
+    from stiction.study.measured_bodies import ScanCutoffs
+    from stiction.study.study import Study
+    from stiction.summary.summary import PointSummary
 
 SLIDING_RULE_DESCRIPTIONS = {"all": "friction at all contacts", "opposing": "friction at opposing contacts only"}
 """Descriptions of the sliding rules, in the order in which results are reported."""

@@ -7,8 +7,8 @@ from typing import Any
 
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
+from stiction.evaluate.pull_off import MIN_STICKING_PRESSURE, PullOffValues
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.pull_off import MIN_STICKING_PRESSURE, PullOffValues
 
 
 def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:

@@ -18,12 +18,12 @@ from stiction.mechanics.quantities import (
     STIFFNESS_PER_AREA_QUANTITIES,
     quantity_names_shown_in,
 )
-from stiction.studies.summary import PointSummary
+from stiction.summary.summary import PointSummary
 from stiction.views.layout import Paragraph, Table, TextRows
 from stiction.views.point import coordinate_text, point_load_text
 
 if TYPE_CHECKING:
-    from stiction.studies.study import Study
+    from stiction.study.study import Study
 
 MAX_HEADING_WIDTH = 20  # maximum width of the heading of a column of numbers, in characters
 _VERBOSE_QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5), ("pressure", 0.9))

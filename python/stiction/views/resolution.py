@@ -14,8 +14,8 @@ from stiction.views.point import SLIDING_RULE_TITLES, cutoff_text
 from stiction.views.quantities import percent_text
 
 if TYPE_CHECKING:
-    from stiction.studies.resolution import ResolutionEffect, ResolvedRoughness, YieldWavelengthEstimate
-    from stiction.studies.study import Study
+    from stiction.companions.resolution import ResolutionEffect, ResolvedRoughness, YieldWavelengthEstimate
+    from stiction.study.study import Study
 
 
 def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, study: Study) -> list[Paragraph]:

@@ -17,12 +17,12 @@ import numpy as np
 
 from stiction._core import __version__
 from stiction._number_format import format_time, to_json
+from stiction.evaluate.budget import AREA_NAMES
+from stiction.evaluate.point import CELL_DIMENSIONS, list_sliding_rules_reported_first
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_title_and_factor, quantity_names_shown_in
-from stiction.studies.assessment import Caveat
-from stiction.studies.budget import AREA_NAMES
-from stiction.studies.point import CELL_DIMENSIONS, list_sliding_rules_reported_first
-from stiction.studies.summary import PointSummary, Summary
+from stiction.summary.assessment import Caveat
+from stiction.summary.summary import PointSummary, Summary
 from stiction.surfaces.pairing import SIDES
 from stiction.views.onset import onset_record
 from stiction.views.pull_off import pull_off_record

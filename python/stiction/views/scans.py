@@ -13,8 +13,8 @@ from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
 from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
-from stiction.studies.assessment import Caveat
-from stiction.studies.input_caveats import MAX_SPECTRA_RATIO, have_different_spectra
+from stiction.summary.assessment import Caveat
+from stiction.summary.input_caveats import MAX_SPECTRA_RATIO, have_different_spectra
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
 from stiction.views.layout import format_table, wrap_text

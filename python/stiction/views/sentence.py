@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_significant, format_time, format_with_unit
+from stiction.evaluate.point import get_contact_law_name, has_limited_pressure
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.studies.hardness import find_uncertain_inputs
-from stiction.studies.interfaces import find_interface
-from stiction.studies.member_names import POSITION_NAMES
-from stiction.studies.point import get_contact_law_name, has_limited_pressure
-from stiction.studies.summary import PointSummary, Summary
+from stiction.study.interfaces import find_interface
+from stiction.study.member_names import POSITION_NAMES
+from stiction.study.uncertain_inputs import find_uncertain_inputs
+from stiction.summary.summary import PointSummary, Summary
 from stiction.surfaces.pairing import SIDES
 from stiction.views.point import (
     SLIDING_RULE_DESCRIPTIONS,
@@ -28,7 +28,7 @@ from stiction.views.point import (
 from stiction.views.pull_off import pull_off_text
 
 if TYPE_CHECKING:
-    from stiction.studies.study import Study
+    from stiction.study.study import Study
 
 # The sentence states how the load is defined if this choice changes the coefficient by more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01

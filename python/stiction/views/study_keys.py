@@ -10,16 +10,16 @@ from pydantic_core import PydanticUndefined
 
 from stiction._units import Quantity
 from stiction.mechanics.law import CONTACT_LAWS_BY_NAME
-from stiction.studies import values
-from stiction.studies.contact_tables import (
+from stiction.study import values
+from stiction.study.contact_tables import (
     CONTACT_SETTINGS_CLASSES,
     LAW_SETTINGS_CLASSES,
     SHARED_CONTACT_SETTINGS_CLASSES,
 )
-from stiction.studies.generated_surfaces import SelfAffineSettings
-from stiction.studies.input_uncertainty import UncertainInputSettings
-from stiction.studies.measured_surfaces import MeasuredBodySettings
-from stiction.studies.study import (
+from stiction.study.generated_surfaces import SelfAffineSettings
+from stiction.study.input_distributions import UncertainInputSettings
+from stiction.study.measured_bodies import MeasuredBodySettings
+from stiction.study.study import (
     FRICTION_SETTINGS_CLASSES,
     SHARED_FRICTION_SETTINGS_CLASSES,
     SURFACE_SETTINGS_CLASSES,

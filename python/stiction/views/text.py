@@ -13,11 +13,11 @@ import numpy as np
 
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_significant
-from stiction.studies.assessment import STATUS_EXPLANATIONS
-from stiction.studies.computed_loads import find_computed_load_range
-from stiction.studies.point import has_nominal_area
-from stiction.studies.study import find_step_dimension
-from stiction.studies.summary import PointSummary, Summary
+from stiction.evaluate.computed_loads import find_computed_load_range
+from stiction.evaluate.point import has_nominal_area
+from stiction.study.study import find_step_dimension
+from stiction.summary.assessment import STATUS_EXPLANATIONS
+from stiction.summary.summary import PointSummary, Summary
 from stiction.views.assessment import COMPLETE_OUTPUT_METHOD, MAX_CAVEAT_GROUPS, assessment_paragraph
 from stiction.views.layout import Paragraph, Table, WrappedText, format_paragraph, format_paragraphs
 from stiction.views.onset import onset_paragraph
@@ -48,8 +48,8 @@ from stiction.views.sentence import (
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.evaluation import Evaluation
-    from stiction.studies.study import Study
+    from stiction.study.study import Study
+    from stiction.summary.evaluation import Evaluation
 
 MIN_STATED_GROOVE_EFFECT = 0.01  # relative difference of friction along the axes below which no grooves are reported
 MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table if a result has several points

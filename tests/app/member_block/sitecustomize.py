@@ -9,7 +9,7 @@ from pathlib import Path
 
 BLOCKED_MEMBER_FILE = Path(os.environ.get("STICTION_TEST_HOLD", "/nowhere"))
 if BLOCKED_MEMBER_FILE.exists():
-    from stiction.studies import runner
+    from stiction.solve import runner
 
     compute_sums, compute_preview = runner.compute_member_arrays, runner.compute_preview_sums
 

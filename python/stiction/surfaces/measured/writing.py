@@ -14,7 +14,7 @@ from stiction._text import printable_text
 from stiction.surfaces.measured.npy import write_npy
 from stiction.surfaces.measured.raw import FormatError
 from stiction.surfaces.measured.shapes import MIN_MATRIX_COLUMNS
-from stiction.surfaces.measured.text import MAX_HISTORY_STEP_LENGTH
+from stiction.surfaces.measured.text_table import MAX_HISTORY_STEP_LENGTH
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 

@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from stiction._number_format import format_time
-from stiction.studies.summary import PointSummary
+from stiction.summary.summary import PointSummary
 from stiction.views.style import (
     AREA_COLOUR,
     FRICTION_COLOUR,

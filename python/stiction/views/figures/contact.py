@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_COLOUR_MAP, PRESSURE_COLOUR_MAP, add_scale_bar
 from stiction._number_format import format_with_unit
-from stiction.studies.figure_values import find_opposing_contacts
+from stiction.summary.figure_values import find_opposing_contacts
 from stiction.views.style import (
     FORCE_COLOUR,
     FRICTION_COLOUR,

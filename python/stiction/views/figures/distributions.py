@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from stiction._checks import Floats
 from stiction._drawing import set_log_tick_labels
 from stiction._number_format import format_with_unit
-from stiction.studies.point import MEAN_AND_LIMITS, select_sliding_rule
+from stiction.evaluate.point import MEAN_AND_LIMITS, select_sliding_rule
 from stiction.views.style import (
     SLIDING_RULE_COLOURS,
     SLIDING_RULE_LABELS,

@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_COLOUR_MAP, set_log_tick_labels
 from stiction._number_format import format_with_unit
+from stiction.evaluate.point import MEAN_AND_LIMITS
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
-from stiction.studies.assessment import MAX_AFFECTED_FRACTION
-from stiction.studies.figure_values import FrictionOverDimension
-from stiction.studies.point import MEAN_AND_LIMITS
-from stiction.studies.study import Study
+from stiction.study.study import Study
+from stiction.summary.assessment import MAX_AFFECTED_FRACTION
+from stiction.summary.figure_values import FrictionOverDimension
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.style import (

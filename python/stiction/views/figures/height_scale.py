@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from stiction._drawing import set_log_tick_labels
 from stiction._number_format import format_with_unit
-from stiction.studies.point import MEAN_AND_LIMITS, is_unloaded, select_sliding_rule
+from stiction.evaluate.point import MEAN_AND_LIMITS, is_unloaded, select_sliding_rule
 from stiction.views.figures.loads import format_log_axis
 from stiction.views.style import (
     AREA_COLOUR,

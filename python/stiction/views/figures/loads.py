@@ -15,9 +15,9 @@ from matplotlib.ticker import FuncFormatter, LogFormatterMathtext, LogLocator, M
 from stiction._checks import Floats
 from stiction._drawing import set_log_tick_labels
 from stiction._number_format import choose_prefixed_unit
-from stiction.studies.contact_picture import LOADS_RELATIVE_TO_PULL_OFF
-from stiction.studies.point import MEAN_AND_LIMITS, select_sliding_rule
-from stiction.studies.resolution import ResolutionLimits
+from stiction.companions.contact_picture import LOADS_RELATIVE_TO_PULL_OFF
+from stiction.companions.resolution import ResolutionLimits
+from stiction.evaluate.point import MEAN_AND_LIMITS, select_sliding_rule
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
     AREA_COLOUR,

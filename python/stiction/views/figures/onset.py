@@ -15,10 +15,10 @@ from matplotlib.figure import Figure
 from stiction._checks import Floats
 from stiction._drawing import add_scale_bar
 from stiction._number_format import format_with_unit
-from stiction.studies.assessment import MAX_AFFECTED_FRACTION
-from stiction.studies.contact_picture import MIN_ZOOM_SIDE_POINTS, ZOOM_FACTOR
-from stiction.studies.point import MEAN_AND_LIMITS
-from stiction.studies.study import Study
+from stiction.companions.contact_picture import MIN_ZOOM_SIDE_POINTS, ZOOM_FACTOR
+from stiction.evaluate.point import MEAN_AND_LIMITS
+from stiction.study.study import Study
+from stiction.summary.assessment import MAX_AFFECTED_FRACTION
 from stiction.views.figures.contact import draw_frame, draw_height_map, map_extent
 from stiction.views.figures.ensemble import (
     HEADING_HEIGHT,

@@ -14,10 +14,11 @@ from matplotlib.ticker import MaxNLocator
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_COLOUR_MAP, wave_number_to_wavelength
 from stiction._number_format import choose_prefixed_unit
+from stiction.summary.characterisation import Characterisation
 from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
-from stiction.views.characterisation import Characterisation, length_text, to_characterisation
+from stiction.views.characterisation import length_text, to_characterisation
 from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
 MAX_DRAWN_PROFILE_POINTS = 1500  # maximum number of profile points in the figure; longer profiles are averaged

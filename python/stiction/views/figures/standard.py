@@ -13,8 +13,10 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from stiction.studies.evaluation import Evaluation
-from stiction.studies.figure_values import (
+from stiction.study.study import Study
+from stiction.study.study_description import get_pair_name
+from stiction.summary.evaluation import Evaluation
+from stiction.summary.figure_values import (
     FrictionOverDimension,
     evaluate_area_over_load,
     evaluate_friction_over_dimension,
@@ -26,8 +28,6 @@ from stiction.studies.figure_values import (
     iterate_motions,
     omit_meaningless_area,
 )
-from stiction.studies.study import Study
-from stiction.studies.study_description import get_pair_name
 from stiction.views.figures.budget import dwell_time_figure, uncertainty_budget_figure
 from stiction.views.figures.contact import contact_forces_figure, contacts_and_pressure_figure
 from stiction.views.figures.distributions import (
@@ -43,7 +43,7 @@ from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_f
 from stiction.views.style import MATPLOTLIB_STYLE, literal_text, parse_formats, save_figure
 
 if TYPE_CHECKING:
-    from stiction.studies.height_scale import ScaledBodies
+    from stiction.companions.height_scale import ScaledBodies
 
 
 def draw_figures(

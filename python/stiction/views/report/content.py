@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from stiction._number_format import format_percent, format_significant, format_with_unit
+from stiction.evaluate.intervals import CONFIDENCE_LEVEL
 from stiction.mechanics import friction
-from stiction.studies.assessment import MAX_AFFECTED_FRACTION, STATUS_EXPLANATIONS
-from stiction.studies.intervals import CONFIDENCE_LEVEL
-from stiction.studies.nodes import NodeAxis
-from stiction.studies.report_data import GeneratedReportData, MeasuredReportData
-from stiction.studies.study import Study
+from stiction.study.study import Study
+from stiction.summary.assessment import MAX_AFFECTED_FRACTION, STATUS_EXPLANATIONS
+from stiction.summary.nodes import NodeAxis
+from stiction.summary.report_data import GeneratedReportData, MeasuredReportData
 from stiction.views.figures.ensemble import COLOUR_BAR_TICKS
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.report.tables import QuantityTable, ReportArray

@@ -12,11 +12,11 @@ from stiction._checks import Floats
 from stiction._number_format import NumberFormat, format_with_unit, list_number_formats
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.assessment import Caveat, LimitCheck
-from stiction.studies.member_names import REPETITION_NAMES
-from stiction.studies.report_data import GeneratedReportData
-from stiction.studies.study import Study
-from stiction.studies.values_at_nodes import GENERATED_STATUSES, GeneratedValuesAtNodes, get_validity_limit
+from stiction.study.member_names import REPETITION_NAMES
+from stiction.study.study import Study
+from stiction.summary.assessment import Caveat, LimitCheck
+from stiction.summary.report_data import GeneratedReportData
+from stiction.summary.values_at_nodes import GENERATED_STATUSES, GeneratedValuesAtNodes, get_validity_limit
 from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
 from stiction.views.point import coordinate_text, motion_direction_text
 from stiction.views.report.content import ReportContent

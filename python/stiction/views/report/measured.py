@@ -11,10 +11,10 @@ from stiction._number_format import format_with_unit
 from stiction._text import printable_text
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, STIFFNESS_PER_AREA_QUANTITIES
-from stiction.studies.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES
-from stiction.studies.report_data import MAX_FILE_READINGS, BodyHistory, MeasuredReportData
-from stiction.studies.summary import PointSummary, Summary
-from stiction.studies.values_at_nodes import ORDERED_STATUSES, MeasuredValuesAtNodes
+from stiction.study.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES
+from stiction.summary.report_data import MAX_FILE_READINGS, BodyHistory, MeasuredReportData
+from stiction.summary.summary import PointSummary, Summary
+from stiction.summary.values_at_nodes import ORDERED_STATUSES, MeasuredValuesAtNodes
 from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import (

@@ -15,9 +15,9 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction._number_format import format_percent, format_with_unit
-from stiction.studies.report_data import GeneratedReportData, MeasuredReportData
-from stiction.studies.resolution import ResolutionLimits
-from stiction.studies.study import Study
+from stiction.companions.resolution import ResolutionLimits
+from stiction.study.study import Study
+from stiction.summary.report_data import GeneratedReportData, MeasuredReportData
 from stiction.views.figures.contact import contact_forces_figure, contact_map_figure
 from stiction.views.figures.distributions import positions_figure
 from stiction.views.figures.height_scale import height_scale_figure
@@ -30,7 +30,7 @@ from stiction.views.report.page import format_count
 from stiction.views.style import MATPLOTLIB_STYLE, place_axes
 
 if TYPE_CHECKING:
-    from stiction.studies.height_scale import ScaledBodies
+    from stiction.companions.height_scale import ScaledBodies
 
 
 @dataclass(frozen=True, eq=False)

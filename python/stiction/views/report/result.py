@@ -12,10 +12,10 @@ from string import Template
 
 import xarray
 
-from stiction.studies.evaluation import Evaluation
-from stiction.studies.executors import thread_pool_executor
-from stiction.studies.intervals import CONFIDENCE_LEVEL
-from stiction.studies.report_data import GeneratedReportData, MeasuredReportData, ReportData, collect_report_data
+from stiction.evaluate.intervals import CONFIDENCE_LEVEL
+from stiction.solve.executors import thread_pool_executor
+from stiction.summary.evaluation import Evaluation
+from stiction.summary.report_data import GeneratedReportData, MeasuredReportData, ReportData, collect_report_data
 from stiction.views.report.content import ReportContent, common_facts
 from stiction.views.report.generated import generated_report_content
 from stiction.views.report.measured import measured_report_content

@@ -7,12 +7,12 @@ from typing import Any
 
 from stiction._core import __version__
 from stiction._number_format import format_percent, format_with_unit
+from stiction.summary.characterisation import ASSUMED_MU0, Characterisation
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import (
-    ASSUMED_MU0,
     NEGLIGIBLE_SLOPE_FRACTION,
-    Characterisation,
+    CharacterisationTable,
     TableRow,
     to_characterisation,
 )
@@ -33,9 +33,10 @@ def surface_page(
     `options` are the options of `characterisation_text`.
     """
     characterisation = to_characterisation(body, **options)
+    table = CharacterisationTable(characterisation)
     main_markup = Template(read_package_file("surface.html")).substitute(
         meaning=_interpretation_markup(characterisation), command=escape_html(command),
-        table=_table_markup([*characterisation.rows, *characterisation.line_table_rows]),
+        table=_table_markup([*table.rows, *table.line_table_rows]),
         figure=inline_svg(characterisation_figure(characterisation), "Heights, their distribution, and spectra"),
         reading=reading and Template(read_package_file("file_reading.html")).substitute(table=reading).rstrip(),
     )  # fmt: skip

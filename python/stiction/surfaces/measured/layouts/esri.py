@@ -19,7 +19,7 @@ from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.layout import TextLayout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights
 from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
-from stiction.surfaces.measured.text import make_height_provenance
+from stiction.surfaces.measured.text_table import make_height_provenance
 
 _HEADER_NAMES = (
     "ncols",

@@ -19,7 +19,7 @@ from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.header import normalise_line, parse_length
 from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import ColumnTable, HeightChannels, ReaderResult, parse_length_unit
-from stiction.surfaces.measured.text import parse_table
+from stiction.surfaces.measured.text_table import parse_table
 
 _LENGTH_COMMENT_PATTERN = re.compile(
     r"#\s*[^:=]{1,40}[:=]\s*([0-9]+(?:[.,][0-9]+)?(?:[eE][+-]?[0-9]+)?)\s*([^\W\d_]{1,12})\s*"

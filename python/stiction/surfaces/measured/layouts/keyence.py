@@ -26,7 +26,7 @@ from stiction.surfaces.measured.header import is_unit, normalise_line
 from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import FileCaveat, FormatError, RawHeights, parse_length_unit, parse_positive_number
 from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
-from stiction.surfaces.measured.text import make_height_provenance
+from stiction.surfaces.measured.text_table import make_height_provenance
 
 _UNSIGNED_NUMBER_PATTERN = re.compile(r"[0-9]+(?:[.,][0-9]+)?")
 

@@ -15,9 +15,9 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from stiction.surfaces.measured.excel import parse_sheet
 from stiction.surfaces.measured.layout import WorkbookLayout, WorkbookSheets
 from stiction.surfaces.measured.raw import ColumnTable, parse_length_unit
+from stiction.surfaces.measured.sheet_table import parse_sheet
 
 _PARAMETER_PATTERN = re.compile(r"\s*[A-Z][\w(). ]{0,12}?\s+[+-]?[0-9.,]+\s*([^\W\d_]{1,3})\s*")
 _CUT_OFF_PATTERN = re.compile(r"\s*[0-9.,]+\s*([^\W\d_]{1,3})\s*")

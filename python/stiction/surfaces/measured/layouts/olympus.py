@@ -21,7 +21,7 @@ from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.header import normalise_line
 from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import ColumnTable, FormatError, parse_length_unit
-from stiction.surfaces.measured.text import parse_table
+from stiction.surfaces.measured.text_table import parse_table
 
 _HEIGHT_UNIT_LINE_PATTERN = re.compile(r"\W*Z\s*Resolution\s*[\[(]\s*([^\])]{1,12}?)\s*[\])].*", re.IGNORECASE)
 

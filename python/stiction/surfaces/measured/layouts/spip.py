@@ -21,7 +21,7 @@ from stiction.surfaces.measured.header import normalise_line
 from stiction.surfaces.measured.layout import TextLayout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights, parse_length_unit
 from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
-from stiction.surfaces.measured.text import make_height_provenance
+from stiction.surfaces.measured.text_table import make_height_provenance
 
 _HEADER_FIELD_PATTERN = re.compile(r"#?\s*([A-Za-z][\w -]{0,30}?)\s*[=:]\s*(.{0,60}?)\s*")
 

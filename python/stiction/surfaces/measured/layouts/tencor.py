@@ -24,7 +24,7 @@ import numpy as np
 from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import ColumnTable, FormatError
-from stiction.surfaces.measured.text import parse_table
+from stiction.surfaces.measured.text_table import parse_table
 
 _COUNT_PATTERN = re.compile(r"(?:Number of )?(Points|Traces)\s+([0-9]{1,7})\s*", re.IGNORECASE)
 

@@ -26,7 +26,7 @@ from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.layout import TextLayout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights
 from stiction.surfaces.measured.split import Dialect, parse_number_block
-from stiction.surfaces.measured.text import make_height_provenance
+from stiction.surfaces.measured.text_table import make_height_provenance
 
 _HEIGHT_BLOCK_NAMES = ("RAW_DATA", "RAW DATA", "OPD", "SAMPLE_DATA")
 _FIRST_LINE_START = "Wyko ASCII Data File"

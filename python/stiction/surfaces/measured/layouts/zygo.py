@@ -31,7 +31,7 @@ from stiction.surfaces.measured.raw import (
 )
 from stiction.surfaces.measured.shapes import MAX_TABLE_GRID_POINTS
 from stiction.surfaces.measured.split import Dialect, parse_number_block
-from stiction.surfaces.measured.text import make_height_provenance
+from stiction.surfaces.measured.text_table import make_height_provenance
 
 # Zero-based index of the header line with the origin and size of the map, and index of the line with the pixel size.
 _MAP_SIZE_LINE_INDEX, _PIXEL_SIZE_LINE_INDEX = 3, 7

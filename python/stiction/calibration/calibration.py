@@ -1,0 +1,157 @@
+"""Calibration of an interface: infer mu0 and tau0 from friction tests on scanned surfaces.
+
+A test gives a coefficient y at a load, and its surfaces give six sums over the contacts at this load. They satisfy y
+(F_N0 + mu0 F_Nm + tau0 F_Na) = F_T0 + mu0 F_Tm + tau0 F_Ta, which is linear in mu0 and tau0. For small slopes and
+friction at all contacts, this reduces to y = mu0 + tau0 A/F. The tests separate mu0 and tau0 only if A/F varies among
+them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Literal
+
+from stiction._arguments import MAX_INPUT_NUMBER
+from stiction._checks import check_bool, check_choice, validate_number
+from stiction._units import short_repr, to_core_units
+from stiction.calibration.fit import MIN_AREA_VARIATION, CalibrationProblem
+from stiction.calibration.friction_tests import Ball, FrictionTest, list_sliding_rules
+from stiction.calibration.prediction import Interface
+from stiction.mechanics.model import SlidingRule
+from stiction.study.interfaces import (
+    ERROR_SCALING_P_VALUE_LIMIT,
+    EXCLUSION_P_VALUE_LIMIT,
+    GROWTH_HEADER_ENTRY,
+    HARDNESS_HEADER_ENTRY,
+    SLIDING_RULES,
+)
+
+MIN_SLIDING_TESTS = 3  # minimum number of tests with sliding for an estimate of the errors
+
+
+def calibrate(
+    tests: Sequence[FrictionTest],
+    *,
+    common: float = 0.02,
+    sliding: SlidingRule | Literal["both"] = "both",
+    mu0: float | None = None,
+    tau0: float | str | None = None,
+    outliers: bool = False,
+) -> Interface:
+    """Infer the joint distribution of mu0 and tau0 of an interface from friction tests on scanned surfaces.
+
+    Parameters
+    ----------
+    tests : sequence of FrictionTest
+    common : float
+        Relative standard uncertainty that all tests share, such as that of the force sensor or the load.
+    sliding : {"both", "all", "opposing"}
+        Sliding rule. With "both", the rule "all" comes first unless the tests exclude it and fit the other rule.
+    mu0, tau0 : float, tau0 in GPa or as text
+        Exact value of mu0 or tau0, if it is known.
+    outliers : bool
+        True if the tests may have outliers; their errors then follow Student's t instead of a normal distribution.
+
+    Returns
+    -------
+    Interface
+
+    Raises
+    ------
+    ValueError
+        If no test slid, or an argument is outside its range.
+
+    Notes
+    -----
+    For fixed gain, areas, hardness, creep and moduli, the tests are linear in mu0 and tau0. The density of mu0 and tau0
+    is computed on a grid, so it is correct even if all tests have the same A/F. The priors are uniform in mu0 and in
+    tau0 A/F, from 0. Gain, areas and ranges are marginalized by adaptive importance sampling. At the best fit of all
+    parameters, the residuals are compared with the errors. If the residuals are too large, the errors are assumed to be
+    known only up to a factor. Runs have relative offsets, whose standard deviation has a half-Cauchy prior with a
+    median of 10 %.
+
+    Examples
+    --------
+    >>> from stiction import Ball, FrictionTest, calibrate
+    >>> ball = Ball("5 mm", "3 GPa")
+    >>> loads = [5.0, 20.0, 100.0, 500.0, 2000.0]
+    >>> tests = [
+    ...     FrictionTest(ball, load, coefficient=0.15 + 0.012 * ball.area_per_load(load), uncertainty=0.01)
+    ...     for load in loads
+    ... ]
+    >>> interface = calibrate(tests)
+    >>> interface.separated, round(interface.tau0[0], 3)
+    (True, 0.012)
+    """
+    check_choice("sliding", sliding, Literal["both", "all", "opposing"])
+    if not isinstance(tests, Sequence) or not all(isinstance(test, FrictionTest) for test in tests):
+        raise ValueError(f"tests must be a sequence of FrictionTest objects, got {short_repr(tests)}")
+    tests = tuple(tests)
+    if not any(test.slid for test in tests):
+        raise ValueError(
+            "tests must contain at least one test with sliding, because a test without sliding gives only a lower bound"
+        )
+    check_bool("outliers", outliers)
+    common = validate_number("common", common)
+    if not 0 <= common < 1:
+        raise ValueError(f"common must be at least 0 and below 1, got {common!r}")
+    has_no_error = {test.uncertainty is None for test in tests}
+    if len(has_no_error) > 1:
+        raise ValueError("uncertainty must be given for all tests or for none")
+    if True in has_no_error and sum(test.slid for test in tests) < MIN_SLIDING_TESTS:
+        raise ValueError(
+            f"uncertainty must be given if there are fewer than {MIN_SLIDING_TESTS} tests with sliding, "
+            "because it cannot be estimated from so few tests"
+        )
+    known_strengths = (
+        None if mu0 is None else validate_number("mu0", mu0, below=MAX_INPUT_NUMBER),
+        None
+        if tau0 is None
+        else validate_number("tau0", to_core_units("tau0", tau0, "pressure"), below=MAX_INPUT_NUMBER),
+    )
+    if any(value is not None and value < 0 for value in known_strengths):
+        raise ValueError("mu0 and tau0 must not be negative")
+    available_rules = [rule for rule in SLIDING_RULES if all(rule in list_sliding_rules(test.result) for test in tests)]
+    if all(isinstance(test.result, Ball) for test in tests) and sliding == "both":
+        available_rules = available_rules[:1]  # both rules give the same friction for a ball
+    rules = available_rules if sliding == "both" else [sliding]
+    if not rules or not set(rules) <= set(available_rules):
+        raise ValueError(
+            f"sliding must be a rule for which every result has coefficients "
+            f"({', '.join(available_rules) or 'none exists'}), got {sliding!r}"
+        )
+    problems = [CalibrationProblem(tests, rule, common, known_strengths, outliers=outliers) for rule in rules]
+    fits = [problem.fit() for problem in problems]
+    if (
+        len(fits) == 2
+        and fits[0].probability < EXCLUSION_P_VALUE_LIMIT
+        and fits[1].probability > ERROR_SCALING_P_VALUE_LIMIT
+    ):
+        fits, problems = fits[::-1], problems[::-1]
+    first_problem = problems[0]
+    is_separated = any(value is not None for value in known_strengths) or (
+        len(tests) > 2 and first_problem.area_per_load_variation >= MIN_AREA_VARIATION
+    )
+    test_points = [
+        (float(ratio), float(test.coefficient or 0.0), float(test.uncertainty or math.nan), test.slid)
+        for ratio, test in zip(first_problem.area_per_load, tests, strict=True)
+    ]
+    advice = () if is_separated else first_problem.suggest_tests()
+    entries = {"kind": "measured"} | (
+        {HARDNESS_HEADER_ENTRY: first_problem.shared_hardness.text} if first_problem.shared_hardness else {}
+    )
+    entries |= (
+        {GROWTH_HEADER_ENTRY: first_problem.junction_growth.short_text}
+        if first_problem.junction_growth is not None
+        else {}
+    )
+    return Interface(
+        tuple(fits),
+        first_problem.mean_area_per_load,
+        first_problem.area_per_load_variation,
+        is_separated,
+        advice,
+        tuple(test_points),
+        entries,
+    )

@@ -1,0 +1,945 @@
+"""Joint distribution of mu0 and tau0, computed from friction tests by adaptive importance sampling.
+
+Nuisance parameters are uncertain quantities that the tests share: the gain of the force cell, the true areas of the
+surfaces, ranges of hardness, junction growth, creep and moduli, the spread between runs, and the size of the errors if
+it is not given. With fixed nuisance parameters the tests are linear in mu0 and tau0, except with junction growth, where
+the true area depends on both coefficients. The density of mu0 and tau0 is computed on a grid that covers its support.
+Each set of nuisance parameters is weighted by its evidence, which is the integral of this density. The proposal
+distribution of the nuisance parameters, Student's t, starts at the best fit and is adapted to the evidence (Cappé et
+al. 2008, Statistics and Computing 18, 447-459).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.calibration.friction_tests import (
+    FrictionTest,
+    StrengthSamples,
+    depends_on_junction_growth,
+    evaluate_test_forces,
+)
+from stiction.calibration.growth import find_best_mu0, find_tau0_range
+from stiction.mechanics.model import SlidingRule
+from stiction.study.input_distributions import UncertainInput, generate_sobol_points, parse_uncertain_input
+from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit
+
+# Both mu0 and tau0 are fitted only if A/F differs enough between the tests.
+# This number is the minimum relative standard deviation of A/F.
+MIN_AREA_VARIATION = 0.1
+# Number of nuisance points in each round of adaptation, and maximum number of nuisance points in the result.
+# A nuisance point is a set of values of the nuisance parameters.
+NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
+# The result starts with the first number of nuisance points.
+# The first number is doubled for each nuisance parameter, up to the second number.
+FINAL_NUISANCE_POINT_COUNTS = 256, 1024
+MAX_NORMAL_SCORE = 5.0  # normal scores of nuisance parameters are clipped to this absolute value
+MAX_PROPOSAL_ROUNDS = 8  # maximum number of rounds of adaptation
+# The adaptation ends when the effective sample size exceeds this fraction of the nuisance points.
+MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
+# nuisance points are added to the result until the effective sample size reaches this value
+MIN_EFFECTIVE_SAMPLES = 300.0
+NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of grid cells along tau0 and along mu0
+NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that represent their joint distribution
+# increase of -2 ln(density) from the maximum of the density to the edge of the grid (5.8 standard deviations)
+MAX_GRID_DEVIANCE = 34.0
+PROPOSAL_DEGREES_OF_FREEDOM = 5.0  # degrees of freedom of the proposal distribution (Student's t)
+OUTLIER_DEGREES_OF_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
+MEDIAN_RUN_SPREAD = 0.10  # median of the half-Cauchy prior for the relative standard deviation between runs
+
+MAX_GROWTH_BATCH_POINTS = 256  # maximum number of nuisance points in a batch if contacts grow under shear
+GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"  # names of nuisance parameters
+
+
+@dataclass(frozen=True)
+class _BestFit:
+    """Best fit to the friction tests of a calibration: mu0, tau0, nuisance parameters and residuals."""
+
+    mu0: float
+    tau0: float  # best tau0 (GPa)
+    scores: Floats  # normal scores of the nuisance parameters (nuisances,)
+    residuals: Floats  # residuals of the tests with sliding (tests,), in units of the errors
+    jacobian: Floats  # Jacobian of the weighted residuals and the scores with respect to the free parameters
+    robust_factors: Floats  # square roots of the test weights (tests,); outliers have smaller weights
+    scale: float  # factor that multiplies the assumed errors if no errors are given
+
+
+@dataclass(frozen=True)
+class _GridLimits:
+    """Limits of the mu0-tau0 grids. Each nuisance point (a set of nuisance-parameter values) has its own grid."""
+
+    triangular_factors: Floats  # triangular QR factors of the equations (points, 3, 3)
+    deviance_range: float
+    # lower and upper limits of tau0 in GPa, with shape (points,)
+    min_tau0: Floats
+    max_tau0: Floats
+    # best-fit mu0 with junction growth (points, tau0); None if no test has growing contacts
+    best_mu0: Floats | None = None
+    width_below: Any = None  # widths of the mu0 range below and above the best-fit value (points, tau0)
+    width_above: Any = None
+
+
+@dataclass(frozen=True)
+class _ProbabilityGrid:
+    """Grids of mu0 and tau0, with the log probability of each cell. Each nuisance point has its own grid."""
+
+    limits: _GridLimits
+    # logarithms of the probabilities without the prior of the nuisance parameters (points, tau0, mu0)
+    log_probability: Floats
+
+
+class CalibrationProblem:
+    """Linear equations for mu0 and tau0 from friction tests, with errors and nuisance parameters.
+
+    In each equation, the sum of mu0 and tau0, multiplied by their coefficients, equals the right side.
+
+    Parameters
+    ----------
+    tests : sequence of FrictionTest
+    sliding : {"all", "opposing"}
+    common : float
+        Relative standard uncertainty of the gain, which all tests share.
+    known : (float or None, float or None)
+        Fixed values of mu0 and tau0 (GPa); None if unknown.
+    outliers : bool
+        True if errors follow Student's t distribution instead of a normal distribution.
+    """
+
+    def __init__(
+        self,
+        tests: Sequence[FrictionTest],
+        sliding: SlidingRule,
+        common: float,
+        known: tuple[float | None, float | None],
+        *,
+        outliers: bool,
+    ) -> None:
+        self.sliding, self.common, self.known, self.outliers = sliding, common, known, outliers
+        tests_by_key = {(id(test.result), test.load, test.wait): test for test in tests}
+        forces_by_key = {key: evaluate_test_forces(test, sliding) for key, test in tests_by_key.items()}
+        self._friction = [forces_by_key[id(test.result), test.load, test.wait] for test in tests]
+        self.slid = np.array([test.slid for test in tests])
+        self.load = np.array([float(test.load) for test in tests])
+        self.measured = np.array([float(test.coefficient or 0.0) for test in tests])
+        self.has_errors = tests[0].uncertainty is not None
+        if self.has_errors:
+            self.error = np.array([test.uncertainty for test in tests], float)
+        else:  # if no errors are given, errors are proportional to the coefficients
+            self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
+        scatter_by_surfaces: dict[Hashable, float] = {}
+        for equation in self._friction:
+            if equation.scatter > 0:
+                scatter_by_surfaces[equation.surfaces] = max(
+                    scatter_by_surfaces.get(equation.surfaces, 0.0), equation.scatter
+                )
+        self._scatter_by_surfaces = scatter_by_surfaces
+        self.has_growing_contacts = any(
+            equation.area_factor is not None and equation.area_factor.junction_growth is not None
+            for equation in self._friction
+        )
+        input_names = [
+            name for equation in self._friction if equation.area_factor for name in equation.area_factor.nuisance_names
+        ]
+        self._run_membership = _build_run_membership_matrix(tests)
+        self.nuisances: list[Hashable] = [
+            *([GAIN_NUISANCE_NAME] if common > 0 else []), *scatter_by_surfaces, *dict.fromkeys(input_names),
+            *([RUN_SPREAD_NUISANCE_NAME] if len(self._run_membership) else []),
+        ]  # fmt: skip
+        """Names of the nuisance parameters. Each parameter is expressed as a standard normal score."""
+        central_coefficients = self._compute_equation_coefficients(np.zeros((1, len(self.nuisances))))
+        self.area_per_load = central_coefficients[1][0] / central_coefficients[0][0]
+        """A/F (1/GPa) of each test at zero scores. If contacts grow, A is the area at the measured coefficient."""
+        self._offsets, self._offset_sizes = self._compute_run_offset_vectors(central_coefficients)
+
+    # ---- Equations --------------------------------------------------------------------------------------------------
+
+    def _compute_equation_coefficients(
+        self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
+    ) -> tuple[Floats, Floats, Floats]:
+        """Compute the coefficients of mu0 and tau0 and the right sides of the test equations from the nuisance scores.
+
+        The scores have the shape (points, nuisances), and the coefficients have the shape (points, tests). If mu0 and
+        tau0 (GPa) of shape (points, ...) are given, the coefficients of tau0 have the shape (points, tests, ...) and
+        include the junction growth at these values. Otherwise the junction growth is computed from the measured
+        coefficients.
+        """
+        from scipy.special import ndtr
+
+        grid_shape = () if mu0 is None else mu0.shape[1:]
+        scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
+        shape = len(scores), *(1 for _ in grid_shape)
+        probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
+        # cached area factors for each equation and, if contacts grow, for each measured coefficient
+        cached_factors: dict[Hashable, Floats] = {}
+
+        def area_factors_of_test(test: int) -> Floats:
+            equation, factor = self._friction[test], np.ones(shape)
+            if equation.area_factor is not None:
+                is_measured = mu0 is None or tau0 is None
+                key = (
+                    id(equation),
+                    self.measured[test] if is_measured and equation.area_factor.junction_growth is not None else None,
+                )
+                if key not in cached_factors:
+                    strength_arrays = (self.measured[test], None) if mu0 is None or tau0 is None else (mu0, tau0)
+                    cached_factors[key] = equation.area_factor.area_factor_for_probabilities(
+                        probability, StrengthSamples(self.sliding, *strength_arrays)
+                    )
+                factor = factor * cached_factors[key]
+            if equation.scatter > 0:
+                factor = factor * np.exp(
+                    self._scatter_by_surfaces[equation.surfaces] * scores_by_name[equation.surfaces]
+                ).reshape(shape)
+            return np.broadcast_to(factor, (len(scores), *grid_shape))
+
+        def collect_attribute(name: str) -> Floats:
+            return np.array([getattr(equation, name) for equation in self._friction])
+
+        gain = (
+            np.exp(self.common * scores_by_name[GAIN_NUISANCE_NAME])[:, np.newaxis]
+            if GAIN_NUISANCE_NAME in scores_by_name
+            else np.ones((len(scores), 1))
+        )
+        # The measured coefficient is the product of the gain and the true coefficient.
+        # Errors refer to the measured coefficient.
+        mu0_coefficient = gain * collect_attribute("rub") - self.measured * collect_attribute("rub_normal")
+        tau0_coefficient = gain * collect_attribute("stick") - self.measured * collect_attribute("stick_normal")
+        right_side = self.measured - gain * collect_attribute("elastic")
+        factors = np.stack([area_factors_of_test(test) for test in range(len(self._friction))], axis=1)
+        return (
+            mu0_coefficient,
+            tau0_coefficient.reshape(*tau0_coefficient.shape, *(1 for _ in grid_shape)) * factors,
+            right_side,
+        )
+
+    def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
+        """Return the residual changes caused by an offset common to the tests of a run, as unit vectors and norms.
+
+        The directions are unit vectors with shape (runs, tests), and the norms, with shape (runs,), are in units of the
+        errors. Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would
+        bias the fit low.
+        """
+        self._run_errors = np.zeros(len(self.slid))
+        if not len(self._run_membership):
+            return np.zeros((0, len(self.slid))), np.zeros(0)
+        mu0_coefficient, tau0_coefficient, right_side = (column[0] for column in central_coefficients)
+        mu0, tau0 = _solve_nonnegative_least_squares(
+            np.stack([mu0_coefficient, tau0_coefficient, right_side], axis=1), self._test_weights, self.known
+        )
+        residual_shifts = self._run_membership * (mu0_coefficient * mu0 + tau0_coefficient * tau0) / self.error
+        # Errors of all tests, with or without sliding, if the standard deviation between runs is 1.
+        self._run_errors = (residual_shifts * self.error).sum(axis=0)
+        residual_shifts = np.where(self.slid, residual_shifts, 0.0)
+        shift_norms = np.linalg.norm(residual_shifts, axis=1)
+        is_used = shift_norms > 0
+        return residual_shifts[is_used] / shift_norms[is_used, np.newaxis], shift_norms[is_used]
+
+    @cached_property
+    def _test_weights(self) -> Floats:
+        return np.where(self.slid, 1.0 / self.error**2, 0.0)
+
+    @property
+    def mean_area_per_load(self) -> float:
+        """Weighted mean of A/F (true area per load, 1/GPa). Only tests with sliding are included."""
+        return float(np.average(self.area_per_load, weights=self._test_weights))
+
+    @property
+    def area_per_load_variation(self) -> float:
+        """Weighted relative standard deviation of A/F (true area per load) among the tests with sliding."""
+        return float(
+            np.sqrt(np.average((self.area_per_load - self.mean_area_per_load) ** 2, weights=self._test_weights))
+            / self.mean_area_per_load
+        )
+
+    def _compute_deviation_between_runs(self, scores: Floats) -> Floats:
+        """Compute the relative standard deviation between runs for each nuisance point."""
+        from scipy.special import ndtr
+
+        if RUN_SPREAD_NUISANCE_NAME not in self.nuisances:
+            return np.zeros(len(scores))
+        probability = np.minimum(ndtr(scores[:, self.nuisances.index(RUN_SPREAD_NUISANCE_NAME)]), 1 - 1e-9)
+        return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
+
+    def _build_weighted_equations(
+        self, columns: tuple[Floats, ...], scale: Floats, spread: Floats
+    ) -> tuple[Floats, Floats]:
+        """Divide the equations of tests with sliding by the errors, and decorrelate the equations within each run.
+
+        The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
+        factors (points,).
+        """
+        rows = (np.stack(columns, axis=-1) / self.error[:, np.newaxis])[:, self.slid] / scale[:, np.newaxis, np.newaxis]
+        return self._decorrelate_within_runs(rows, scale, spread)
+
+    def _decorrelate_within_runs(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
+        """Transform rows of shape (points, tests with sliding, k) so that the tests of one run are uncorrelated.
+
+        Also returns the logarithms of the normalization factors (points,).
+        """
+        log_norm = -np.count_nonzero(self.slid) * np.log(scale)
+        if len(self._offsets):
+            run_directions = self._offsets[:, self.slid]
+            ratio = 1 + np.square(np.multiply.outer(spread / scale, self._offset_sizes))
+            log_norm = log_norm - 0.5 * np.log(ratio).sum(axis=1)
+            run_components = np.einsum("rn,pnk->prk", run_directions, rows) * (1 - 1 / np.sqrt(ratio))[..., np.newaxis]
+            rows = rows - np.einsum("rn,prk->pnk", run_directions, run_components)
+        return rows, np.asarray(log_norm, dtype=np.float64)
+
+    def _compute_residuals(
+        self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
+    ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
+        """Return the residuals of the tests with sliding in units of the errors, and the coefficients of the equations.
+
+        The residuals have the shape (points, tests with sliding, ...), and are infinite at seizure. The coefficients
+        include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
+        """
+        columns = self._compute_equation_coefficients(scores, mu0, tau0)
+        grid_axes = tuple(1 for _ in mu0.shape[1:])
+        mu0_coefficient, right_side = (column.reshape(*column.shape, *grid_axes) for column in (columns[0], columns[2]))
+        with np.errstate(invalid="ignore"):
+            misfit = right_side - mu0_coefficient * mu0[:, np.newaxis] - columns[1] * tau0[:, np.newaxis]
+            misfit = misfit[:, self.slid] / self.error[self.slid].reshape(-1, *grid_axes)
+            misfit = misfit / scale.reshape(-1, 1, *grid_axes)
+            rows = self._decorrelate_within_runs(misfit.reshape(*misfit.shape[:2], -1), scale, spread)[0]
+        rows = np.where(np.isfinite(rows), rows, np.inf)
+        return rows.reshape(misfit.shape), columns
+
+    # ---- Best fit ---------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def best_fit(self) -> _BestFit:
+        """Values of mu0, tau0 and the nuisance parameters that fit the tests best.
+
+        Offsets of runs are free parameters, so that residuals contain only the scatter within runs. Outliers get
+        smaller weights.
+        """
+        from scipy.optimize import least_squares
+
+        free_indices = [index for index, value in enumerate(self.known) if value is None]
+        score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
+        robust_factors, scale = np.ones(len(self.slid)), 1.0
+
+        def to_scores(free_scores: Floats) -> Floats:
+            scores = np.zeros((len(free_scores), len(self.nuisances)))
+            scores[:, score_indices] = free_scores
+            return scores
+
+        def build_equation_rows(free_scores: Floats) -> Floats:
+            columns = self._compute_equation_coefficients(to_scores(free_scores))
+            rows = self._build_weighted_equations(
+                columns, np.full(len(free_scores), scale), np.full(len(free_scores), 1e6 * scale)
+            )[0]
+            return np.asarray(rows * robust_factors[self.slid, np.newaxis])
+
+        central_equations = build_equation_rows(np.zeros((1, len(score_indices))))[0]
+        column_norms = np.maximum(np.linalg.norm(central_equations[:, :2], axis=0), 1e-300)
+
+        def to_strengths(x: Floats) -> Floats:
+            strength = np.array([0.0 if value is None else value for value in self.known])
+            strength[free_indices] = x[: len(free_indices)] / column_norms[free_indices]
+            return strength
+
+        def residuals_with_growth(points: Floats) -> Floats:
+            """Return residuals that include junction growth. The array has the shape (points, tests with sliding)."""
+            mu0, tau0 = np.transpose([to_strengths(x) for x in points])
+            scales = np.full(len(points), scale)
+            misfit, _ = self._compute_residuals(
+                to_scores(points[:, len(free_indices) :]), scales, 1e6 * scales, mu0, tau0
+            )
+            return np.asarray(misfit * robust_factors[self.slid])
+
+        def residuals(x: Floats) -> Floats:
+            if self.has_growing_contacts:
+                return np.concatenate([residuals_with_growth(x[np.newaxis])[0], x[len(free_indices) :]])
+            rows = build_equation_rows(x[np.newaxis, len(free_indices) :])[0]
+            return np.concatenate([rows[:, 2] - rows[:, :2] @ to_strengths(x), x[len(free_indices) :]])
+
+        def jacobian(x: Floats) -> Floats:
+            step = 1e-5
+            if self.has_growing_contacts:
+                step_residuals = residuals_with_growth(
+                    x + step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
+                )
+                test_rows = np.nan_to_num((step_residuals[1:] - step_residuals[0]).T / step)
+            else:
+                free_scores = x[len(free_indices) :] + step * np.concatenate(
+                    [np.zeros((1, len(score_indices))), np.eye(len(score_indices))]
+                )
+                rows = build_equation_rows(free_scores)
+                step_residuals = rows[..., 2] - rows[..., :2] @ to_strengths(x)
+                test_rows = np.concatenate(
+                    [
+                        -rows[0][:, free_indices] / column_norms[free_indices],
+                        (step_residuals[1:] - step_residuals[0]).T / step,
+                    ],
+                    axis=1,
+                )
+            prior_rows = np.concatenate(
+                [np.zeros((len(score_indices), len(free_indices))), np.eye(len(score_indices))], axis=1
+            )
+            return np.concatenate([test_rows, prior_rows])
+
+        lower = np.concatenate([np.zeros(len(free_indices)), np.full(len(score_indices), -np.inf)])
+        x = np.zeros(len(free_indices) + len(score_indices))
+        for _ in range(1 if self.has_errors and not self.outliers else 4):
+            linear_strengths = _solve_nonnegative_least_squares(
+                build_equation_rows(x[np.newaxis, len(free_indices) :])[0], np.ones(len(central_equations)), self.known
+            )
+            x[: len(free_indices)] = np.array(linear_strengths)[free_indices] * column_norms[free_indices] + 1e-9
+            while (
+                self.has_growing_contacts
+                and free_indices
+                and not np.isfinite(residuals(x)).all()
+                and x[: len(free_indices)].max() > 1e-9
+            ):
+                x[: len(free_indices)] /= 2  # halve the fitted strengths while the interface seizes
+            if x.size:
+                x = least_squares(residuals, x, jacobian, bounds=(lower, np.inf), xtol=1e-9, ftol=1e-9).x
+            misfit = residuals(x)[: len(central_equations)] / robust_factors[self.slid]
+            jacobian_matrix = jacobian(x) if x.size else np.zeros((len(misfit), 0))
+            if not self.has_errors:
+                residual_scale = np.median(np.abs(misfit)) / 0.6745 if self.outliers else np.sqrt((misfit**2).mean())
+                scale, misfit = scale * max(float(residual_scale), 1e-9), misfit / max(float(residual_scale), 1e-9)
+            if self.outliers:
+                robust_factors[self.slid] = np.sqrt(
+                    (OUTLIER_DEGREES_OF_FREEDOM + 1) / (OUTLIER_DEGREES_OF_FREEDOM + misfit**2)
+                )
+        scores = np.zeros(len(self.nuisances))
+        scores[score_indices] = x[len(free_indices) :]
+        mu0, tau0 = to_strengths(x)
+        return _BestFit(float(mu0), float(tau0), scores, misfit, jacobian_matrix, robust_factors, scale)
+
+    def fit(self) -> StrengthFit:
+        """Compute the joint distribution of mu0 and tau0, and the quality of the fit."""
+        from scipy.stats import chi2, linregress
+
+        best = self.best_fit
+        chi_squared = float((best.residuals**2).sum() + (best.scores**2).sum())
+        num_slid = int(self.slid.sum())
+        # If A/F is equal in all tests, only one combination of mu0 and tau0 can be fitted.
+        num_fitted = min(
+            sum(value is None for value in self.known), 1 if self.area_per_load_variation < MIN_AREA_VARIATION else 2
+        )
+        freedom = max(0, num_slid - num_fitted - max(0, len(self._offsets) - 1))
+        probability = float(chi2.sf(chi_squared, freedom)) if self.has_errors and freedom else math.nan
+        is_scaled = freedom > 0 and (
+            not self.has_errors or (probability < ERROR_SCALING_P_VALUE_LIMIT and not self.outliers)
+        )
+        scale = best.scale * math.sqrt(chi_squared / freedom) if is_scaled else 1.0
+        loads = np.log(self.load[self.slid])
+        trend_probability = (
+            float(linregress(loads, best.residuals).pvalue) if num_slid > 2 and np.ptp(loads) > 0 else math.nan
+        )
+        mu0, tau0, scores = self._draw_samples(max(scale, 1e-9), freedom if is_scaled else None)
+        scores_by_name = {
+            name: scores[:, index]
+            for index, name in enumerate(self.nuisances)
+            if name not in (GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME)
+        }
+        return StrengthFit(
+            self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend_probability,
+            mu0, tau0, self._compute_hardness_samples(scores_by_name), self._compute_growth_samples(scores_by_name),
+            self._compute_area_per_load_samples(scores, mu0, tau0), scores_by_name,
+        )  # fmt: skip
+
+    def _compute_area_per_load_samples(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
+        """Return samples of the weighted mean A/F (true area per load, 1/GPa). Only tests with sliding are included."""
+        mu0_coefficient, tau0_coefficient, _ = self._compute_equation_coefficients(scores, mu0, tau0)
+        ratio = tau0_coefficient[:, self.slid] / mu0_coefficient[:, self.slid]
+        return np.asarray(np.average(ratio, axis=1, weights=self._test_weights[self.slid]))
+
+    @cached_property
+    def junction_growth(self) -> UncertainInput | None:
+        """Junction growth α common to all tests, or None if α differs between tests or does not affect them.
+
+        The value is 0 if no test has junction growth although it would affect at least one of them.
+        """
+        growths = [
+            equation.area_factor.junction_growth
+            for equation in self._friction
+            if equation.area_factor and equation.area_factor.junction_growth
+        ]
+        if growths:
+            return growths[0] if len({growth.text for growth in growths}) == 1 else None
+        depend_on_growth = [
+            depends_on_junction_growth(equation, self.best_fit.mu0, self.best_fit.tau0) for equation in self._friction
+        ]
+        return parse_uncertain_input("junction_growth", 0.0) if any(depend_on_growth) else None
+
+    def _compute_growth_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
+        """Return samples of the shared junction growth α, or NaN if α differs between tests or does not affect them."""
+        from scipy.special import ndtr
+
+        if self.junction_growth is None or self.junction_growth.is_exact:
+            return np.full(NUM_STRENGTH_PAIRS, math.nan if self.junction_growth is None else self.junction_growth.value)
+        keys = [
+            equation.area_factor.nuisance_name("junction_growth")
+            for equation in self._friction
+            if equation.area_factor and equation.area_factor.junction_growth
+        ]
+        return np.asarray(self.junction_growth.quantile(ndtr(scores[keys[0]])))
+
+    @cached_property
+    def shared_hardness(self) -> Any:
+        """Uncertain hardness that all tests share, or None if there is no such hardness."""
+        first_area_factor = self._friction[0].area_factor
+        area_factors = [equation.area_factor for equation in self._friction]
+        names = {
+            area_factor.nuisance_name("hardness") if area_factor and "hardness" in area_factor.known else ""
+            for area_factor in area_factors
+        }
+        return (
+            first_area_factor.known["hardness"]
+            if first_area_factor is not None and len(names) == 1 and all(names)
+            else None
+        )
+
+    def _compute_hardness_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
+        """Return samples of the hardness (GPa) that all tests share, or NaN if there is no such hardness."""
+        from scipy.special import ndtr
+
+        first = self._friction[0]
+        if self.shared_hardness is not None and first.area_factor is not None:
+            return np.asarray(self.shared_hardness.quantile(ndtr(scores[first.area_factor.nuisance_name("hardness")])))
+        hardnesses = {equation.hardness for equation in self._friction}
+        return np.full(NUM_STRENGTH_PAIRS, first.hardness if len(hardnesses) == 1 else math.nan)
+
+    # ---- Density of mu0 and tau0 for given nuisance parameters ------------------------------------------------------
+
+    def _evaluate_probability_grids(self, points: Floats) -> _ProbabilityGrid:
+        """Return the grids of mu0 and tau0 for the given nuisance points.
+
+        The last coordinate of a point is the logarithm of the scale of the errors.
+        """
+        from scipy.special import log_ndtr
+
+        if self.has_growing_contacts and len(points) > MAX_GROWTH_BATCH_POINTS:
+            batches = np.array_split(points, math.ceil(len(points) / MAX_GROWTH_BATCH_POINTS))
+            return _concatenate_grids([self._evaluate_probability_grids(batch) for batch in batches])
+        scores, scale = points[:, : len(self.nuisances)], np.exp(points[:, len(self.nuisances)])
+        columns, spread = self._compute_equation_coefficients(scores), self._compute_deviation_between_runs(scores)
+        rows, log_norm = self._build_weighted_equations(columns, scale, spread)
+        triangular_factors = _compute_triangular_factors(rows)
+        if self.outliers:
+            robust_triangle = _compute_triangular_factors(rows * self.best_fit.robust_factors[self.slid, np.newaxis])
+        else:
+            rows = robust_triangle = triangular_factors
+        deviance_range = MAX_GRID_DEVIANCE * (1.0 if self.slid.all() and not self.outliers else 4.0)
+        if self.known[1] is not None:
+            low = high = np.full(len(points), self.known[1])
+        elif self.known[0] is not None:
+            low, high = _find_tau0_range_at_fixed_mu0(self.known[0], robust_triangle, deviance_range)
+        else:
+            low, high = _find_tau0_range_at_best_mu0(robust_triangle, deviance_range)
+        limits = _GridLimits(robust_triangle, deviance_range, low, high)
+        if self.has_growing_contacts:
+            limits = self._find_grid_limits_with_growth(limits, scores, scale, spread, columns)
+        num_tau0_cells = 1 if self.known[1] is not None else NUM_TAU0_CELLS
+        tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
+            limits.max_tau0 - limits.min_tau0, (np.arange(num_tau0_cells) + 0.5) / num_tau0_cells
+        )
+        mu0_start, mu0_step = self._choose_mu0_grid_at_tau0(
+            limits, np.arange(len(points))[:, np.newaxis], np.arange(num_tau0_cells), tau0
+        )
+        mu0 = mu0_start[..., np.newaxis] + mu0_step[..., np.newaxis] * (np.arange(self._num_mu0_cells) + 0.5)
+        tau0 = tau0[..., np.newaxis]
+        mu0_coefficient, tau0_coefficient, right_side = columns[0], columns[1][..., np.newaxis, np.newaxis], columns[2]
+        residuals: Iterable[Floats]
+        if self.has_growing_contacts:
+            misfit, (mu0_coefficient, tau0_coefficient, right_side) = self._compute_residuals(
+                scores, scale, spread, mu0, np.broadcast_to(tau0, mu0.shape)
+            )
+            residuals = np.moveaxis(misfit, 1, 0)
+        else:
+            test_rows = np.moveaxis(rows, 1, 0)[..., np.newaxis, np.newaxis]
+            residuals = (row[:, 2] - row[:, 1] * tau0 - row[:, 0] * mu0 for row in test_rows)
+        log_probability = np.zeros(mu0.shape)
+        for residual in residuals:
+            if self.outliers:
+                log_probability -= (
+                    0.5 * (OUTLIER_DEGREES_OF_FREEDOM + 1) * np.log1p(residual**2 / OUTLIER_DEGREES_OF_FREEDOM)
+                )
+            else:
+                log_probability -= 0.5 * residual**2
+        for test in np.flatnonzero(~self.slid):
+            error = scale * self.error[test]
+            if len(self._run_membership):
+                error = np.hypot(error, spread * self._run_errors[test])
+            mu0_coefficient_of_test, right_side_of_test = (
+                column[:, test, np.newaxis, np.newaxis] for column in (mu0_coefficient, right_side)
+            )
+            log_probability += log_ndtr(
+                (mu0_coefficient_of_test * mu0 + tau0_coefficient[:, test] * tau0 - right_side_of_test)
+                / error[:, np.newaxis, np.newaxis]
+            )
+        # The prior is uniform in mu0 and in tau0 A/F for all values of the nuisance parameters.
+        best_cell = (
+            log_probability.reshape(len(points), -1).argmax(axis=1)
+            if self.has_growing_contacts
+            else np.zeros(len(points), int)
+        )
+        tau0_coefficient_at_best = tau0_coefficient.reshape(*tau0_coefficient.shape[:2], -1)[
+            np.arange(len(points)), :, best_cell
+        ]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log_volume = sum(
+                np.log(np.abs(column[:, self.slid]).mean(axis=1))
+                for column, value in zip((mu0_coefficient, tau0_coefficient_at_best), self.known, strict=True)
+                if value is None
+            )
+        if self.known[1] is None:
+            log_volume = log_volume + np.log((limits.max_tau0 - limits.min_tau0) / num_tau0_cells)
+        # prevents NaN if the interface seizes everywhere
+        log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
+        log_mu0_step = np.log(mu0_step) if self.known[0] is None else np.zeros(mu0_step.shape)
+        log_probability += (log_norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
+        return _ProbabilityGrid(limits, np.where(np.isfinite(log_probability), log_probability, -np.inf))
+
+    @property
+    def _num_mu0_cells(self) -> int:
+        return 1 if self.known[0] is not None else NUM_MU0_CELLS
+
+    def _find_grid_limits_with_growth(
+        self, limits: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
+    ) -> _GridLimits:
+        """Return grid limits around the best-fit mu0, taking junction growth into account.
+
+        `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
+        """
+        robust_factors = self.best_fit.robust_factors[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
+
+        def residuals(mu0: Floats, tau0: Floats) -> Floats:
+            misfit, _ = self._compute_residuals(scores, scale, spread, mu0, tau0)
+            return np.asarray(misfit * robust_factors.reshape(-1, *(1 for _ in mu0.shape[1:])))
+
+        def find_best_mu0_at(tau0: Floats) -> tuple[Floats, Floats, Floats]:
+            if self.known[0] is not None:
+                start = np.full(tau0.shape, self.known[0])
+                return start, np.ones(tau0.shape), (residuals(start, tau0) ** 2).sum(axis=1)
+            row = limits.triangular_factors[:, 0, :, np.newaxis]
+            start = np.maximum((row[:, 2] - row[:, 1] * tau0) / row[:, 0], 0.0)
+            return find_best_mu0(residuals, start, tau0)
+
+        if self.known[1] is None:
+            # Each test gives an upper bound on tau0.
+            # The bound is computed with mu0 = 0 and with the area at the measured coefficient.
+            error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
+            margin = (
+                2
+                * (math.sqrt(limits.deviance_range) + math.sqrt(robust_factors.size))
+                * error[:, self.slid]
+                / robust_factors
+            )
+            with np.errstate(divide="ignore"):
+                max_tau0 = (columns[2][:, self.slid] + margin) / np.maximum(columns[1][:, self.slid], 0.0)
+            low, high = find_tau0_range(
+                lambda tau0: find_best_mu0_at(tau0)[2], max_tau0.min(axis=1), limits.deviance_range
+            )
+            limits = replace(limits, min_tau0=low, max_tau0=high)
+        num_tau0_cells = 1 if self.known[1] is not None else NUM_TAU0_CELLS
+        tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
+            limits.max_tau0 - limits.min_tau0, (np.arange(num_tau0_cells) + 0.5) / num_tau0_cells
+        )
+        best, slope, _ = find_best_mu0_at(tau0)
+        width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
+        # Residuals vary more slowly with mu0 below its best-fit value than above it.
+        # They vary at least as fast as without junction growth.
+        width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
+        return replace(limits, best_mu0=best, width_below=width_below, width_above=width_above)
+
+    def _choose_mu0_grid_at_tau0(
+        self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return the lower limit and the cell width of the mu0 grid at each given tau0."""
+        if self.known[0] is not None:
+            return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
+        if limits.best_mu0 is None:
+            triangular_factors = limits.triangular_factors[point]
+            best = (triangular_factors[..., 0, 2] - triangular_factors[..., 0, 1] * tau0) / triangular_factors[
+                ..., 0, 0
+            ]
+            width_below = width_above = math.sqrt(limits.deviance_range) / triangular_factors[..., 0, 0]
+        else:
+            count = limits.best_mu0.shape[1]
+            slope = np.gradient(limits.best_mu0, axis=1) if count > 1 else np.zeros(limits.best_mu0.shape)
+            width = (limits.max_tau0 - limits.min_tau0)[point] / count
+            cell_offset = (tau0 - limits.min_tau0[point]) / np.where(width > 0, width, 1.0) - row - 0.5
+            best = limits.best_mu0[point, row] + slope[point, row] * np.where(width > 0, cell_offset, 0.0)
+            width_below, width_above = limits.width_below[point, row], limits.width_above[point, row]
+        low = np.maximum(best - width_below, 0.0)
+        high = np.maximum(best + width_above, low + width_above)
+        return low, (high - low) / NUM_MU0_CELLS
+
+    # ---- Nuisance parameters ----------------------------------------------------------------------------------------
+
+    def _draw_samples(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
+        """Draw samples of mu0, tau0 (GPa) and the nuisance scores from their joint distribution.
+
+        If `freedom` is given, all errors share an unknown factor.
+        """
+        count = len(self.nuisances)
+        active_indices = [*range(count), *([count] if freedom is not None else [])]
+        mean, covariance = self._build_first_proposal(scale, freedom)
+        points, grid, log_weight = self._draw_nuisance_points(
+            mean, covariance, active_indices, NUM_NUISANCE_POINTS_PER_ROUND if active_indices else 1
+        )
+        for seed in range(1, MAX_PROPOSAL_ROUNDS if active_indices else 0):
+            if (
+                _compute_effective_sample_size(log_weight)
+                > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND
+            ):
+                break
+            power = 1.0  # a power below 1 reduces the influence of a few points with large weights
+            while (
+                power > 1e-3
+                and _compute_effective_sample_size(power * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND
+            ):
+                power *= 0.7
+            weight = np.exp(power * (log_weight - log_weight.max()))
+            mean = np.average(points[:, active_indices], axis=0, weights=weight)
+            covariance = np.cov(points[:, active_indices].T, aweights=weight, ddof=0).reshape(len(active_indices), -1)
+            covariance = covariance + 1e-6 * np.eye(len(active_indices))
+            points, grid, log_weight = self._draw_nuisance_points(
+                mean, covariance, active_indices, NUM_NUISANCE_POINTS_PER_ROUND, seed
+            )
+        num_points = min(FINAL_NUISANCE_POINT_COUNTS[0] << len(active_indices), FINAL_NUISANCE_POINT_COUNTS[1])
+        while active_indices:
+            points, grid, log_weight = self._draw_nuisance_points(
+                mean, covariance, active_indices, num_points, MAX_PROPOSAL_ROUNDS
+            )
+            if (
+                _compute_effective_sample_size(log_weight)
+                > min(MIN_EFFECTIVE_SAMPLES, MIN_EFFECTIVE_SAMPLE_FRACTION * num_points)
+                or num_points >= MAX_NUISANCE_POINTS
+            ):
+                break
+            num_points *= 2
+        return self._draw_samples_from_grids(points, grid, log_weight)
+
+    def _build_first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
+        """Return the mean and covariance of the first proposal distribution for nuisance scores and log error scale."""
+        score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
+        num_parameters = len(self.nuisances) + (freedom is not None)
+        mean, covariance = np.zeros(num_parameters), np.eye(num_parameters)
+        mean[: len(self.nuisances)] = self.best_fit.scores
+        if score_indices:
+            num_residuals, jacobian_matrix = len(self.best_fit.residuals), self.best_fit.jacobian
+            scaled_jacobian = np.concatenate(
+                [jacobian_matrix[:num_residuals] * self.best_fit.scale / scale, jacobian_matrix[num_residuals:]]
+            )
+            inverse_hessian = np.linalg.pinv(scaled_jacobian.T @ scaled_jacobian, rcond=1e-12, hermitian=True)[
+                -len(score_indices) :, -len(score_indices) :
+            ]
+            covariance[np.ix_(score_indices, score_indices)] = 1.2 * inverse_hessian
+        if freedom is not None:
+            mean[-1], covariance[-1, -1] = math.log(scale), 1.0 / freedom
+        return mean, covariance
+
+    def _draw_nuisance_points(
+        self, mean: Floats, covariance: Floats, active_indices: list[int], count: int, seed: int = 0
+    ) -> tuple[Floats, _ProbabilityGrid, Floats]:
+        """Draw nuisance points from the proposal distribution, and return their coordinates, grids and log weights."""
+        from scipy.special import gammaincinv, ndtri
+
+        points = np.zeros((count, len(self.nuisances) + 1))
+        log_weight = np.zeros(count)
+        if active_indices:
+            unit_points = generate_sobol_points(len(active_indices) + 1, count, seed=seed)
+            deviates = ndtri(unit_points[:, :-1])
+            chi_squared_ratio = PROPOSAL_DEGREES_OF_FREEDOM / (
+                2 * gammaincinv(PROPOSAL_DEGREES_OF_FREEDOM / 2, unit_points[:, -1])
+            )
+            deviates = deviates * np.sqrt(chi_squared_ratio)[:, np.newaxis]
+            points[:, active_indices] = mean + deviates @ np.linalg.cholesky(covariance).T
+            power = 0.5 * (PROPOSAL_DEGREES_OF_FREEDOM + len(active_indices))
+            log_weight = power * np.log1p((deviates**2).sum(axis=1) / PROPOSAL_DEGREES_OF_FREEDOM)
+        grid = self._evaluate_probability_grids(points)
+        log_evidence = np.logaddexp.reduce(grid.log_probability.reshape(count, -1), axis=1)
+        log_weight = log_weight + log_evidence - 0.5 * (points[:, : len(self.nuisances)] ** 2).sum(axis=1)
+        return points, grid, np.where(np.isfinite(log_weight), log_weight, -np.inf)
+
+    def _draw_samples_from_grids(
+        self, points: Floats, grid: _ProbabilityGrid, log_weight: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Draw samples of mu0, tau0 (GPa) and nuisance scores. Grid cells are drawn in proportion to their weights."""
+        generator = np.random.default_rng(0)
+        log_cell_probability = grid.log_probability.reshape(len(points), -1)
+        with np.errstate(invalid="ignore"):
+            log_excess = log_weight - np.logaddexp.reduce(log_cell_probability, axis=1)
+        # prevents NaN if the interface seizes everywhere
+        log_excess = np.where(np.isfinite(log_weight), log_excess, 0.0)
+        log_cell_weight = log_cell_probability + log_excess[:, np.newaxis]
+        cumulative_weight = np.cumsum(np.exp(log_cell_weight - log_cell_weight.max()))
+        # Systematic resampling selects each cell in proportion to its weight.
+        target_weights = (
+            (np.arange(NUM_STRENGTH_PAIRS) + generator.random()) / NUM_STRENGTH_PAIRS * cumulative_weight[-1]
+        )
+        indices = np.minimum(np.searchsorted(cumulative_weight, target_weights), cumulative_weight.size - 1)
+        indices = generator.permutation(indices)
+        point, row, column = np.unravel_index(indices, grid.log_probability.shape)
+        low, high = grid.limits.min_tau0[point], grid.limits.max_tau0[point]
+        tau0 = low + (high - low) * (row + generator.random(NUM_STRENGTH_PAIRS)) / grid.log_probability.shape[1]
+        mu0_start, mu0_step = self._choose_mu0_grid_at_tau0(grid.limits, point, row, tau0)
+        mu0 = mu0_start + mu0_step * (column + generator.random(NUM_STRENGTH_PAIRS))
+        return mu0, tau0, points[point, : len(self.nuisances)]
+
+    # ---- Advice -----------------------------------------------------------------------------------------------------
+
+    def suggest_tests(self) -> tuple[tuple[str, float, float], ...]:
+        """Suggest further tests that would separate mu0 from tau0. Each plan includes the expected standard errors.
+
+        The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
+        """
+        mu0, tau0 = self.best_fit.mu0, self.best_fit.tau0
+        best_fit_arguments = self.best_fit.scores[np.newaxis], np.array([mu0]), np.array([tau0])
+        mu0_coefficient, tau0_coefficient, _ = (
+            column[0] for column in self._compute_equation_coefficients(*best_fit_arguments)
+        )
+        predicted_coefficients = mu0_coefficient * mu0 + tau0_coefficient * tau0
+        relative_error = (
+            float(np.median(self.error / np.maximum(predicted_coefficients, 1e-12))) if self.has_errors else 0.05
+        )
+        area_per_load, count = self.mean_area_per_load, len(self.error)
+        # For Hertzian contact, A/F is proportional to F^(-1/3). The recommended loads span a factor of 100.
+        ball_ratio = 10 ** (1 / 3)
+        plans = (
+            (
+                "a smooth ball below yield, two decades of load",
+                area_per_load * np.geomspace(1 / ball_ratio, ball_ratio, count),
+            ),
+            ("as many tests on a second finish, elastic, three times as rough", np.full(count, area_per_load / 3)),
+            ("as many tests with the same film on a body twice as hard", np.full(count, area_per_load / 2)),
+        )
+        plans_with_errors = []
+        for plan, further_areas_per_load in plans:
+            areas_per_load = np.concatenate([np.full(count, area_per_load), further_areas_per_load])
+            errors = relative_error * np.maximum(mu0 + tau0 * areas_per_load, 1e-12)
+            design_matrix = np.stack([1 / errors, areas_per_load / errors], axis=1)
+            covariance = np.linalg.inv(design_matrix.T @ design_matrix)
+            plans_with_errors.append((plan, math.sqrt(covariance[0, 0]), math.sqrt(covariance[1, 1])))
+        return tuple(plans_with_errors)
+
+
+def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
+    """Concatenate grids that were computed for several batches of nuisance points."""
+    limits = [grid.limits for grid in grids]
+    names = (
+        "triangular_factors",
+        "min_tau0",
+        "max_tau0",
+        *(("best_mu0", "width_below", "width_above") if limits[0].best_mu0 is not None else ()),
+    )
+    concatenated: dict[str, Any] = {
+        name: np.concatenate([getattr(grid_limits, name) for grid_limits in limits]) for name in names
+    }
+    return _ProbabilityGrid(
+        replace(limits[0], **concatenated), np.concatenate([grid.log_probability for grid in grids])
+    )
+
+
+def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
+    """Return a matrix of shape (runs, tests) whose elements are 1 if a test belongs to a run, and 0 otherwise.
+
+    The matrix has no rows unless there are at least two runs, one of which has at least two tests.
+    """
+    runs = [test.run for test in tests]
+    run_names = [run for run in dict.fromkeys(runs) if run is not None]
+    if len(run_names) < 2 or all(runs.count(name) < 2 for name in run_names):
+        return np.zeros((0, len(runs)))
+    return np.array([[run == name for run in runs] for name in run_names], float)
+
+
+def _solve_nonnegative_least_squares(
+    rows: Floats, weight: Floats, known: Sequence[float | None]
+) -> tuple[float, float]:
+    """Solve weighted equations of shape (tests, 3) for nonnegative mu0 and tau0 (GPa) by least squares."""
+    from scipy.optimize import lsq_linear
+
+    is_free = [value is None for value in known]
+    values = np.array([0.0 if value is None else value for value in known])
+    if any(is_free):
+        root_weight = np.sqrt(weight)[:, np.newaxis]
+        right_side = rows[:, 2] - rows[:, :2] @ values
+        columns = rows[:, :2][:, is_free]
+        scale = np.maximum(np.abs(columns).max(axis=0), 1e-300)
+        values[is_free] = (
+            lsq_linear(columns / scale * root_weight, right_side * root_weight[:, 0], (0.0, np.inf)).x / scale
+        )
+    return float(values[0]), float(values[1])
+
+
+def _compute_triangular_factors(rows: Floats) -> Floats:
+    """Compute QR decompositions of the coefficient matrices, and return triangular factors with nonnegative diagonals.
+
+    The equations have the shape (points, tests, 3), and the factors have the shape (points, 3, 3).
+    """
+    if rows.shape[1] < 3:
+        rows = np.concatenate([rows, np.zeros((len(rows), 3 - rows.shape[1], 3))], axis=1)
+    factor: Floats = np.asarray(np.linalg.qr(rows, mode="r"))
+    factor = factor * np.where(np.einsum("pii->pi", factor) < 0, -1.0, 1.0)[..., np.newaxis]
+    min_diagonal = 1e-12 * np.abs(factor[:, :2, :2]).max(axis=(1, 2))
+    for column in (0, 1):
+        factor[:, column, column] = np.maximum(factor[:, column, column], np.maximum(min_diagonal, 1e-150))
+    return np.asarray(factor)
+
+
+def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
+    """Return the range of tau0 (GPa) where -2 ln(density) at the best mu0 is within `deviance_range` of the minimum."""
+    first, second = triangular_factors[:, 0], triangular_factors[:, 1]
+    curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
+    unbounded_best, best_at_bound = (
+        second[:, 2] / second[:, 1],
+        (second[:, 1] * second[:, 2] + first[:, 1] * first[:, 2]) / curvature,
+    )
+    tau0_at_zero_mu0 = first[:, 2] / np.where(first[:, 1] == 0, 1e-300, first[:, 1])
+
+    def deviance(tau0: Floats) -> Floats:
+        mu0 = first[:, 2] - first[:, 1] * tau0  # best mu0, multiplied by a positive factor
+        return np.asarray((second[:, 2] - second[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
+
+    min_deviance = np.min(
+        [
+            deviance(np.maximum(each, 0.0))
+            for each in (unbounded_best, best_at_bound, tau0_at_zero_mu0, np.zeros(len(unbounded_best)))
+        ],
+        axis=0,
+    )
+    max_deviance = min_deviance + deviance_range
+    deviance_at_bound = (second[:, 2] - second[:, 1] * best_at_bound) ** 2 + (
+        first[:, 2] - first[:, 1] * best_at_bound
+    ) ** 2
+    half_width, half_width_at_bound = (
+        np.sqrt(max_deviance) / second[:, 1],
+        np.sqrt(np.maximum(max_deviance - deviance_at_bound, 0.0) / curvature),
+    )
+    limits = []
+    for sign in (-1.0, 1.0):
+        end = unbounded_best + sign * half_width
+        limits.append(np.where(first[:, 2] - first[:, 1] * end >= 0, end, best_at_bound + sign * half_width_at_bound))
+    low = np.maximum(limits[0], 0.0)
+    return low, np.maximum(limits[1], low + 1e-9 * np.abs(half_width_at_bound) + 1e-300)
+
+
+def _find_tau0_range_at_fixed_mu0(
+    mu0: float, triangular_factors: Floats, deviance_range: float
+) -> tuple[Floats, Floats]:
+    """Return the range of tau0 (GPa) where -2 ln(density) at a fixed mu0 is within `deviance_range` of its minimum."""
+    first, second = triangular_factors[:, 0], triangular_factors[:, 1]
+    curvature = second[:, 1] ** 2 + first[:, 1] ** 2
+    centre = (second[:, 1] * second[:, 2] + first[:, 1] * (first[:, 2] - first[:, 0] * mu0)) / curvature
+    half_width = np.sqrt(deviance_range / curvature)
+    low = np.maximum(centre - half_width, 0.0)
+    return low, np.maximum(centre + half_width, low + half_width)
+
+
+def _compute_effective_sample_size(log_weight: Floats) -> float:
+    """Compute the effective sample size from the logarithms of the sample weights."""
+    weight = np.exp(log_weight - log_weight.max())
+    return float(weight.sum() ** 2 / (weight**2).sum())

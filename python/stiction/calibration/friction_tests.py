@@ -1,0 +1,441 @@
+"""Friction tests, and the forces per load that a test has for given mu0 and tau0."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._checks import Floats, validate_number
+from stiction._units import is_pressure, loads_to_core_units, to_core_units
+from stiction.evaluate.hardness_nodes import AreaInterpolator
+from stiction.evaluate.junction_growth import build_area_interpolator
+from stiction.evaluate.member_values import compute_mean_areas, interpolate_member_sums, member_values
+from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
+from stiction.mechanics.friction import LOAD_SUM_NAMES, ForcesPerLoad, FrictionCurve
+from stiction.mechanics.model import SlidingRule
+from stiction.solve.member_sums import MemberSums
+from stiction.study.elasticity import PairElasticity
+from stiction.study.input_distributions import UncertainInput
+from stiction.study.interfaces import SLIDING_RULES
+from stiction.study.moduli import UncertainModulus, parse_elasticity
+from stiction.study.study import Study, parse_study_of_dataset
+from stiction.study.uncertain_inputs import (
+    compute_relative_modulus,
+    find_creep_exponent,
+    find_junction_growth,
+    find_uncertain_inputs,
+)
+
+if TYPE_CHECKING:
+    pass
+
+MIN_RELATIVE_PRESSURE = 1.001  # smallest ratio of the contact pressure in sliding contacts to the nominal pressure
+
+
+VON_MISES_GROWTH_COEFFICIENT = (
+    27.0  # value of α for which the shear strength of a body is its hardness divided by √27 (von Mises)
+)
+
+
+MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
+"""Limits above which a coefficient depends on α.
+
+The first limit is the ratio of the true area to the area of plastic contact, and the second limit is the relative
+increase of the coefficient due to junction growth. A coefficient depends on α if both limits are exceeded.
+"""
+
+
+_AREA_ERROR_NAME = "area over hardness"
+
+
+@dataclass(frozen=True)
+class Ball:
+    """Smooth elastic ball on a smooth flat, for which the true area is the Hertzian contact area.
+
+    Attributes
+    ----------
+    radius : float or str, µm
+    effective_modulus : float or str, GPa
+        E* as in "3 GPa", or a range as in "2..4.5 GPa". The attribute is the middle of the range, or None if the moduli
+        of the bodies are given.
+    young, poisson : optional
+        Young's moduli and Poisson's ratios of both bodies; ranges are accepted.
+    upper_material, lower_material : str, optional
+        Names of the materials of the bodies. The moduli have the ranges that `material` returns.
+
+    Examples
+    --------
+    >>> from stiction import Ball
+    >>> round(Ball("5 mm", "3 GPa").area_per_load(100.0), 2)  # µm²/mN
+    78.54
+    """
+
+    radius: float | str
+    effective_modulus: float | str | None = None
+    young: Any = field(default=None, kw_only=True)
+    poisson: Any = field(default=None, kw_only=True)
+    upper_material: str | None = field(default=None, kw_only=True)
+    lower_material: str | None = field(default=None, kw_only=True)
+    elasticity: PairElasticity = field(
+        init=False, repr=False, compare=False
+    )  # elastic properties computed from the central values of both moduli
+    moduli: UncertainModulus = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
+
+    def __post_init__(self) -> None:
+        """Convert the radius and the moduli to core units."""
+        radius = validate_number("radius", to_core_units("radius", self.radius, "length"), unit="µm", above=0)
+        object.__setattr__(self, "radius", radius)
+        elasticity, moduli = parse_elasticity(
+            self.effective_modulus, self.young, self.poisson, self.upper_material, self.lower_material
+        )
+        object.__setattr__(self, "effective_modulus", elasticity.effective_modulus)
+        object.__setattr__(self, "elasticity", elasticity)
+        object.__setattr__(self, "moduli", moduli)
+
+    def area_per_load(self, load: float | str) -> float:
+        """Return the true area per load A/F (1/GPa) at a load (mN), computed with the central values of the moduli."""
+        load = validate_number("load", load, unit="mN", above=0)
+        radius, modulus = float(self.radius), self.elasticity.effective_modulus
+        overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
+        force, area = hertz_sphere(overlap, radius, modulus)
+        return float(area / force)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _FrictionTestForces(ForcesPerLoad):
+    """Normal and tangential forces per load in a friction test, as functions of mu0 and tau0."""
+
+    scatter: float = 0.0  # relative standard error of the adhesive sum `stick`
+    surfaces: Hashable = None  # key of the surfaces; tests with equal keys share the area error
+    hardness: float = math.nan
+    area_factor: _AreaFactor | None = None
+
+
+@dataclass(frozen=True)
+class StrengthSamples:
+    """Samples of mu0 and tau0 (GPa), or samples of a friction coefficient, that define the strength of an interface."""
+
+    sliding: SlidingRule
+    mu0: Floats
+    # None if `mu0` is the ratio T/F of sliding contacts
+    tau0: Floats | None = None
+
+    def pressure_under_shear(self, hardness: Floats, alpha: Floats | float) -> Floats:
+        """Return the pressure H' (GPa) in plastic contacts under shear, computed from the hardness H (GPa)."""
+        if self.tau0 is None:  # p² + α s² = H² with s = (T/F) p
+            return np.asarray(hardness / np.sqrt(1 + alpha * self.mu0**2))
+        return hardness_under_shear(hardness, self.mu0, self.tau0, alpha)
+
+
+@dataclass(frozen=True)
+class _AreaFactor:
+    """Area factor, i.e. the ratio of true area to computed area, as a function of uncertain inputs."""
+
+    # uncertain inputs by name: hardness, creep exponent, moduli and α of junction growth
+    known: Mapping[str, UncertainInput]
+
+    def nuisance_name(self, name: str) -> str:
+        """Return the name of the nuisance parameter for an input. Tests with equal inputs share this parameter."""
+        return f"{name} {self.known[name].text}"
+
+    @property
+    def nuisance_names(self) -> list[str]:
+        """Names of all nuisance parameters."""
+        return [self.nuisance_name(name) for name in self.known]
+
+    def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
+        """Convert cumulative probabilities of the nuisance parameters to input values."""
+        return {name: each.quantile(columns[self.nuisance_name(name)]) for name, each in self.known.items()}
+
+    @property
+    def junction_growth(self) -> UncertainInput | None:
+        """Junction growth α, or None if contacts do not grow."""
+        return None
+
+    def area_factor_for_probabilities(
+        self, columns: Mapping[Any, Floats], strength: StrengthSamples | None = None
+    ) -> Floats:
+        """Compute the ratio of true area to computed area from cumulative probabilities of nuisance parameters."""
+        return self.area_factor_for_inputs(self.input_values(columns), strength)
+
+    def area_factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
+        """Return the ratio of the true area to the computed area for given values of the inputs.
+
+        If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
+        infinite at seizure.
+        """
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class _BallAreaFactor(_AreaFactor):
+    """Area factor of a Hertzian point contact. The area is proportional to E*^(-2/3)."""
+
+    moduli: UncertainModulus
+
+    def area_factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
+        """Return the true area divided by the true area for the central moduli. The interface strength is ignored."""
+        return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
+
+
+@dataclass(frozen=True)
+class _AreaFactorFromResult(_AreaFactor):
+    """Area factor at a given load, computed from a result for measured bodies."""
+
+    areas: AreaInterpolator
+    study: Study
+    wait: float
+    error: str | None  # name of the nuisance parameter for the error of the interpolated area
+
+    @classmethod
+    def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
+        """Return the area factor of a result, or None if no uncertain input, creep or growth affects the area."""
+        sums = MemberSums.of(result)
+        study = sums.study
+        uncertain_inputs = {
+            name: each.estimate for name, each in find_uncertain_inputs(study).items() if name not in ("mu0", "tau0")
+        }
+        creep = find_creep_exponent(study)
+        if wait != 1 and creep is None:
+            raise ValueError("wait requires a result that was computed with the options wait and creep")
+        if not uncertain_inputs and creep is None and find_junction_growth(study) is None:
+            return None
+        members = member_values(sums, [load], mu0=[0.0], tau0=[0.0])
+        means = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
+        areas = build_area_interpolator(means, sums, sums.compute_once(compute_mean_areas))
+        error_name = f"{_AREA_ERROR_NAME} after {wait:g} s, {sums.head.attrs['study']}" if areas.errors.any() else None
+        return cls(uncertain_inputs | ({} if creep is None else {"creep": creep}), areas, study, wait, error_name)
+
+    @property
+    def nuisance_names(self) -> list[str]:
+        """Names of all nuisance parameters.
+
+        Tests with the same dwell time share the error of the interpolated area.
+        """
+        return [*super().nuisance_names, *([] if self.error is None else [self.error])]
+
+    def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
+        """Return the input values, and the standard normal score that sets the interpolation error of the area."""
+        from scipy.special import ndtri
+
+        scores = {} if self.error is None else {_AREA_ERROR_NAME: ndtri(columns[self.error])}
+        return super().input_values(columns) | scores
+
+    @property
+    def junction_growth(self) -> UncertainInput | None:
+        """Junction growth α, or None if contacts do not grow."""
+        return find_junction_growth(self.study)
+
+    def area_factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
+        """Return the ratio of the true area to the computed area for given values of the inputs.
+
+        If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
+        infinite at seizure.
+        """
+        hardness = samples.get("hardness", np.asarray(self.areas.hardness or math.nan))
+        hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
+        modulus = compute_relative_modulus(self.study, samples)
+        factor = self.areas.area_ratio(0, None if self.areas.hardness is None else hardness, modulus)
+        if self.junction_growth is not None and strength is not None:
+            pressure = strength.pressure_under_shear(
+                hardness, samples.get("junction_growth", self.junction_growth.value)
+            )
+            # keeps the pressure above the nominal pressure, so that the computed area is finite
+            if strength.tau0 is None:
+                pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * self.areas.pressures[0])
+            factor = factor * self.areas.growth_ratio(0, strength.sliding, hardness, pressure, modulus)
+            hardness = np.where(np.isfinite(factor), pressure, hardness)
+        if _AREA_ERROR_NAME in samples:
+            factor = factor * np.exp(self.areas.area_ratio_error(0, hardness / modulus) * samples[_AREA_ERROR_NAME])
+        return np.asarray(factor)
+
+
+MIN_COEFFICIENT_UNCERTAINTY = 1e-15
+"""Smallest standard uncertainty of a measured coefficient that does not cause an overflow of the weights."""
+
+
+@dataclass(frozen=True)
+class FrictionTest:
+    """Friction test, described by its surfaces, load and measured coefficient.
+
+    Attributes
+    ----------
+    result : Result, HalfSpaceCurve, LoadCurve or Ball
+        Contact of the surfaces under load. Tests on the same surfaces must use the same object.
+    load : float or str, mN
+        Normal load, as in "10 mN", or pressure, as in "10 MPa", if the result has a nominal area.
+    coefficient : float, optional
+    force : float or str, mN, optional
+        Tangential force at the onset of sliding (the first peak), instead of the coefficient.
+    uncertainty : float or str, optional
+        Standard uncertainty of the coefficient, or of the force (mN) if the force is given. A string is an uncertainty
+        of the force, as in "20 mN", or a relative uncertainty, as in "3 %". By default the uncertainty is estimated
+        from the scatter of the tests.
+    slid : bool
+        True if the pair slid; otherwise the coefficient is a lower bound.
+    run : str or int, optional
+        Name of the specimen or series. Tests of the same run share an unknown offset.
+    wait : float or str, s
+        Dwell time under load before shear. Values other than 1 s require a result with dwell times and a creep
+        exponent.
+
+    Examples
+    --------
+    >>> from stiction import Ball, FrictionTest
+    >>> FrictionTest(Ball("5 mm", "3 GPa"), "100 mN", force="20 mN").coefficient
+    0.2
+    """
+
+    result: Any
+    load: float | str
+    coefficient: float | None = None
+    force: float | str | None = None
+    uncertainty: float | str | None = None
+    slid: bool = True
+    run: str | int | None = None
+    wait: float | str = 1.0
+
+    def __post_init__(self) -> None:
+        """Convert the load, the coefficient and the uncertainty to numbers."""
+        nominal_area = getattr(self.result, "nominal_area", None)
+        load_value = (
+            to_core_units("load", self.load, "force")
+            if nominal_area is None
+            else loads_to_core_units("load", self.load, nominal_area)
+        )
+        load = validate_number("load", load_value, unit="mN", above=0)
+        object.__setattr__(
+            self, "wait", validate_number("wait", to_core_units("wait", self.wait, "time"), unit="s", above=0)
+        )
+        if (self.coefficient is None) == (self.force is None):
+            raise ValueError("either coefficient or force must be given, but not both")
+        if self.force is not None:
+            if is_pressure(self.load):
+                raise ValueError(
+                    "coefficient must be given instead of force if the load is a pressure, because the area of the "
+                    f"specimen is unknown, got load {self.load!r} and force {self.force!r}"
+                )
+            force = validate_number("force", to_core_units("force", self.force, "force"), unit="mN")
+            object.__setattr__(self, "coefficient", force / load)
+        coefficient = validate_number("coefficient", self.coefficient, below=1e6)
+        if not coefficient >= 0:
+            raise ValueError(f"the measured coefficient must not be negative, got {coefficient:g}")
+        object.__setattr__(self, "coefficient", coefficient)
+        object.__setattr__(self, "load", load)
+        if self.uncertainty is not None:
+            uncertainty = self._compute_coefficient_uncertainty(load)
+            if not uncertainty >= MIN_COEFFICIENT_UNCERTAINTY:
+                raise ValueError(
+                    "uncertainty of a coefficient must be at least "
+                    f"{MIN_COEFFICIENT_UNCERTAINTY:g}, got {uncertainty:g}"
+                )
+            object.__setattr__(self, "uncertainty", uncertainty)
+
+    def _compute_coefficient_uncertainty(self, load: float) -> float:
+        """Convert the given uncertainty to the standard uncertainty of the coefficient at a load (mN)."""
+        uncertainty, is_force = self.uncertainty, self.force is not None
+        if isinstance(uncertainty, str) and uncertainty.strip().endswith("%"):
+            try:
+                percent_value = float(uncertainty.strip().removesuffix("%"))
+            except ValueError:
+                raise ValueError(f"uncertainty must be a percentage, as in '3 %', got {uncertainty!r}") from None
+            return validate_number("uncertainty", 0.01 * percent_value * float(self.coefficient or 0.0), above=0)
+        if isinstance(uncertainty, str):
+            uncertainty, is_force = to_core_units("uncertainty", uncertainty, "force"), True
+        return validate_number("uncertainty", uncertainty, above=0) / (load if is_force else 1.0)
+
+    @cached_property
+    def area_factor(self) -> _AreaFactor | None:
+        """Area factor of the test, or None if no uncertain input, creep or growth affects the area."""
+        if isinstance(self.result, Ball):
+            return _BallAreaFactor(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None
+        return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))
+
+
+def depends_on_junction_growth(friction: _FrictionTestForces, mu0: float, tau0: float) -> bool:
+    """Return whether junction growth with α = 27 (von Mises) would noticeably change the friction coefficient."""
+    if not friction.stick * friction.hardness > MIN_PLASTIC_AREA_RATIO:
+        return False
+    coefficient, coefficient_with_growth = tabor_friction(
+        friction.hardness, mu0, tau0, [0.0, VON_MISES_GROWTH_COEFFICIENT]
+    )
+    return not coefficient_with_growth <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * coefficient
+
+
+def list_sliding_rules(result: Any) -> tuple[str, ...]:
+    """Return the sliding rules for which a result contains values."""
+    if isinstance(result, Ball):  # A ball has a single contact, so both rules give the same friction.
+        return SLIDING_RULES
+    if isinstance(result, FrictionCurve):
+        return (str(getattr(result, "sliding", "all")),)
+    return tuple(parse_study_of_dataset(getattr(result, "dataset", result)).contact.sliding_rules())
+
+
+def evaluate_test_forces(test: FrictionTest, sliding: SlidingRule) -> _FrictionTestForces:
+    """Evaluate the forces per load in a friction test for a given sliding rule."""
+    result, load = test.result, float(test.load)
+    if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
+        raise ValueError("wait requires a result of `pair` with a creep exponent")
+    if isinstance(result, Ball):
+        return _FrictionTestForces(stick=result.area_per_load(load), area_factor=test.area_factor)
+    if isinstance(result, FrictionCurve):
+        return _interpolate_forces_per_load(result, load)
+    return replace(_average_forces_per_load(result, load, sliding), area_factor=test.area_factor)
+
+
+def _interpolate_forces_per_load(curve: FrictionCurve, load: float) -> _FrictionTestForces:
+    """Interpolate a load curve to a given load, and return the forces per load."""
+    loads = np.asarray(curve.normal_elastic)
+    if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
+        range_text = f"{loads.min():g} to {loads.max():g} mN"
+        raise ValueError(f"load must be within the range of the curve ({range_text}), got {load:g}")
+    order = np.argsort(loads)
+
+    def interpolate_sum(name: str) -> float:
+        values = np.asarray(getattr(curve, name))
+        values = values.reshape(-1, values.shape[-1])[0] / loads
+        return float(np.interp(math.log(load), np.log(loads[order]), values[order]))
+
+    return _FrictionTestForces.from_contact_sums(
+        {name: interpolate_sum(name) for name in LOAD_SUM_NAMES},
+        hardness=float(getattr(curve, "hardness", None) or math.nan),
+    )
+
+
+def _average_forces_per_load(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestForces:
+    """Average the forces per load over the members and directions of a result at a given load."""
+    dataset = getattr(result, "dataset", result)
+    sums = (
+        interpolate_member_sums(dataset, np.array([load]))
+        .sel(sliding=sliding)
+        .isel(cut_off=0, load=0, missing_dims="ignore")
+    )
+    contact_sums = {str(name): values.mean("direction").values.reshape(-1) for name, values in sums.data_vars.items()}
+    is_reached = np.isfinite(list(contact_sums.values())).all(axis=0)
+    if not is_reached.any():
+        area = getattr(result, "nominal_area", None)
+        hint = (
+            f", which is {1e3 * load / area:.4g} MPa on the area of the scans; specify a pressure for a larger specimen"
+            if area
+            else ""
+        )
+        raise ValueError(f"load must be within the range of the result, got {load:g} mN{hint}")
+    adhesive_sums = contact_sums["tangential_adhesive"][is_reached]
+    relative_error = (
+        float(adhesive_sums.std(ddof=1) / adhesive_sums.mean() / math.sqrt(len(adhesive_sums)))
+        if len(adhesive_sums) > 1
+        else 0.0
+    )
+    means = {name: values[is_reached].mean() for name, values in contact_sums.items()}
+    surfaces = dataset.attrs["study"]
+    return _FrictionTestForces.from_contact_sums(
+        means,
+        scatter=relative_error,
+        surfaces=surfaces,
+        hardness=float(parse_study_of_dataset(dataset).contact.hardness or math.nan),
+    )

@@ -1,0 +1,165 @@
+"""Interface strengths that predict the friction of other surfaces."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Hashable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.calibration.friction_tests import (
+    Ball,
+    FrictionTest,
+    StrengthSamples,
+    depends_on_junction_growth,
+    evaluate_test_forces,
+)
+from stiction.mechanics.friction import FrictionCurve
+from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, InterfaceStrength, ValueWithLimits
+
+
+class Interface(InterfaceStrength):
+    """Strength of an interface, expressed as a joint distribution of mu0 and tau0, with predictions for other surfaces.
+
+    Attributes as in `InterfaceStrength`.
+
+    Examples
+    --------
+    >>> from stiction import interface
+    >>> strength = interface("MoS2 on bearing steel, dry air")
+    >>> strength.separated, round(strength.tau0[0], 4)
+    (True, 0.0248)
+    """
+
+    def predict(self, result: Any, load: float | str) -> ValueWithLimits:
+        """Predict the friction coefficient of other surfaces at a load, with its 95 % interval.
+
+        Parameters
+        ----------
+        result : Result, HalfSpaceCurve, LoadCurve or Ball
+        load : float or str, mN
+
+        Returns
+        -------
+        (float, float, float)
+            Value, lower limit and upper limit. The interval includes the joint uncertainty of mu0 and tau0, and the
+            scatter of the area between positions. A limit is infinite at seizure.
+
+        Warns
+        -----
+        UserWarning
+            If α of junction growth differs between the tests and the result.
+        """
+        if not (isinstance(result, (Ball, FrictionCurve)) or hasattr(result, "dataset") or hasattr(result, "attrs")):
+            raise ValueError(f"result must be a Result, a curve or a Ball, got {type(result).__name__}")
+        from scipy.special import ndtr
+
+        fit, generator = self.fits[0], np.random.default_rng(1)
+        test_forces = evaluate_test_forces(FrictionTest(result, load, coefficient=0.0), fit.sliding)
+
+        def draw_scores(name: Hashable) -> Floats:
+            # If an input also occurs in the tests, its samples from the fit are used.
+            return fit.scores[name] if name in fit.scores else generator.standard_normal(len(fit.mu0))
+
+        area_samples = np.exp(test_forces.scatter * draw_scores(test_forces.surfaces))
+        if (area_factor := test_forces.area_factor) is not None:
+            samples = area_factor.input_values({name: ndtr(draw_scores(name)) for name in area_factor.nuisance_names})
+            if "hardness" in samples and area_factor.known["hardness"].describes_same_hardness(
+                self.about.get(HARDNESS_HEADER_ENTRY, "")
+            ):
+                samples["hardness"] = fit.hardness
+            if "junction_growth" in samples and self.has_equal_junction_growth(area_factor.known["junction_growth"]):
+                samples["junction_growth"] = fit.junction_growth
+        growth = None if area_factor is None else area_factor.junction_growth
+        depends_on_alpha = growth is not None or depends_on_junction_growth(
+            test_forces, float(np.median(fit.mu0)), float(np.median(fit.tau0))
+        )
+        if depends_on_alpha and self.junction_growth is not None and not self.has_equal_junction_growth(growth):
+            test_alpha, result_alpha = (
+                estimate.short_text if estimate is not None else "0" for estimate in (self.junction_growth, growth)
+            )
+            warnings.warn(
+                f"the interface was calibrated with α = {test_alpha} of junction growth, and the result has "
+                f"α = {result_alpha}; press both with the same junction_growth",
+                stacklevel=2,
+            )
+
+        def compute_coefficients(mu0: Floats, tau0: Floats) -> Floats:
+            strength = StrengthSamples(fit.sliding, mu0, tau0)
+            total_area = (
+                area_samples
+                if area_factor is None
+                else area_samples * area_factor.area_factor_for_inputs(samples, strength)
+            )
+            values = test_forces.compute_coefficient(mu0, tau0, np.where(tau0 > 0, total_area, 1.0))
+            return np.where(np.isfinite(values), values, np.inf)
+
+        return self.interval_of(compute_coefficients)
+
+
+def read_interface(path: str | Path) -> Interface:
+    """Read an interface from a file written by `write_interface`.
+
+    Parameters
+    ----------
+    path : path
+        Path of the file.
+
+    Returns
+    -------
+    interface : Interface
+        Joint distribution of mu0 and tau0 (GPa).
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read, or is not an interface file.
+
+    See Also
+    --------
+    write_interface : Inverse function.
+
+    Examples
+    --------
+    >>> from stiction import read_interface
+    >>> read_interface("no such file")
+    Traceback (most recent call last):
+    ...
+    ValueError: no such file cannot be read as an interface: No such file or directory
+    """
+    return Interface.read(path)
+
+
+def interface(name_or_path: str | Path) -> Interface:
+    """Return a published interface, or read an interface from a file written by `stiction calibrate`.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        Name of a published interface as in `interfaces`, or path of a file.
+
+    Returns
+    -------
+    interface : Interface
+        Joint distribution of mu0 and tau0 (GPa).
+
+    Raises
+    ------
+    ValueError
+        If no interface or file has this name.
+
+    See Also
+    --------
+    interfaces : Names of the published interfaces.
+    read_interface : Files only.
+
+    Examples
+    --------
+    >>> from stiction import interface
+    >>> interface("MoS2 on bearing steel, dry air").about["motion"]
+    'kinetic'
+    """
+    return Interface.named(name_or_path)

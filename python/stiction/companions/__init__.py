@@ -1,0 +1,1 @@
+"""Further solutions for a pair that are stored alongside its result."""

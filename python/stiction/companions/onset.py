@@ -1,0 +1,378 @@
+"""Onset of sliding of a measured pair. The result stores the mean onset curve over a subset of its members."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction._errors import NoSolutionError
+from stiction._estimate import Estimate
+from stiction.companions.contact_picture import MAX_PICTURE_SIDE_POINTS
+from stiction.evaluate.member_means import MemberDependence
+from stiction.evaluate.point import read_estimate
+from stiction.mechanics.half_space import HalfSpaceCurve
+from stiction.mechanics.presliding import fit_iwan, fit_lugre
+from stiction.mechanics.quantities import QUANTITIES, quantity_attributes
+from stiction.solve.executors import wrap_to_use_idle_threads
+from stiction.solve.member_solution import PressedPair
+from stiction.solve.store import ONSET_FILE, read_companion_file
+from stiction.study.members import count_grid_points, load_bodies
+from stiction.study.stored_values import ANY_STORED_VALUE, AttributeSpec, VariableSpec
+from stiction.study.study import Study
+from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.mechanics.onset import Onset
+    from stiction.solve.store import StoredResult
+
+ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"  # first bytes of the file; they identify the table
+NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
+"""Default numbers of members whose onset is computed: in general (first), and for maps with the half-space (second)."""
+
+
+ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
+"""Fractions of the sliding load at which the curve is evaluated."""
+
+TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions; it causes errors of about 1e-7 in displacements
+DEFAULT_POISSON_RATIO = 0.3  # default Poisson's ratio of both bodies
+_CURVE_TITLES = {
+    "tangential_load": "tangential load",
+    "displacement": "displacement",
+    "slipped_area": "slipped area",
+    "slipped_load": "slipped load",
+    "energy_lost": "energy lost",
+}
+"""Column titles in `ONSET_TABLE_FILE`, by quantity."""
+
+_ONSET_SCALAR_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
+_STATISTIC_NAMES = ["mean", "lower", "upper"]
+
+
+def compute_onset(
+    study: Study, executor: Executor, *, members: int | None = None, load: float | None = None
+) -> xarray.Dataset | None:
+    """Compute the onset of sliding at a load (mN) for the first members of a measured pair.
+
+    By default the load is the first load of the study. The dataset has the dimensions `fraction` (of the sliding load)
+    and `statistic`. It also contains the slip map of the first member, and the parameters of Iwan and LuGre models of
+    the mean curve. Returns None for generated bodies, without friction, or if the solver fails for all members.
+    """
+    if not study.is_measured:
+        return None
+    mu0, tau0 = float(study.friction.mu0[0]), float(study.friction.tau0[0])
+    if mu0 == tau0 == 0:
+        return None
+    load = float(study.friction.load[0]) if load is None else load
+    surfaces: Any = study.surfaces
+    first_index = surfaces.first_scan_member_index
+    first_index = first_index if first_index < study.ensemble.repetitions else 0
+    is_slow = surfaces.is_areal and study.uses_half_space
+    num_members = (NUM_AREAL_ONSET_MEMBERS if is_slow else NUM_ONSET_MEMBERS) if members is None else members
+    indices = range(first_index, min(first_index + num_members, study.ensemble.repetitions))
+    compute_curve: Any = partial(
+        compute_member_onset, study, load=load, mu0=mu0, tau0=tau0, cut_off=surfaces.reported_cut_off()
+    )
+    compute_curve = wrap_to_use_idle_threads(compute_curve, executor, len(indices), count_grid_points(study))
+    curves = [curve for curve in executor.map(compute_curve, indices) if curve]
+    if not curves:
+        return None
+    onset = _average_onset_curves(study, curves, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
+    return onset.assign(curves[0]["map"])
+
+
+def compute_member_onset(
+    study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
+) -> dict[str, Any] | None:
+    """Return the onset curve, slip map, index and position of a member, or None if the solver fails."""
+    member = load_bodies(study).member(index, cut_off)
+    poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
+    try:
+        pressed_pair = PressedPair.solve(study, member.pair, load)
+        if pressed_pair is None:
+            return None
+        options: dict[str, Any] = (
+            {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed_pair.curve, HalfSpaceCurve) else {}
+        )
+        onset = pressed_pair.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **options)
+    except (
+        NoSolutionError,
+        ValueError,
+    ):  # an exception means that the solver failed or that the contact law has no onset
+        return None
+    curve: dict[str, Any] = {
+        name: getattr(onset, name) for name in (*_CURVE_TITLES, *_ONSET_SCALAR_NAMES[:-1]) if name != "energy_lost"
+    }  # fmt: skip
+    curve["unloading_stiffness"] = float(np.ravel(getattr(pressed_pair.curve, "unloading_stiffness", np.nan))[0])
+    return curve | {
+        "energy_lost": onset.energy_lost(onset.tangential_load), "line": member.line, "x": member.x, "y": member.y,
+        "repetition": index, "map": build_slip_map(pressed_pair, onset),
+    }  # fmt: skip
+
+
+# ---- Means over members ----------------------------------------------------------------------------------------------
+
+
+def _average_onset_curves(study: Study, curves: Sequence[dict[str, Any]], attributes: dict[str, Any]) -> xarray.Dataset:
+    import xarray
+
+    member_dependence = MemberDependence.from_coordinates(
+        study, {name: [curve[name] for curve in curves] for name in ("line", "x", "y", "repetition")}
+    )
+    variables: dict[str, Any] = {}
+    for name in (*_CURVE_TITLES, *_ONSET_SCALAR_NAMES):
+        dims = ("fraction", "statistic") if name in _CURVE_TITLES else ("statistic",)
+        values = np.clip(
+            member_dependence.mean_with_interval(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds
+        )
+        variables[name] = (dims, values, quantity_attributes(name))
+    # The default long name refers to the onset of sliding, but the curve also contains smaller loads.
+    variables["tangential_load"][2]["long_name"] = "tangential load"
+    coordinates: dict[str, Any] = {
+        "fraction": (
+            "fraction",
+            list(ONSET_LOAD_FRACTIONS),
+            {"units": "1", "long_name": "ratio of tangential load to sliding load"},
+        ),
+        "statistic": _STATISTIC_NAMES,
+    }
+    poisson_ratios = study.contact.poisson_ratio
+    attributes = attributes | {
+        "members": len(curves), "mechanics": study.contact.mechanics,
+        "poisson_ratio": np.array(poisson_ratios or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)),
+        "poisson_given": int(poisson_ratios is not None),
+    }  # fmt: skip
+    dataset = xarray.Dataset(variables, coordinates, {"title": "onset of sliding", **attributes})
+    return dataset.assign_attrs(_fit_presliding_models(dataset))
+
+
+PRESLIDING_PARAMETERS = {
+    "iwan": ("sliding_load_mN", "stiffness_mN_per_um", "chi", "beta", "largest_residual"),
+    "lugre": ("sigma0_mN_per_um", "largest_residual"),
+}
+"""Parameters of each model that is fitted to the mean curve.
+
+The parameters are attributes of the dataset, such as "iwan_chi".
+"""
+
+
+def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
+    """Fit the four-parameter Iwan model and the LuGre model to the mean curve, and return their parameters."""
+    curve = onset.sel(statistic="mean")
+    displacement, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
+    sliding_load = float(curve["sliding_load"])
+    try:
+        iwan = fit_iwan(displacement, load, sliding_load=sliding_load, stiffness=float(curve["stiffness"]))
+        lugre = fit_lugre(displacement, load, sliding_load=sliding_load)
+    except ValueError:  # an exception means that the curve of a free half-plane has no displacements
+        return {}
+    chi = round(iwan.chi, 12) + 0.0  # adding 0.0 converts -0 to 0
+    values = {
+        "iwan": (sliding_load, iwan.stiffness, chi, iwan.beta, float(np.abs(iwan.residual).max() / sliding_load)),
+        "lugre": (lugre.stiffness, float(np.abs(lugre.residual).max() / sliding_load)),
+    }
+    return {
+        f"{model}_{name}": value
+        for model, names in PRESLIDING_PARAMETERS.items()
+        for name, value in zip(names, values[model], strict=True)
+    }
+
+
+# ---- Values to report ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class OnsetCurvePoint:
+    """Point of the mean onset curve."""
+
+    tangential_load: Estimate  # mN
+    displacement: Estimate  # µm
+    slipped_area: Estimate  # fraction of the contact area that slips
+    slipped_load: Estimate  # fraction of the load that slipping contacts carry
+    energy_lost: Estimate  # energy that a load cycle with this amplitude dissipates (mN µm)
+
+
+@dataclass(frozen=True)
+class OnsetValues:
+    """Values of the onset of sliding at a load, mu0 and tau0: means over members with 95 % intervals."""
+
+    load: float  # normal load (mN)
+    mu0: float
+    tau0: float  # GPa
+    num_members: int  # number of members over which the values are averaged
+    poisson_ratio: tuple[float, ...]  # Poisson's ratios of both bodies
+    is_poisson_ratio_given: bool  # False if `poisson_ratio` is the default value
+    sliding_load: Estimate  # tangential load at which the bodies slide (mN)
+    displacement_at_sliding: Estimate  # µm
+    stiffness: Estimate  # initial tangential stiffness (mN/µm)
+    unloading_stiffness: Estimate  # normal stiffness during unloading (mN/µm)
+    curve: dict[float, OnsetCurvePoint]  # by the ratio of the tangential load to the sliding load
+    models: dict[str, dict[str, float]]  # parameters of the fitted models, by model; empty if the fit failed
+
+
+def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
+    """Return the values of the onset of sliding in a dataset that `compute_onset` returned."""
+    attributes = onset.attrs
+    curve = {}
+    for fraction in onset["fraction"].values.tolist():
+        curve_point = onset.sel(fraction=fraction)
+        curve[fraction] = OnsetCurvePoint(**{name: read_estimate(curve_point[name]) for name in _CURVE_TITLES})
+    models = {
+        model: {name: float(attributes[f"{model}_{name}"]) for name in names if f"{model}_{name}" in attributes}
+        for model, names in PRESLIDING_PARAMETERS.items()
+    }
+    return OnsetValues(
+        load=float(attributes["load_mN"]),
+        mu0=float(attributes["mu0"]),
+        tau0=float(attributes["tau0_GPa"]),
+        num_members=int(attributes["members"]),
+        poisson_ratio=tuple(np.ravel(attributes["poisson_ratio"]).astype(float).tolist()),
+        is_poisson_ratio_given=bool(attributes.get("poisson_given", 1)),
+        **{name: read_estimate(onset[name]) for name in _ONSET_SCALAR_NAMES},
+        curve=curve,
+        models=models,
+    )
+
+
+# ---- Files stored with a result -------------------------------------------------------------------------------------
+
+_UNBOUNDED = (-math.inf, math.inf)  # The stiffness of a closed gap and the ends of some intervals are infinite.
+
+_ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
+    "fraction": VariableSpec(dims=("fraction",)),
+    "statistic": VariableSpec(dims=("statistic",), dtype=str),
+    **{
+        name: VariableSpec(
+            dims=("statistic",), bounds=_UNBOUNDED, may_be_nan=True, is_required=name != _ONSET_SCALAR_NAMES[-1]
+        )
+        for name in _ONSET_SCALAR_NAMES
+    },
+    **{
+        name: VariableSpec(dims=("fraction", "statistic"), bounds=_UNBOUNDED, may_be_nan=True) for name in _CURVE_TITLES
+    },
+    **{name: VariableSpec(dims=(name,), is_required=False, ascending_dim=name) for name in ("slip_y", "slip_x")},
+    **{
+        name: VariableSpec(dims=("slip_y", "slip_x"), may_be_nan=True, is_required=False)
+        for name in ("lower_height", "slip")
+    },
+    **{
+        f"contact_{name}": VariableSpec(dims=("contact",), may_be_nan=True, is_required=False)
+        for name in ("slip", "x", "y", "area")
+    },
+}
+"""Variables of `ONSET_FILE`. Only areal contacts have a slip map."""
+
+_ONSET_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
+    "load_mN": AttributeSpec(),
+    "mu0": AttributeSpec(),
+    "tau0_GPa": AttributeSpec(),
+    "members": AttributeSpec(dtype=int, bounds=(1, ANY_STORED_VALUE[1])),
+    "poisson_ratio": AttributeSpec(sizes=(2,)),
+    "poisson_given": AttributeSpec(dtype=int, is_required=False),
+    **{
+        f"{model}_{name}": AttributeSpec(is_required=False)
+        for model, names in PRESLIDING_PARAMETERS.items()
+        for name in names
+    },
+}
+
+
+def load_stored_onset(result: StoredResult) -> xarray.Dataset | None:
+    """Load the onset of sliding that is stored with a result.
+
+    Returns None if the onset is missing, or if its load, mu0 or tau0 differ from the study.
+
+    Raises a `StoreError` if the file is damaged.
+    """
+    if not result.study.is_measured:
+        return None
+    settings = result.study.friction
+    onset = read_companion_file(Path(result.path) / ONSET_FILE, _ONSET_VARIABLE_SPECS, _ONSET_ATTRIBUTE_SPECS)
+    if (
+        onset is None
+        or _ONSET_SCALAR_NAMES[-1] not in onset
+        or onset["fraction"].values.tolist() != list(ONSET_LOAD_FRACTIONS)
+        or onset["statistic"].values.tolist() != _STATISTIC_NAMES
+    ):
+        return None
+    conditions = [float(onset.attrs[name]) for name in ("load_mN", "mu0", "tau0_GPa")]
+    return (
+        onset if conditions == [float(values[0]) for values in (settings.load, settings.mu0, settings.tau0)] else None
+    )
+
+
+def format_backbone_csv(onset: xarray.Dataset) -> str:
+    """Format the mean curve, which serves as the backbone curve of a Masing model, as CSV with units."""
+    import pandas
+
+    columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
+    for name, quantity_title in _CURVE_TITLES.items():
+        unit = QUANTITIES[name].unit
+        title = quantity_title + ("" if unit == "1" else f" ({unit})")
+        for statistic, suffix in (("mean", ""), ("lower", ": lower"), ("upper", ": upper")):
+            columns[title + suffix] = [0.0, *onset[name].sel(statistic=statistic).values]
+    text: str = pandas.DataFrame(columns).to_csv(index=False, float_format="%.9g")
+    return text
+
+
+# ---- Slip map --------------------------------------------------------------------------------------------------------
+
+
+DatasetVariables = dict[str, tuple[Any, ...]]
+_MICROMETRE_ATTRIBUTES = {"units": "um"}
+
+
+def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
+    """Return the fraction of the sliding load at which slip starts, for each grid point or asperity contact.
+
+    The dataset includes the heights of the lower body. In large maps, each block of neighbouring points is represented
+    by the point that slips first. The dataset is empty for profiles.
+    """
+    lower = pressed_pair.lower
+    if not isinstance(lower, Surface):
+        return {}
+    (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
+    stride = -(-max(rows, columns) // MAX_PICTURE_SIDE_POINTS)
+    variables: DatasetVariables = {
+        "slip_y": ("slip_y", np.arange(0, rows, stride) * dy, _MICROMETRE_ATTRIBUTES),
+        "slip_x": ("slip_x", np.arange(0, columns, stride) * dx, _MICROMETRE_ATTRIBUTES),
+        "lower_height": (
+            ("slip_y", "slip_x"),
+            lower.heights[::stride, ::stride].astype(np.float32),
+            _MICROMETRE_ATTRIBUTES,
+        ),
+    }
+    slip_fraction = onset.slip_load() / onset.sliding_load
+    if isinstance(pressed_pair.curve, HalfSpaceCurve):
+        attributes = {"units": "1", "long_name": "ratio of tangential to sliding load at which a point slips"}
+        slip_start = _find_block_minima(slip_fraction.reshape(rows, columns), stride)
+        return variables | {"slip": (("slip_y", "slip_x"), slip_start.astype(np.float32), attributes)}
+    table = pressed_pair.tabulate_contacts()
+    contact_variables = {
+        "slip": (slip_fraction, "1", "ratio of tangential to sliding load at which a contact slides as a whole"),
+        "x": (table.x, "um", "middle of a contact along x"),
+        "y": (table.y, "um", "middle of a contact along y"),
+        "area": (table.area, "um^2", "area of a contact"),
+    }
+    return variables | {
+        f"contact_{name}": ("contact", values, {"units": unit, "long_name": attributes})
+        for name, (values, unit, attributes) in contact_variables.items()
+    }
+
+
+def _find_block_minima(values: Floats, block_size: int) -> Floats:
+    """Return the minimum of each block of `block_size` rows and columns. It is NaN if all values are NaN."""
+    rows, columns = (-(-size // block_size) * block_size for size in values.shape)
+    padded = np.full((rows, columns), np.inf)
+    padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)
+    minima = padded.reshape(rows // block_size, block_size, columns // block_size, block_size).min(axis=(1, 3))
+    return np.where(np.isinf(minima), np.nan, minima)

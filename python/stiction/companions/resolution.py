@@ -1,0 +1,394 @@
+"""Effect of the scan resolution on a measured pair: results at several cutoffs, and slopes at each wavelength."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction._units import exact_quantity_text
+from stiction.evaluate.at_load import at_load
+from stiction.evaluate.point import (
+    compute_plastic_adhesive_friction,
+    effective_modulus_at,
+    find_contact_status,
+    get_study_hardness,
+    iterate_points,
+    list_sliding_rules_reported_first,
+    mean_contact_pressure,
+    mean_over_directions,
+)
+from stiction.mechanics import brackets
+from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
+from stiction.solve.companion_study import CompanionStudy
+from stiction.solve.store import STUDY_FILE, StoredResult
+from stiction.study.members import find_body_attributes, load_bodies
+from stiction.study.study import Study
+from stiction.surfaces.hurst import HurstEstimate
+from stiction.surfaces.joined_spectrum import JoinedSpectrum
+from stiction.surfaces.missing_data import find_outliers, with_interpolated_points
+from stiction.surfaces.pairing import to_joined_spectrum
+from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_roughness
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.study.measured_bodies import ScanCutoffs
+
+CUTOFF_STUDY_FOLDER = "resolution"  # name of the folder of the cutoff study in a result folder
+NUM_AREAL_MEMBERS = 4  # maximum number of members in a cutoff study of height maps
+NUM_LINE_MEMBERS = 16  # maximum number of members in a cutoff study of profiles
+MAX_CUTOFFS = 4  # maximum number of cutoffs above 0; each is twice as long as the previous cutoff
+FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number rounded to four digits
+MAX_RELATIVE_CUTOFF = 1 / 30  # maximum ratio of a cutoff to the shortest side of the scans
+
+
+def build_cutoff_study(study: Study) -> Study | None:
+    """Create a cutoff study. It has several cutoffs, fewer members, and only the requested loads of the original study.
+
+    The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength if the
+    scans are unfiltered, or twice the first cutoff if they are filtered. Each further cutoff is twice the previous one.
+    The members are the first members that consist of scans or, if there are none, surrogates. Returns None for
+    generated bodies, for the asperity model, if the original study has several cutoffs, or if the scans are too short
+    for a second cutoff.
+    """
+    if not study.is_measured or not study.uses_half_space:
+        return None
+    cutoffs = study.surfaces.cell_coordinates()["cut_off"].tolist()
+    if len(cutoffs) > 1:
+        return None
+    attributes = find_body_attributes(study).attributes
+    max_spacing = max(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))
+    side = min(float(np.min(attributes[f"{side}_extent_um"])) for side in ("upper", "lower"))
+    candidate_cutoffs = (
+        2 * max_spacing * 2.0 ** np.arange(MAX_CUTOFFS)
+        if cutoffs[0] == 0
+        else cutoffs[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
+    )
+    # Lengths are rounded up, because a grid cannot represent wavelengths shorter than two points.
+    rounded_cutoffs = [
+        cutoffs[0],
+        *(
+            float(f"{cutoff * (1 + FOUR_DIGIT_ROUNDING_ERROR):.4g}")
+            for cutoff in candidate_cutoffs
+            if cutoff <= MAX_RELATIVE_CUTOFF * side
+        ),
+    ]
+    if len(rounded_cutoffs) < 2:
+        return None
+    first_member = _find_first_scan_member(study)
+    num_members = min(
+        study.ensemble.repetitions - first_member, NUM_AREAL_MEMBERS if study.is_areal else NUM_LINE_MEMBERS
+    )
+    changes: dict[str, Any] = {
+        "surfaces.cut_off": [exact_quantity_text(cutoff, "um") for cutoff in rounded_cutoffs],
+        "contact.load": [load.text for load in study.friction.load],
+        "ensemble.repetitions": num_members,
+    }
+    if study.surfaces.first_scan_member_index:
+        changes["surfaces.surrogates"] = 0 if first_member else num_members
+    return study.with_changes(changes)
+
+
+def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
+    """Return the cutoff study of a measured pair with its subfolder of a result folder, or None if there is none."""
+    cutoff_study = build_cutoff_study(study)
+    return None if cutoff_study is None else CompanionStudy(cutoff_study, path / CUTOFF_STUDY_FOLDER)
+
+
+def _find_first_scan_member(study: Study) -> int:
+    """Return the index of the first member that consists of pieces of the scans, or 0 if all members are surrogates."""
+    index = study.surfaces.first_scan_member_index
+    return index if index < study.ensemble.repetitions else 0
+
+
+def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
+    """Evaluate the cutoff study that is stored with a measured pair, for the loads, mu0 and tau0 of the pair.
+
+    Returns None if no cutoff study that matches the pair is stored.
+    """
+    study = result.study
+    if not study.is_measured:
+        return None
+    if not (result.path / CUTOFF_STUDY_FOLDER / STUDY_FILE).exists():
+        return None
+    try:
+        cutoff_study = find_cutoff_study(study, result.path)
+    except ValueError:  # an exception means that files of the bodies are missing
+        return None
+    sums = None if cutoff_study is None else cutoff_study.open(allow_unfinished=True)
+    if sums is None:
+        return None
+    return at_load(
+        sums,
+        [float(load) for load in study.friction.load],
+        mu0=list(study.friction.mu0),
+        tau0=[float(strength) for strength in study.friction.tau0],
+    )
+
+
+# ---- Resolved roughness ---------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class ResolvedRoughness:
+    """Roughness of the gap at resolved wavelengths, extrapolated to shorter wavelengths. Outliers are interpolated."""
+
+    shortest: float  # shortest resolved wavelength (two points or the cutoff), µm
+    two_points: float  # shortest wavelength of the unfiltered scans, µm
+    longest: float  # longest side of the pressed bodies, µm
+    gradient: float  # root-mean-square gradient of the gap of the first member
+    roughness: ScaleDependentRoughness
+    estimate: HurstEstimate | None  # Hurst exponent of the gap, or None if the gap has no self-affine band
+
+    @property
+    def shortest_octave_fraction(self) -> float:
+        """Fraction of the gap's mean square gradient that comes from the shortest resolved octave of wavelengths."""
+        return float(self.roughness.fraction_below(2 * self.shortest))
+
+    def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
+        """Return the cutoff (µm) at which the elastic pressure is `ratio` times the pressure at the scan resolution.
+
+        `ratio` is the multiple. The cutoff is returned with its interval.
+        """
+        gradient = ratio * float(self.roughness.gradient_at(self.shortest))
+        kappa_factor = float(brackets.kappa_uncertainty_factor(np.array(contact_count)))
+        return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, kappa_factor)
+
+    def extrapolate_to_finer_scans(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
+        """Extrapolate the gap gradient and the area fraction to finer scans, assuming elastic bodies.
+
+        Returns the shortest wavelengths (µm) of the finer scans, the gradients, and the area fractions. Gradients and
+        area fractions are triples of value, lower limit and upper limit.
+        """
+        gradients = brackets.extrapolated_gradients(self.roughness, self.estimate, self.shortest, self.gradient)
+        flat_fraction = np.array([area_fraction * self.gradient]) / brackets.interface_area_ratio(
+            np.array(self.gradient)
+        )
+        area_fractions = brackets.elastic_area_fraction(
+            gradients, flat_fraction, brackets.kappa_uncertainty_factor(np.array([contact_count]))
+        )[:, 0]
+        area_fractions = area_fractions * brackets.interface_area_ratio(gradients[:, :1])
+        return np.array(brackets.EXTRAPOLATED_WAVELENGTH_RATIOS) * self.shortest, gradients, area_fractions
+
+
+def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
+    """Return the resolved roughness of the gap, or None if the bodies are generated or if files are missing."""
+    if not study.is_measured:
+        return None
+    try:
+        return _compute_resolved_roughness(study)
+    except (ValueError, OSError):
+        return None
+
+
+@functools.lru_cache(maxsize=4)
+def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
+    surfaces: Any = study.surfaces
+    bodies = load_bodies(study)
+    cut_off = surfaces.reported_cut_off()
+    upper, lower = bodies.member(_find_first_scan_member(study), cut_off).pair
+    gap = replace(upper, heights=upper.heights - lower.heights, history=(), missing=None)
+    gap = with_interpolated_points(gap, find_outliers(gap.heights))
+    attributes = bodies.attributes().attributes
+    spacings = [*gap.spacings, *(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))]
+    roughness = scale_dependent_roughness(gap)
+    return ResolvedRoughness(
+        shortest=max(2 * max(spacings), cut_off), two_points=2 * max(spacings), longest=float(np.max(gap.extent)),
+        gradient=brackets.gap_rms_gradient(gap, periodic=False), roughness=roughness,
+        estimate=brackets.estimate_gap_hurst_exponent(gap, periodic=False),
+    )  # fmt: skip
+
+
+# ---- Limits that finer scans would have ----------------------------------------------------------------------------
+
+
+def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
+    """Return lower bounds on mu_s and the area fraction for all finer scans, or None if contacts cannot yield.
+
+    The bound on mu_s, with friction at all contacts, is mu0 + tau0/H'. The bound on the area fraction is p/H, where p
+    is the nominal pressure.
+    """
+    if (adhesive_friction := compute_plastic_adhesive_friction(point, study)) is None:
+        return None
+    area_fraction = float(point["load"]) / (get_study_hardness(study) * float(point["nominal_area"]))
+    return float(point["mu0"]) + adhesive_friction, area_fraction
+
+
+@dataclass(frozen=True)
+class YieldWavelengthEstimate:
+    """Estimates for a hardness H (GPa): the wavelength (µm) at which the pressure reaches H, and mu0 + tau0/H."""
+
+    hardness: float
+    wavelength: float  # wavelength (µm) at which the pressure reaches H, or NaN if no wavelength has this pressure
+    lower: float
+    upper: float
+    friction: float
+
+
+@dataclass(frozen=True)
+class CutoffResult:
+    """Values computed at one combination of cutoff, load, mu0 and tau0."""
+
+    at: dict[str, float]
+    values: dict[str, float]  # friction for each sliding rule, rms gradient, area fraction and pressure
+    contact_status: str
+    cut_offs: ScanCutoffs  # cutoffs of all scans of the upper and of the lower body (µm)
+
+
+@dataclass(frozen=True, eq=False)
+class ResolutionEffect:
+    """Effect of the scan resolution on a result.
+
+    Attributes
+    ----------
+    roughness : ResolvedRoughness, optional
+    cutoffs : tuple of CutoffResult
+        Means over a few members at several cutoffs; empty without a cutoff study.
+    members : float
+        Number of members of the cutoff study.
+    plastic_limit : (float, float), optional
+        Lower bounds for finer scans, at the first load, mu0 and tau0: coefficient with friction at all contacts, and
+        area fraction. None without a hardness.
+    yielding : tuple of (dict, tuple of YieldWavelengthEstimate)
+        Estimates for typical hardnesses at the load, mu0 and tau0 of each point; empty with a hardness.
+    """
+
+    roughness: ResolvedRoughness | None
+    cutoffs: tuple[CutoffResult, ...] = ()
+    members: float = math.nan
+    plastic_limit: tuple[float, float] | None = None
+    yielding: tuple[tuple[dict[str, float], tuple[YieldWavelengthEstimate, ...]], ...] = ()
+
+
+def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> ResolutionEffect | None:
+    """Return the effect of the scan resolution, or None if roughness and results at cutoffs are both unavailable.
+
+    `cutoffs` is a result of `evaluate_at_cutoffs`, or a dataset of `Result.at` at several cutoffs.
+    """
+    roughness = find_resolved_roughness(study)
+    if roughness is None and cutoffs is None:
+        return None
+    yield_estimates: list[tuple[dict[str, float], tuple[YieldWavelengthEstimate, ...]]] = []
+    if roughness is not None and study.uses_half_space and study.contact.hardness is None:
+        for point in iterate_points(at.isel(cut_off=[0]) if "cut_off" in at.dims else at):
+            coordinates = {name: float(point[name]) for name in ("load", "mu0", "tau0")}
+            yield_estimates.append((coordinates, estimate_yield_wavelengths(point, study, roughness)))
+    if cutoffs is None:
+        return ResolutionEffect(roughness, yielding=tuple(yield_estimates))
+    first_loads = cutoffs.isel(dict.fromkeys(("load", "mu0", "tau0"), 0))
+    return ResolutionEffect(
+        roughness=roughness, cutoffs=tuple(_build_cutoff_result(point, study) for point in iterate_points(cutoffs)),
+        members=mean_over_directions(cutoffs, "members"),
+        plastic_limit=find_plastic_limit(first_loads, study), yielding=tuple(yield_estimates),
+    )  # fmt: skip
+
+
+def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
+    values = {name: mean_over_directions(point, name) for name in ("rms_gradient", "contact_area_fraction")}
+    values["mean_pressure"] = mean_contact_pressure(point)
+    for rule in list_sliding_rules_reported_first(study):
+        values[f"friction_{rule}"] = mean_over_directions(point.sel(sliding=rule), "friction_all_round")
+    at = {name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")}
+    surfaces: Any = study.surfaces
+    return CutoffResult(at, values, find_contact_status(point, study), surfaces.get_scan_cut_offs(at["cut_off"]))
+
+
+def estimate_yield_wavelengths(
+    point: xarray.Dataset, study: Study, resolved_roughness: ResolvedRoughness
+) -> tuple[YieldWavelengthEstimate, ...]:
+    """Estimate the wavelengths at which the mean contact pressure would reach typical hardnesses.
+
+    At this wavelength λ, the elastic mean pressure E* h'(λ)/κ equals the hardness, where κ is the value for this
+    result.
+    """
+    modulus, pressure = effective_modulus_at(point, study), mean_contact_pressure(point)
+    if not pressure > 0:
+        return ()
+    contact_count = mean_over_directions(point, "contact_count")
+    mu0, tau0 = float(point["mu0"]), float(point["tau0"])
+    return tuple(
+        YieldWavelengthEstimate(
+            hardness,
+            *resolved_roughness.find_yield_wavelength(hardness / pressure, contact_count),
+            mu0 + tau0 / hardness,
+        )
+        for hardness in TYPICAL_HARDNESSES
+        if hardness < modulus / 2
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class ResolutionLimits:
+    """Values at several cutoffs and one load, mu0 and tau0, with their limits for finer scans.
+
+    Attributes
+    ----------
+    points : xarray.Dataset
+        Values at the cutoffs.
+    plastic_limit : (float, float) or None
+        Coefficient and area fraction at the plastic limit, as returned by `find_plastic_limit`.
+    shortest : float or None, µm
+        Shortest wavelength that the scans resolve at any of the cutoffs, or None if the files are missing.
+    wavelengths : (n,) ndarray of float, µm
+        Shortest wavelengths of finer scans; empty with a hardness.
+    friction, area_fractions : (n, 3) ndarray of float
+        Elastic results of finer scans, extrapolated with the Hurst exponent: value, lower and upper limit. The
+        coefficients are those with friction at all contacts.
+    spectral : xarray.Dataset or None
+        Result of `spectral_resolution` for joined spectra of several scans.
+    """
+
+    points: xarray.Dataset
+    plastic_limit: tuple[float, float] | None
+    shortest: float | None
+    spectral: xarray.Dataset | None
+    wavelengths: Floats = field(default_factory=lambda: np.empty(0))
+    friction: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    area_fractions: Floats = field(default_factory=lambda: np.empty((0, 3)))
+
+
+def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLimits:
+    """Return the limits, for finer scans, of values at several cutoffs and one load, mu0 and tau0."""
+    roughness = find_resolved_roughness(study)
+    shortest_cutoff = float(np.min(points["cut_off"].values)) if "cut_off" in points.coords else 0.0
+    limits = ResolutionLimits(
+        points,
+        plastic_limit=find_plastic_limit(points, study),
+        shortest=None if roughness is None else max(roughness.two_points, shortest_cutoff),
+        spectral=_estimate_friction_from_spectra(points, study),
+    )
+    first = points.isel(cut_off=0)
+    area_fraction = mean_over_directions(first, "contact_area_fraction")
+    if limits.plastic_limit is not None or roughness is None or not area_fraction > 0 or not study.uses_half_space:
+        return limits
+    wavelengths, gradients, area_fractions = roughness.extrapolate_to_finer_scans(
+        area_fraction, mean_over_directions(first, "contact_count")
+    )
+    nominal_pressure = float(points["load"]) / float(points["nominal_area"])
+    flat_area_fractions = area_fractions / brackets.interface_area_ratio(gradients[:, :1])
+    coefficients = float(points["mu0"]) + float(points["tau0"]) * flat_area_fractions / nominal_pressure
+    coefficients *= brackets.transverse_slope_factor(gradients[:, :1], roughness.roughness.dimensions)
+    return replace(limits, wavelengths=wavelengths, friction=coefficients, area_fractions=area_fractions)
+
+
+def _estimate_friction_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
+    """Return the closed-form estimate from the spectra of both bodies, or None if neither is a joined spectrum."""
+    files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
+    try:
+        bodies = [file.read() for file in files if file is not None]
+    except (ValueError, OSError):
+        return None
+    pressure, hardness = float(dataset["load"]) / float(dataset["nominal_area"]), get_study_hardness(study)
+    if not any(isinstance(body, JoinedSpectrum) for body in bodies) or hardness <= pressure:
+        return None
+    upper, lower = (to_joined_spectrum(body).roughness() for body in bodies)
+    return spectral_resolution(
+        upper, lower, pressure=pressure, hardness=None if math.isnan(hardness) else hardness, mu0=float(dataset["mu0"]),
+        tau0=float(dataset["tau0"]), effective_modulus=effective_modulus_at(dataset, study),
+    )  # fmt: skip

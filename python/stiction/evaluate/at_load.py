@@ -1,0 +1,177 @@
+"""Evaluation of results at given loads. These can be elastic loads, normal loads or mean normal loads.
+
+*mean*: the mean normal load of the ensemble equals the given load, and values are ratios of means, as in the figures of
+the paper. *elastic*: the elastic load of each member, before any contact slides, equals the given load. *normal*: the
+normal load of each member at the onset of sliding, which includes friction on slopes, equals the given load. For small
+slopes the three definitions agree to four digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction._checks import Floats, check_choice, float_array
+from stiction._units import short_repr
+from stiction.evaluate.ensemble_means import average_ensemble
+from stiction.evaluate.junction_growth import apply_junction_growth, build_member_area_interpolator
+from stiction.evaluate.load_range import find_negligible_load
+from stiction.evaluate.maps import MAP_CELL_DIMENSIONS, choose_mu0_and_tau0
+from stiction.evaluate.member_means import LoadNeighbors, average_members
+from stiction.evaluate.member_values import LoadDefinition, MemberKind, evaluate_members_before_growth
+from stiction.mechanics.closed_forms import gentle_friction
+from stiction.mechanics.quantities import is_requested, quantity_attributes
+from stiction.solve.member_sums import MemberSums
+from stiction.study.study import find_step_dimension
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def at_load(
+    result: MemberSums | xarray.Dataset, loads: ArrayLike, *,
+    mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
+    reading: LoadDefinition | None = None, member_kind: MemberKind | None = None, names: Collection[str] | None = None,
+) -> xarray.Dataset:  # fmt: skip
+    """Evaluate friction, true area and contact statistics at given loads, and compute their 95 % intervals.
+
+    Parameters
+    ----------
+    result : Result, or xarray.Dataset of member sums
+    loads : (l,) array_like of float, mN
+        Loads above 0. For adhesive bodies, a load of 0 is evaluated at `find_negligible_load`.
+    mu0 : (m,) array_like of float, optional
+    tau0 : (t,) array_like of float, GPa, optional
+        By default the values in the study. Other values need no new computation of contacts.
+    reading : {"mean", "elastic", "normal"}, optional
+        Definition of the load; by default "mean" for generated bodies and "elastic" for measured bodies.
+    member_kind : {"shifts", "surrogates"}, optional
+        Members of measured areas to evaluate: pairs at relative positions of the two maps (the default if there are
+        any), or pairs of surrogates.
+    names : collection of str, optional
+        Quantities to evaluate besides friction; all by default. The true area of measured bodies is always evaluated.
+
+    Returns
+    -------
+    xarray.Dataset
+        friction_coefficient and status have the dimensions of the cells, sliding and direction if there are several,
+        load, mu0 and tau0. With opposite directions there are also friction_by_axis, the mean over both directions of
+        an axis, and friction_all_round, the mean over all directions. contact_area (µm²), contact_count,
+        normal_stiffness and quantities of validity have the dimensions of the cells and load. If the study includes the
+        onset of sliding, there are also tangential_stiffness (mN/µm), displacement_at_sliding (µm) and
+        fraction_slipped; at the mean load of an ensemble the latter two are means weighted by the load of each pair.
+        Measured bodies also have contact statistics, quantiles of areas and pressures, slopes of the gap and
+        `gentle_friction`. The last dimension is statistic ("mean", "lower", "upper"). spread_low and spread_high are
+        the 10th and 90th percentiles of single members, reading_difference is the relative difference between the three
+        definitions of the load, members is the number of members, and ok is the number of members with a coefficient.
+
+    Raises
+    ------
+    ValueError
+        If a load, mu0 or tau0 is outside its range, or there are no members of the kind.
+    """
+    result = MemberSums.of(result)
+    study = result.study
+    is_measured = study.is_measured
+    reading = reading or ("elastic" if is_measured else "mean")
+    check_choice("reading", reading, LoadDefinition)
+    unique_loads = np.unique(np.atleast_1d(float_array("loads", loads)))
+    if study.contact.adheres and 0 in unique_loads:
+        unique_loads = np.unique(np.where(unique_loads == 0, find_negligible_load(result), unique_loads))
+    if not unique_loads.size or not (unique_loads > 0).all():
+        raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
+    strengths = choose_mu0_and_tau0(result, mu0, tau0)
+    areas = None
+    if reading == "mean":
+        point = average_ensemble(result, unique_loads, *strengths, names)
+    else:
+        members = evaluate_members_before_growth(result, unique_loads, *strengths, reading, member_kind, names)
+        if study.contact.junction_growth:
+            areas = build_member_area_interpolator(members, result)
+            members = apply_junction_growth(members, study, areas, names)
+        neighbors = None
+        if reading == "elastic" and (bracket := _find_bracketing_loads(result, unique_loads)) is not None:
+            computed_loads, (below, above), position = bracket
+            others = evaluate_members(result, computed_loads, *strengths, member_kind, names)
+            neighbors = LoadNeighbors(others.isel(load=below), others.isel(load=above), position)
+        point = average_members(study, members, names, neighbors)
+        if is_measured:
+            gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
+            cell_dims = [str(dim) for dim in gradient.dims]
+            directional_slope = slope.transpose(*cell_dims, "direction").values
+            modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
+            point = point.assign(
+                estimate_small_slope_friction(cell_dims, gradient.values, directional_slope, rules, *strengths, modulus)
+            )
+    if is_measured and is_requested("reading_difference", names):
+        # `reading_difference` compares the coefficients at equal elastic load and at equal normal load.
+        other_definition: LoadDefinition = "normal" if reading == "elastic" else "elastic"
+        members = evaluate_members_before_growth(result, unique_loads, *strengths, other_definition, member_kind, names)
+        if areas is not None:
+            members = apply_junction_growth(members, study, areas, ())
+        other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
+        coefficient = point["friction_all_round"].sel(statistic="mean")
+        other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
+        point["reading_difference"] = abs(other_coefficient / coefficient - 1).max(other_dims).variable
+    return point.assign_attrs(reading=reading)
+
+
+def evaluate_members(
+    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, member_kind: MemberKind | None = None,
+    names: Collection[str] | None = None,
+) -> xarray.Dataset:  # fmt: skip
+    """Evaluate each member of a result at elastic loads, including junction growth."""
+    members = evaluate_members_before_growth(result, loads, mu0, tau0, "elastic", member_kind, names)
+    if not result.study.contact.junction_growth:
+        return members
+    return apply_junction_growth(members, result.study, build_member_area_interpolator(members, result), names)
+
+
+def _find_bracketing_loads(
+    result: MemberSums, loads: Floats
+) -> tuple[Floats, tuple[NDArray[np.intp], NDArray[np.intp]], Floats] | None:
+    """Find the computed loads between which values at the given loads are interpolated; None if all were computed.
+
+    Returns these computed loads, the indices of those below and above each load, and the positions between them.
+    """
+    if find_step_dimension(result.head) != "load":
+        return None
+    steps = result.study.contact.loading_steps()
+    above = np.minimum(np.searchsorted(steps, loads), steps.size - 1)
+    is_between = (loads > steps[0]) & (loads < steps[above])
+    if not is_between.any():
+        return None
+    below = np.where(is_between, above - 1, above)
+    log_ratio = np.where(is_between, np.log(steps[above] / steps[below]), 1.0)
+    position = np.where(is_between, np.log(loads / steps[below]) / log_ratio, 0.0)
+    used_steps, indices = np.unique(np.stack([below, above]), return_inverse=True)
+    first, last = indices.reshape(2, -1)
+    return steps[used_steps], (first, last), position
+
+
+def estimate_small_slope_friction(
+    dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
+) -> dict[str, Any]:
+    """Compute the small-slope estimate of friction from rms gradients and directional rms slopes of the gaps.
+
+    The rms gradients have the shape (...), and the rms slopes have the shape (..., direction).
+    """
+    has_slopes = (gradient[..., np.newaxis] > 0) & (slope > 0)
+    gradients, slopes = (
+        np.where(has_slopes, each, 1.0)[..., None, None] for each in (gradient[..., np.newaxis], slope)
+    )
+    estimates = [
+        gentle_friction(
+            mu0[:, np.newaxis], tau0, rms_gradient=gradients, rms_slope=slopes, effective_modulus=modulus, sliding=rule
+        )
+        for rule in rules
+    ]
+    values = np.where(has_slopes[..., np.newaxis, :, np.newaxis, np.newaxis], np.stack(estimates, axis=-4), np.nan)
+    return {
+        "gentle_friction": (
+            [*dims, "sliding", "direction", "mu0", "tau0"], values, quantity_attributes("gentle_friction")
+        )
+    }  # fmt: skip

@@ -1,0 +1,65 @@
+"""Range of the computed loads of a result, and requested loads at which the result has no values."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stiction.evaluate.maps import find_cell_dimensions
+from stiction.evaluate.point import is_unloaded
+from stiction.mechanics.friction import STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLVED, STATUS_OK
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.solve.member_sums import MemberSums
+
+_ROUND_OFF = 1e-6  # relative round-off of a load that is the mean over members
+
+NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLVED)
+"""Statuses of points whose load was not computed. All other statuses are properties of the contact."""
+
+
+def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> list[float]:
+    """Return the loads (mN) at which a dataset from `Result.at` has no coefficient because they were not computed.
+
+    At a computed load, a point without a coefficient may be self-locked, for example. Such loads are not returned, and
+    neither are negligible loads on adhesive bodies, for which there is a pull-off force.
+    """
+    statuses = values["status"]
+    other_dims = [dim for dim in statuses.dims if dim != "load"]
+    loads = np.atleast_1d(values["load"].values)
+    is_computed = np.atleast_1d((~statuses.isin(NOT_COMPUTED_STATUSES)).any(other_dims).values)
+    has_coefficient = np.atleast_1d((statuses == STATUS_OK).any(other_dims).values)
+    outside_loads = [] if has_coefficient.all() else find_loads_outside_range(result, values)
+    is_missing = ~has_coefficient & (~is_computed | np.isin(loads, outside_loads))
+    return [float(load) for load in loads[is_missing] if not is_unloaded(values.sel(load=load))]
+
+
+def find_computed_load_range(result: MemberSums, values: xarray.Dataset | None = None) -> tuple[float, float]:
+    """Return the smallest and the largest computed elastic load (mN), averaged over members.
+
+    If `values`, a selection from `Result.at`, is given, only its cells are considered.
+    """
+    loads = result.mean_elastic_loads
+    if values is not None:
+        selection = {
+            name: np.atleast_1d(values[name].values)
+            for name in find_cell_dimensions(loads.to_dataset(name="load_of_step"))
+            if name in values.coords
+        }
+        loads = loads.sel(selection)
+    computed_loads = loads.values[loads.values > 0]
+    return float(computed_loads.min(initial=np.inf)), float(computed_loads.max(initial=0.0))
+
+
+def find_loads_outside_range(result: MemberSums, values: xarray.Dataset) -> list[float]:
+    """Return the loads (mN) of a dataset outside the computed range, except negligible loads on adhesive bodies."""
+    lowest, highest = find_computed_load_range(result, values)
+    return [
+        float(load)
+        for load in np.atleast_1d(values["load"].values)
+        if not lowest * (1 - _ROUND_OFF) <= load <= highest * (1 + _ROUND_OFF)
+        and not is_unloaded(values.sel(load=load))
+    ]

@@ -1,0 +1,534 @@
+"""Confidence intervals (95 %) for means over independent repetitions or over neighboring positions.
+
+The script docs/scripts/intervals.py measures the coverage of the intervals, and their width relative to the best
+possible interval.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import stiction._core as _core
+from stiction._checks import Floats
+
+CONFIDENCE_LEVEL = 0.95
+INTERVAL_STATISTICS = ["mean", "lower", "upper"]  # values of the dimension `statistic` in datasets
+NUM_SLOPE_FIT_STEPS = 4  # a slope is fitted to this number of steps on each side of a crossing
+MAX_INTERPOLATED_LOAD_RATIO = 10.01
+"""Largest ratio of two successive computed loads between which values are interpolated."""
+NUM_BATCH_VALUES = 2**17  # maximum number of values in a batch; larger batches are no faster
+MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is computed
+MIN_NEIGHBOURING_VALUES = 8  # minimum number of values at neighbouring positions for which an interval is computed
+MIN_RELATIVE_CHANGE = -1 + 1e-12
+"""A mean keeps its sign without a repetition if its relative change is above this limit.
+
+The change is -1 if all other repetitions are zero. The distance from -1 exceeds the round-off.
+"""
+MAX_RELATIVE_ROUND_OFF = 1e-12
+"""Half widths of symmetric intervals up to this fraction of |mean| + |slope| · load count as 0, as round-off."""
+_NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
+_MAX_NEWTON_STEPS = 50
+_MIN_SKEWNESS = 1e-9  # an interval is computed as symmetric if the skewness is below this limit
+MAX_DEGREES_OF_FREEDOM = 1e6  # above this number of degrees of freedom, Student's t distribution counts as normal
+
+
+def student_quantile(freedom: ArrayLike) -> Floats:
+    """Return the quantile of Student's t distribution for a two-sided interval with probability `CONFIDENCE_LEVEL`."""
+    from scipy.special import stdtrit
+
+    return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE_LEVEL / 2))
+
+
+@dataclass(frozen=True)
+class LoadCrossings:
+    """Points at which curves of shape (..., k) first reach given loads of shape (l,).
+
+    A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
+    """
+
+    index: NDArray[np.intp]  # index of the step at or after each crossing (..., l)
+    fraction: Floats  # position of each crossing between two steps, from 0 to 1 (..., l)
+    reached: NDArray[np.bool_]  # True for loads that the curve reaches (..., l)
+    below: NDArray[np.bool_]  # True for loads below the first step (..., l)
+    # Curves and requested loads, if the ratio of value to load is interpolated.
+    scale: tuple[Floats, Floats] | None = None
+
+    @classmethod
+    def from_curves(cls, curve: Floats, loads: Floats, *, interpolates_ratio: bool = False) -> LoadCrossings:
+        """Find where curves first rise through the given loads, by linear interpolation between loading steps.
+
+        The curves have the shape (..., k), and the loads have the shape (l,). With `interpolates_ratio`, the ratio of
+        value to load is interpolated over the logarithm of the load. A load between two steps is then reached only if
+        the ratio of the loads at these steps is at most `MAX_INTERPOLATED_LOAD_RATIO`.
+        """
+        if interpolates_ratio:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                log_crossings = cls.from_curves(np.log(curve), np.log(loads))
+                below, above = log_crossings._get_bracketing_values(curve)
+                is_close = ~(above > MAX_INTERPOLATED_LOAD_RATIO * below) | (above == loads)
+            return cls(
+                log_crossings.index,
+                log_crossings.fraction,
+                log_crossings.reached & is_close,
+                log_crossings.below,
+                (curve, loads),
+            )
+        is_at_least_load = curve[..., np.newaxis] >= loads  # shape (..., k, l)
+        starts_at_load = curve[..., :1, np.newaxis] == loads
+        is_crossing = np.concatenate(
+            [starts_at_load, ~is_at_least_load[..., :-1, :] & is_at_least_load[..., 1:, :]], axis=-2
+        )
+        reached: NDArray[np.bool_] = np.any(is_crossing, axis=-2)
+        index = is_crossing.argmax(axis=-2)
+        before = np.take_along_axis(curve, np.maximum(index - 1, 0), axis=-1)
+        step_difference = np.take_along_axis(curve, index, axis=-1) - before
+        fraction = np.divide(loads - before, step_difference, out=np.ones_like(before), where=step_difference > 0)
+        return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
+
+    def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
+        """Remove each crossing between two loading steps if the curve is NaN at the first of these steps."""
+        before, at_crossing = self._get_bracketing_values(curve)
+        return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
+
+    def _get_bracketing_values(self, curve: Floats) -> tuple[Floats, Floats]:
+        """Return the curve values at the loading steps before and after each crossing, as arrays of shape (..., l)."""
+        before, after = (
+            np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
+        )
+        return before, after
+
+    def interpolate(self, values: Floats, *, are_sums: bool = True) -> Floats:
+        """Interpolate values at the given loads. At loads that are not reached, the result is NaN.
+
+        The values have the shape (..., more, k), and the result has the shape (..., more, l).
+        With `are_sums`, the ratio of value to load is interpolated if the crossings were found with
+        `interpolates_ratio`.
+        """
+        num_dims = self.index.ndim - 1
+        broadcast_shape = (*self.index.shape[:-1], *(1,) * (values.ndim - 1 - num_dims), -1)
+        index, fraction, reached = (each.reshape(broadcast_shape) for each in (self.index, self.fraction, self.reached))
+        if are_sums and self.scale is not None:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                values = values / self.scale[0].reshape(broadcast_shape)
+        shape = np.broadcast_shapes(values.shape[:-1], index.shape[:-1])
+        index = np.broadcast_to(index, (*shape, index.shape[-1]))
+        values = np.broadcast_to(values, (*shape, values.shape[-1]))
+        after = np.take_along_axis(values, index, axis=-1)
+        before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
+        # If a crossing is exactly at a step, the value at the previous step may be NaN.
+        with np.errstate(invalid="ignore"):  # Values may be infinite, for example the stiffness at complete contact.
+            interpolated = np.where(fraction == 1, after, before + fraction * (after - before))
+        if are_sums and self.scale is not None:
+            interpolated = interpolated * self.scale[1]
+        return np.where(reached, interpolated, np.nan)
+
+    def slope(self, values: Floats, over: Floats) -> Floats:
+        """Return the slope of one quantity with respect to another at each crossing, with shape (..., l)."""
+        index = np.maximum(self.index, 1)
+        value_change, over_change = (
+            np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
+            for each in (values, over)
+        )
+        return np.asarray(value_change / over_change)
+
+
+# ---- Means over repetitions ------------------------------------------------------------------------------------------
+
+
+class MeansAtLoads:
+    """Means of quantities at given mean normal loads, with their jackknife intervals.
+
+    The method is described in docs/explanation/intervals.md. Let v and n be the values and the normal loads of the
+    repetitions at the crossing, and e the exponent of the mean curve, mean(v) ~ mean(n)^e. If one repetition is
+    omitted, the logarithm of the mean at the load changes by the change of ln mean(v) minus e times the change of ln
+    mean(n). If the mean is zero, or if its sign changes when a repetition is omitted, the interval is a symmetric
+    first-order interval instead. The constructor takes the means of c curves (c, k) of the normal load and of each
+    quantity, and `add` takes the repetitions.
+    """
+
+    def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
+        self.crossing = LoadCrossings.from_curves(normal, loads)
+        # Each point (p,) is a pair of a curve and a load that the curve reaches.
+        self._curve, load = map(np.ascontiguousarray, np.nonzero(self.crossing.reached))
+        self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
+        self._repetitions = repetitions
+        self._load = loads[load]
+        slopes = _fit_slopes([values[self._curve] for values in quantities], normal[self._curve], self._index)
+        self._quantities = [
+            _QuantityAtLoads(self._interpolate_at_crossings(values), slope, self._load, normal.shape[0])
+            for values, slope in zip(quantities, slopes, strict=True)
+        ]
+        self._num_carrying = np.zeros(normal.shape[0], np.intp)
+
+    def add(self, normal: Floats, quantities: Sequence[Floats]) -> None:
+        """Add repetitions. The normal loads and quantities of these repetitions are arrays of shape (c, k, r)."""
+        self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
+        points = {"curve": self._curve, "step": self._index, "fraction": self._fraction, "load": self._load}
+        for quantity, values in zip(self._quantities, quantities, strict=True):
+            quantity.add(normal, values, points, self._repetitions)
+
+    def mean(self, quantity: int) -> Floats:
+        """Return the means of the quantity with the given index, with shape (c, l)."""
+        return self._arrange_over_loads(self._quantities[quantity].mean)
+
+    def interval(self, quantity: int) -> tuple[Floats, Floats]:
+        """Return the interval limits of the quantity with the given index, with shape (c, l).
+
+        All repetitions must have been added before.
+        """
+        lower, upper = self._quantities[quantity].interval(self._curve)
+        is_undetermined = ~self._quantities[quantity].keeps_load | (self._num_carrying < 2)[self._curve]
+        lower, upper = (np.where(is_undetermined, np.nan, limit) for limit in (lower, upper))
+        return self._arrange_over_loads(lower), self._arrange_over_loads(upper)
+
+    def _interpolate_at_crossings(self, curves: Floats) -> Floats:
+        """Interpolate curves of shape (c, k) at the crossings, and return an array of shape (p,)."""
+        after, before = curves[self._curve, self._index], curves[self._curve, np.maximum(self._index - 1, 0)]
+        return np.asarray(before + self._fraction * (after - before))
+
+    def _arrange_over_loads(self, of_points: Floats) -> Floats:
+        """Arrange the values at the crossings in an array of shape (c, l), with NaN at loads that are not reached."""
+        result = np.full(self.crossing.reached.shape, np.nan)
+        result[self.crossing.reached] = of_points
+        return result
+
+
+class _QuantityAtLoads:
+    """Mean of a quantity at the crossings (p,), the slope of its mean curve, and running sums of jackknife values."""
+
+    def __init__(self, mean: Floats, slope: Floats, load: Floats, num_curves: int) -> None:
+        self.mean, self._slope, self._load = mean, slope, load
+        self.has_negative_values = np.zeros(num_curves, np.bool_)
+        self._logarithms, self._differences = PowerSums(mean.shape), PowerSums(mean.shape)
+        self.keeps_sign, self.keeps_load = np.ones((2, mean.size), np.bool_)
+
+    def add(self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int) -> None:
+        """Add repetitions, given their normal loads and values (c, k, r)."""
+        self.has_negative_values |= (values < 0).any(axis=(1, 2))
+        sums = _core.jackknife_sums(
+            normal, values, **points, mean=self.mean, slope=self._slope, total_repetitions=total_repetitions
+        )
+        self._logarithms.add_sums(values.shape[2], sums[:4])
+        self._differences.add_sums(values.shape[2], sums[4:8])
+        self.keeps_sign &= sums[8] > MIN_RELATIVE_CHANGE
+        self.keeps_load &= sums[9] > MIN_RELATIVE_CHANGE
+
+    def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
+        """Return the limits of the intervals at the crossings, whose curves have the given indices."""
+        mean = self.mean
+        half_width = self._logarithms.half_width()
+        with np.errstate(invalid="ignore", over="ignore"):
+            lower, upper = np.sort([mean * np.exp(-half_width), mean * np.exp(half_width)], axis=0)
+        is_symmetric = ~self.keeps_sign | ~self._logarithms.is_finite()
+        if is_symmetric.any():
+            half_width = self._differences.half_width()
+            # If all repetitions have the same load and value, their differences are only the round-off of the load.
+            round_off = MAX_RELATIVE_ROUND_OFF * (np.abs(mean) + np.abs(self._slope) * self._load)
+            half_width = np.where(half_width <= round_off, 0.0, half_width)
+            lower_bound = np.where(self.has_negative_values, -np.inf, 0.0)[curve]
+            lower = np.where(is_symmetric, np.maximum(mean - half_width, lower_bound), lower)
+            upper = np.where(is_symmetric, mean + half_width, upper)
+        return lower, upper
+
+
+class PowerSums:
+    """Running sums of powers of jackknife values, from which the half width of the interval is computed."""
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self._count = 0
+        self._sums = np.zeros((4, *shape))
+
+    def add(self, values: Floats) -> None:
+        """Add jackknife values to the running sums."""
+        self._count += values.shape[-1]
+        square = values * values
+        self._sums[0] += values.sum(axis=-1)
+        # np.einsum adds products without storing them.
+        for index, factors in enumerate(((values, values), (square, values), (square, square)), start=1):
+            self._sums[index] += np.einsum("...r,...r", *factors)
+
+    def add_sums(self, count: int, sums: Floats) -> None:
+        """Add the sums of the first four powers (4, ...) of jackknife values to the running sums."""
+        self._count += count
+        self._sums += sums
+
+    def is_finite(self) -> NDArray[np.bool_]:
+        """Return whether all added values were finite."""
+        return np.asarray(np.isfinite(self._sums).all(axis=0))
+
+    def half_width(self) -> Floats:
+        """Return the half width of the interval, computed from all values added so far."""
+        count = self._count
+        first, second, third, fourth = self._sums
+        mean = first / count
+        with np.errstate(invalid="ignore", over="ignore"):
+            square_sum = np.maximum(second - count * mean**2, 0)
+            fourth_power_sum = fourth - 4 * mean * third + 6 * mean**2 * second - 3 * count * mean**4
+            kurtosis = count * np.divide(
+                fourth_power_sum, square_sum**2, out=np.full_like(square_sum, 3.0 / count), where=square_sum > 0
+            )
+            freedom = np.clip(2 * count / np.maximum(kurtosis - 1, 1e-9), 1, max(count - 1, 1))
+            error = np.sqrt((count - 1) / count * square_sum)
+        return np.asarray(student_quantile(freedom) * error)
+
+
+def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.intp]) -> list[Floats]:
+    """Fit straight lines to mean values against mean normal loads near the given loading steps. Return the slopes.
+
+    The values of each quantity and the loads have the shape (p, k), and the indices of the loading steps have the shape
+    (p,).
+    """
+    first = np.maximum(index - 1 - NUM_SLOPE_FIT_STEPS, 0)[:, np.newaxis]
+    last = np.minimum(index + NUM_SLOPE_FIT_STEPS, normal.shape[1] - 1)[:, np.newaxis]
+    window_indices = first + np.arange(2 * NUM_SLOPE_FIT_STEPS + 2)
+    is_inside = window_indices <= last
+    window_indices = np.minimum(window_indices, last)
+    count = is_inside.sum(axis=1, keepdims=True)
+
+    def compute_deviations(curves: Floats) -> Floats:
+        """Return deviations from the mean in each window, and 0 outside the window."""
+        values = np.where(is_inside, np.take_along_axis(curves, window_indices, axis=1), 0.0)
+        return np.where(is_inside, values - values.sum(axis=1, keepdims=True) / count, 0.0)
+
+    x = compute_deviations(normal)
+    squares = (x * x).sum(axis=1)
+    return [
+        np.divide((x * compute_deviations(values)).sum(axis=1), squares, out=np.zeros_like(squares), where=squares > 0)
+        for values in quantities
+    ]
+
+
+# ---- Means over a sample ---------------------------------------------------------------------------------------------
+
+
+def average_independent_values(values: Floats) -> tuple[Floats, Floats, Floats]:
+    """Average values along the first axis, ignoring NaN, and return the mean with its Student's t interval.
+
+    If no value is negative, the logarithm of the mean is used, so that the interval is above 0.
+    """
+    is_known = np.isfinite(values)
+    finite, count = np.where(is_known, values, 0.0), is_known.sum(axis=0)
+    mean = finite.sum(axis=0) / np.maximum(count, 1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        error = np.sqrt(np.square(np.where(is_known, values - mean, 0.0)).sum(axis=0) / (count - 1) / count)
+    quantile = student_quantile(np.maximum(count - 1, 1))
+    half_width = np.where(count >= MIN_SAMPLE_SIZE, quantile * error, np.nan)
+    mean = np.where(count > 0, mean, np.nan)
+    return mean, *interval_around_mean(mean, half_width, (finite < 0).any(axis=0))
+
+
+def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
+    """Return the limits of the interval around a mean, given the half width of the interval.
+
+    The interval is symmetric in the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
+    """
+    mean, half_width = np.asarray(mean, float), np.asarray(half_width, float)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        factor = np.exp(half_width / mean)
+        lower, upper = mean / factor, mean * factor
+    by_logarithm = ~np.asarray(is_signed) & (mean > 0)
+    return np.where(by_logarithm, lower, mean - half_width), np.where(by_logarithm, upper, mean + half_width)
+
+
+# ---- Means over neighbouring positions -------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=32)
+def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
+    """Return the constants 1' R^-1 1, variance inflation, t quantile and t density of the autoregressive models."""
+    rho, lags = _NEIGHBOUR_CORRELATIONS, np.arange(1, count)
+    weight_sums = (count - (count - 2) * rho) / (1 + rho)
+    inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
+    density = math.exp(math.lgamma(count / 2) - math.lgamma((count - 1) / 2)) / math.sqrt(math.pi * (count - 1))
+    return weight_sums, inflation, float(student_quantile(count - 1)), density
+
+
+def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return the mean of correlated values measured at neighboring positions (first axis), with its interval.
+
+    The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
+    and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/intervals.md). The interval lies within the range
+    of the values. It is NaN if there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values are equal.
+    """
+    count = values.shape[0]
+    # Each row (c, r) is summed separately, so that the sum does not depend on the other rows.
+    rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
+    mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
+    lower, upper = np.full((2, mean.size), np.nan)
+    if count >= MIN_NEIGHBOURING_VALUES:
+        batch_size = max(1, NUM_BATCH_VALUES // (4 * count))
+        for batch_start in range(0, mean.size, batch_size):
+            batch = slice(batch_start, batch_start + batch_size)
+            lower[batch], upper[batch] = _compute_interval_of_correlated_mean(rows[batch], mean[batch])
+    return tuple(each.reshape(values.shape[1:]) for each in (mean, lower, upper))  # type: ignore[return-value]
+
+
+def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
+    """Return the limits of the interval for each row mean, or NaN if all values in the row are equal.
+
+    The values have the shape (c, r).
+    """
+    from scipy.special import stdtr
+
+    # Values are divided by their standard deviation to avoid overflow.
+    count, deviations = values.shape[1], values - mean[:, np.newaxis]
+    deviation = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
+    has_spread = (deviation > 0) & (values != values[:, :1]).any(axis=1)
+    y, rho = deviations / np.where(has_spread, deviation, 1.0)[:, np.newaxis], _NEIGHBOUR_CORRELATIONS
+    y[~has_spread] = np.linspace(-1.0, 1.0, count)
+    # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are closed-form expressions of these sums.
+    weight_sums, inflation, quantile, density = _compute_mixture_constants(count)
+    end_values = y[:, [0, -1]]
+    inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
+    products = (y[:, 1:] * y[:, :-1]).sum(axis=1)[:, np.newaxis]
+    centre = (
+        (end_values.sum(axis=1)[:, np.newaxis] + (1 - rho) * inner_sums) / (1 + rho) / weight_sums
+    )  # shape (c, rho)
+    total_squares = (1 + rho**2) * (np.square(y).sum(axis=1)[:, np.newaxis]) - rho**2 * end_squares - 2 * rho * products
+    squares = total_squares / (1 - rho**2) - weight_sums * centre**2
+    weights = (count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(weight_sums) - np.log(1 - rho)
+    weights = np.exp(-0.5 * (weights - weights.min(axis=1, keepdims=True)))
+    weights /= weights.sum(axis=1, keepdims=True)
+    errors = np.sqrt(squares / (count - 1) * inflation)
+
+    # The distribution function is concave above 0, so Newton steps from below do not exceed the quantile.
+    quantile_estimate, moving_rows = quantile * errors.min(axis=1), np.arange(mean.size)
+    for _ in range(_MAX_NEWTON_STEPS):
+        row_weights, row_errors = weights[moving_rows], errors[moving_rows]
+        t = quantile_estimate[moving_rows, np.newaxis] / row_errors
+        slope = density * (row_weights * (1 + t * t / (count - 1)) ** (-count / 2) / row_errors).sum(axis=1)
+        step = (0.5 + CONFIDENCE_LEVEL / 2 - (row_weights * stdtr(count - 1, t)).sum(axis=1)) / slope
+        quantile_estimate[moving_rows] += step
+        moving_rows = moving_rows[step > 1e-15 * quantile_estimate[moving_rows]]
+        if not moving_rows.size:
+            break
+    skewness = (y**3).mean(axis=1) / (y**2).mean(axis=1) ** 1.5 / 3
+    is_symmetric = np.abs(skewness) <= _MIN_SKEWNESS
+    skewness = np.where(is_symmetric, 1.0, skewness)
+    lower_width = np.where(is_symmetric, quantile_estimate, -np.expm1(-skewness * quantile_estimate) / skewness)
+    upper_width = np.where(is_symmetric, quantile_estimate, np.expm1(skewness * quantile_estimate) / skewness)
+    lower = np.maximum(mean - deviation * lower_width, values.min(axis=1))
+    upper = np.minimum(mean + deviation * upper_width, values.max(axis=1))
+    return np.where(has_spread, lower, np.nan), np.where(has_spread, upper, np.nan)
+
+
+def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
+    """Average values along each line, and return the mean of the line averages with its 95 % interval."""
+    if not values.shape[0]:
+        return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
+    _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
+    line_means = values
+    if first_indices.size > 1:
+        # The values of each line are replaced by one value. The mean of these values equals the mean of all values.
+        counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
+        sums = np.zeros((first_indices.size, *values.shape[1:]))
+        np.add.at(sums, index, values)
+        overall_mean = np.ascontiguousarray(np.moveaxis(sums, 0, -1)).sum(axis=-1) / counts.sum()
+        line_means = (overall_mean + (sums - counts * overall_mean) / counts.mean())[np.argsort(first_indices)]
+    mean, lower, upper = average_correlated_values(line_means)
+    return mean, np.maximum(lower, values.min(axis=0)), np.minimum(upper, values.max(axis=0))
+
+
+# ---- Means over pairs of scans ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ScanPairMean:
+    """Mean of a quantity over all pairs of scans, and the variance components of this mean."""
+
+    mean: float
+    # variances of the mean due to upper scans, lower scans and positions
+    variances: tuple[float, ...]
+    freedom: float  # degrees of freedom of the variance of the mean (Satterthwaite, 1946)
+    test: float  # standard deviation of a single new test from the mean
+    test_freedom: float  # degrees of freedom of the variance of a single new test
+
+    @property
+    def half_width(self) -> float:
+        """Half width of the 95 % interval of the mean. It is infinite if there are too few members."""
+        return float(student_quantile(min(self.freedom, MAX_DEGREES_OF_FREEDOM))) * math.sqrt(sum(self.variances))
+
+
+def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScanPairMean | None:
+    """Return the mean over all pairs of scans and its variance components, or None if there are fewer than two pairs.
+
+    The values have the shape (r, ...). The model has two-way random effects (Searle, Casella & McCulloch, Variance
+    Components, 1992, chapter 4). Mean squares that do not exceed the residual mean square are pooled with the residual.
+    """
+    flat_values = values.reshape(values.shape[0], -1)
+    pair_means = np.full((int(upper.max()) + 1, int(lower.max()) + 1), np.nan)
+    for scan_pair in set(zip(upper.tolist(), lower.tolist(), strict=True)):
+        pair_values = flat_values[(upper == scan_pair[0]) & (lower == scan_pair[1])]
+        pair_means[scan_pair] = (
+            pair_values[np.isfinite(pair_values)].mean() if np.isfinite(pair_values).any() else np.nan
+        )
+    scan_means = pair_means[np.ix_(np.isfinite(pair_means).any(axis=1), np.isfinite(pair_means).any(axis=0))]
+    sizes = np.array(scan_means.shape)
+    count = int(sizes.prod())
+    if count < 2:
+        return None
+    row_means, column_means, mean = (
+        np.nanmean(scan_means, axis=1),
+        np.nanmean(scan_means, axis=0),
+        float(np.nanmean(scan_means)),
+    )
+    residual_sum = np.nansum((scan_means - row_means[:, np.newaxis] - column_means + mean) ** 2)
+    freedoms = np.array([*(sizes - 1), (sizes - 1).prod()], float)
+    sums = np.array(
+        [sizes[1] * np.square(row_means - mean).sum(), sizes[0] * np.square(column_means - mean).sum(), residual_sum]
+    )
+    mean_squares = sums / np.maximum(freedoms, 1)
+    is_separate = (freedoms > 0) & (mean_squares > mean_squares[2]) & [True, True, False]
+    freedom = float(freedoms[~is_separate].sum())
+    residual_variance = float(sums[~is_separate].sum()) / max(freedom, 1.0)
+    variance_components = np.append(np.where(is_separate, mean_squares - residual_variance, 0.0)[:2], residual_variance)
+    # For each mean square that is not pooled, the residual mean square is subtracted once.
+    weights = np.append(np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance)
+    component_freedoms = np.maximum([*freedoms[:2], freedom], 1.0)
+    deviations_in_pairs = (flat_values - pair_means[upper, lower][:, np.newaxis]).ravel()
+    deviations_in_pairs = deviations_in_pairs[np.isfinite(deviations_in_pairs)]
+    freedom_in_pairs = max(deviations_in_pairs.size - count, 1)
+    scan_mean_variances = variance_components[:2] / sizes[::-1]
+    new_test_variances = np.append(
+        scan_mean_variances * (1 + 1 / sizes),
+        float(deviations_in_pairs @ deviations_in_pairs) / freedom_in_pairs + residual_variance * (1 + 1 / count),
+    )
+    return ScanPairMean(
+        mean, tuple(variance_components / count),
+        _satterthwaite_degrees_of_freedom(variance_components.sum(), weights, component_freedoms),
+        math.sqrt(new_test_variances.sum()),
+        _single_test_degrees_of_freedom(new_test_variances, np.append(component_freedoms[:2], freedom_in_pairs)),
+    )  # fmt: skip
+
+
+def _single_test_degrees_of_freedom(components: Floats, freedoms: Floats) -> float:
+    """Return the degrees of freedom of the variance of a single test. This variance is a sum of components.
+
+    The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
+    alone. With two scans, the variance between scans has one degree of freedom. If the estimate of this variance is
+    small, Satterthwaite's degrees of freedom are close to those of the other components, and the intervals would cover
+    only 0.86 to 0.90 of the tests. With the limit, the intervals cover 0.94 to 0.99.
+    """
+    from scipy.special import stdtridf
+
+    variance = float(components.sum())
+    approximate_freedom = min(_satterthwaite_degrees_of_freedom(variance, components, freedoms), MAX_DEGREES_OF_FREEDOM)
+    if not variance > 0:
+        return approximate_freedom
+    max_component_width = float((student_quantile(freedoms) * np.sqrt(components / variance)).max())
+    if max_component_width <= student_quantile(approximate_freedom):
+        return approximate_freedom
+    return float(stdtridf(0.5 + CONFIDENCE_LEVEL / 2, max_component_width))
+
+
+def _satterthwaite_degrees_of_freedom(variance: float, components: Floats, freedoms: Floats) -> float:
+    """Return the degrees of freedom of a variance that is a sum of estimated components (Satterthwaite, 1946)."""
+    squares = float((components**2 / freedoms).sum())
+    return float(variance**2 / squares) if squares > 0 else math.inf

@@ -1,0 +1,64 @@
+"""Loads at which results are evaluated: the range of a result, its default loads, and negligible loads."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.evaluate.point import NEGLIGIBLE_LOAD_RATIO
+from stiction.solve.member_sums import MemberSums
+from stiction.study.study import find_step_dimension
+
+if TYPE_CHECKING:
+    import xarray
+
+NUM_DEFAULT_LOADS = 3  # number of loads for which results are shown if the study specifies no loads
+
+
+def choose_loads_in_range(result: MemberSums | xarray.Dataset, steps: int = 80) -> Floats:
+    """Return loads (mN) in a geometric series that covers the load range of a result."""
+    elastic_loads = MemberSums.of(result).mean_elastic_loads
+    highest_load = float(elastic_loads.max())
+    if not highest_load > 0:
+        raise ValueError("no pair of this result is in contact at any step, so there is nothing to draw")
+    lowest_load = float(
+        elastic_loads.isel({find_step_dimension(elastic_loads.to_dataset(name="load_of_step")): 0}).max()
+    )
+    if not 1e-6 * highest_load < lowest_load < 0.5 * highest_load:
+        lowest_load = 1e-6 * highest_load if lowest_load < highest_load / 2 else highest_load / 10
+    return np.asarray(np.geomspace(lowest_load, highest_load, steps))
+
+
+def choose_default_loads(result: MemberSums) -> Floats:
+    """Return the loads (mN) of the study. If the study has none, return a few loads within the range of the result.
+
+    Raises a `ValueError` if there is no contact.
+    """
+    settings = result.study.friction
+    if settings.load:
+        return np.array([float(load) for load in settings.load])
+    log_limits = np.log10(choose_loads_in_range(result, 2))
+    loads = 10 ** (log_limits[0] + (log_limits[1] - log_limits[0]) * np.linspace(0.2, 0.8, NUM_DEFAULT_LOADS))
+    return np.unique([float(f"{load:.0e}") for load in loads])
+
+
+def has_only_negligible_loads(result: MemberSums) -> bool:
+    """Return whether the loads of the study are all negligible compared with the largest mean pull-off force."""
+    study = result.study
+    if not (study.contact.adheres and study.friction.load):
+        return False
+    return float(study.friction.load[-1]) < NEGLIGIBLE_LOAD_RATIO * max(_average_pull_off_by_piece(result))
+
+
+def find_negligible_load(result: MemberSums) -> float:
+    """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest load step."""
+    negligible_load = NEGLIGIBLE_LOAD_RATIO * min(_average_pull_off_by_piece(result))
+    smallest_step = float(result.study.contact.loading_steps()[0])
+    return smallest_step if smallest_step < negligible_load else 0.1 * negligible_load
+
+
+def _average_pull_off_by_piece(result: MemberSums) -> list[float]:
+    """Return the mean pull-off force (mN) of the members in each piece of a result. One piece is read at a time."""
+    return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]

@@ -1,0 +1,500 @@
+"""Ensemble means and their intervals at given loads, interpolated between steps of prescribed approach or load.
+
+An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios. Repetitions without contact
+count as zeros. A load is reached where mean(F_N), interpolated linearly between the steps, first exceeds the load;
+values are not extrapolated. Members for which the solver failed at a load are omitted.
+"""
+
+from __future__ import annotations
+
+import itertools
+import operator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction._checks import Floats
+from stiction.evaluate import intervals
+from stiction.mechanics import friction
+from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, Validity
+from stiction.mechanics.quantities import COMMON_VALIDITY_QUANTITIES, QUANTITIES, SUM_QUANTITIES, quantity_attributes
+from stiction.solve.executors import executor_or_thread_pool
+from stiction.solve.member_sums import MemberSums
+from stiction.study.study import find_step_dimension
+
+if TYPE_CHECKING:
+    import xarray
+
+DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
+# maximum number of curve values of one map cell in memory at the same time
+MAX_VALUES_IN_MEMORY = 2**18
+# dimensions that a result may have besides members and steps
+MAP_CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
+MOTION_DIMENSIONS = ("sliding", "direction")  # dimensions of results with several sliding rules or directions
+_LOAD_VARIABLES = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
+
+_VARIABLES_BY_QUANTITY = {
+    "friction_coefficient": ("contact_count", *friction.LOAD_SUM_NAMES),
+    "normal_stiffness": _LOAD_VARIABLES,
+}
+"""Contact sums that each derived quantity requires. All other quantities are stored directly."""
+
+_VALIDITY_SUM_NAMES = sorted(
+    {sum_name for name in COMMON_VALIDITY_QUANTITIES for sum_name in friction.list_validity_sums(name)}
+)
+"""Contact sums from which the quantities of `Validity` are computed."""
+
+
+def _list_required_variables(quantity: str) -> tuple[str, ...]:
+    """Return the names of the stored variables from which a quantity is computed."""
+    return _VARIABLES_BY_QUANTITY.get(quantity, tuple(dict.fromkeys((*_LOAD_VARIABLES, quantity))))
+
+
+def friction_map(
+    result: MemberSums | xarray.Dataset,
+    loads: ArrayLike,
+    *,
+    mu0: ArrayLike | None = None,
+    tau0: ArrayLike | None = None,
+) -> xarray.Dataset:
+    """Compute the friction coefficient mean(F_T) / mean(F_N) of the ensemble at given normal loads.
+
+    Parameters
+    ----------
+    result : Result, or xarray.Dataset of member sums
+        Result of a study of generated surfaces. One piece of a stored result is in memory at a time.
+    loads : (l,) array_like of float, mN
+        Normal loads, above 0.
+    mu0 : (m,) array_like of float, optional
+        Molecular friction coefficients; by default the values in the study.
+    tau0 : (t,) array_like of float, GPa, optional
+        Adhesive shear strengths; by default the values in the study.
+
+    Returns
+    -------
+    xarray.Dataset
+        friction_coefficient, lower and upper (95 % interval from the repetitions; NaN for a single repetition), status
+        and the quantities of `Validity` (NaN for the half-space). The dimensions are fractal_dimension, amplitude, load
+        (mN), mu0 and tau0 (GPa), preceded by sliding and direction if the result has them. The status is "ok",
+        "no-contact", "self-locked" (mean(F_N) is not above 0 at the largest approach), "not-reached" (no approach
+        carries the load), "below-range" (the smallest approach carries more than the load) or "downhill" (the mean
+        tangential load is negative). The coefficient is NaN unless the status is "ok".
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    See Also
+    --------
+    area_map, stiffness_map : True contact area and normal stiffness.
+    friction_table : Friction against pressure, and fitted laws.
+
+    Examples
+    --------
+    >>> from stiction import Study, friction_map, run
+    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    >>> friction_map(run(Study.named("quick").with_changes(small)), [1e-3], mu0=0.4)["friction_coefficient"].dims
+    ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
+    """
+    return _evaluate_ensemble_quantity(result, loads, mu0, tau0, "friction_coefficient")
+
+
+def area_map(
+    result: MemberSums | xarray.Dataset,
+    loads: ArrayLike,
+    *,
+    mu0: ArrayLike | None = None,
+    tau0: ArrayLike | None = None,
+) -> xarray.Dataset:
+    """Compute the mean true contact area of the ensemble at given normal loads.
+
+    Parameters
+    ----------
+    result : Result, or xarray.Dataset of member sums
+        Result of a study of generated surfaces.
+    loads : (l,) array_like of float, mN
+        Normal loads, above 0.
+    mu0 : (m,) array_like of float, optional
+        Molecular friction coefficients; by default the values in the study.
+    tau0 : (t,) array_like of float, GPa, optional
+        Adhesive shear strengths; by default the values in the study.
+
+    Returns
+    -------
+    areas : xarray.Dataset
+        contact_area (µm²), with the interval, the status and the dimensions of `friction_map`.
+
+    Raises
+    ------
+    ValueError
+        As for `friction_map`.
+
+    See Also
+    --------
+    friction_map : Friction coefficient, with the dimensions and the status.
+
+    Examples
+    --------
+    >>> from stiction import Study, area_map, run
+    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    >>> area_map(run(Study.named("quick").with_changes(small)), [1e-3])["contact_area"].dims
+    ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
+    """
+    return _evaluate_ensemble_quantity(result, loads, mu0, tau0, "contact_area")
+
+
+def stiffness_map(
+    result: MemberSums | xarray.Dataset,
+    loads: ArrayLike,
+    *,
+    mu0: ArrayLike | None = None,
+    tau0: ArrayLike | None = None,
+) -> xarray.Dataset:
+    """Compute the normal stiffness of the ensemble at given normal loads.
+
+    Parameters
+    ----------
+    result : Result, or xarray.Dataset of member sums
+        Result of a study of generated surfaces.
+    loads : (l,) array_like of float, mN
+        Normal loads, above 0.
+    mu0 : (m,) array_like of float, optional
+        Molecular friction coefficients; by default the values in the study.
+    tau0 : (t,) array_like of float, GPa, optional
+        Adhesive shear strengths; by default the values in the study.
+
+    Returns
+    -------
+    stiffnesses : xarray.Dataset
+        normal_stiffness (mN/µm), with the interval, the status and the dimensions of `friction_map`.
+
+    Raises
+    ------
+    ValueError
+        As for `friction_map`, and also if there are fewer than three approaches or loads, or for free half-planes,
+        which have no approach.
+
+    See Also
+    --------
+    friction_map : Friction coefficient, with the dimensions and the status.
+
+    Notes
+    -----
+    The stiffness is d mean(F_N) / dδ. The derivative is computed from the parabola through an approach and its two
+    neighbours, so the spacing of the approaches limits its resolution. The stiffness can be negative, because the load
+    is not monotone in the approach. In half-space studies, whose steps are loads, the stiffness is the mean over the
+    pairs at equal elastic load.
+
+    Examples
+    --------
+    >>> from stiction import Study, run, stiffness_map
+    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    >>> stiffness_map(run(Study.named("quick").with_changes(small)), [1e-3])["normal_stiffness"].dims
+    ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
+    """
+    result = MemberSums.of(result)
+    head = result.head
+    step_dimension = find_step_dimension(head)
+    if head.sizes.get(step_dimension, 0) < 3:
+        step_name = "approaches" if step_dimension == "approach" else "loads"
+        raise ValueError(
+            f"at least 3 {step_name} are required to compute a stiffness, got {head.sizes.get(step_dimension, 0)}"
+        )
+    if step_dimension == "load" and any(piece["approach"].isnull().any() for piece in result.pieces(["approach"])):
+        raise ValueError("a free half-plane has no approach and therefore no stiffness; use periodic boundaries")
+    return _evaluate_ensemble_quantity(result, loads, mu0, tau0, "normal_stiffness")
+
+
+def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
+    """Return the names of the dimensions that form the cells of a result, such as fractal dimension or cutoff."""
+    return [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims]
+
+
+def move_repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
+    """Return an array with the repetitions on the last axis, contiguous in memory for fast sums over repetitions."""
+    return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
+
+
+def iterate_solved_pieces(
+    result: MemberSums, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
+) -> Iterator[xarray.Dataset]:
+    """Yield the pieces of a result, omitting members for which the solver failed at any load."""
+    for piece in result.pieces(names):
+        elastic_loads = piece["normal_elastic"]
+        is_solved = np.isfinite(
+            move_repetitions_last(elastic_loads, [str(dim) for dim in elastic_loads.dims if dim != "repetition"])
+        )
+        is_solved = is_solved.reshape(-1, is_solved.shape[-1]).all(axis=0)
+        solved_piece = piece if is_solved.all() else piece.isel(repetition=np.flatnonzero(is_solved))
+        yield solved_piece if transform is None else transform(solved_piece)
+
+
+def _evaluate_ensemble_quantity(
+    result: MemberSums | xarray.Dataset, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, name: str
+) -> xarray.Dataset:
+    return evaluate_ensemble_quantities(MemberSums.of(result), loads, mu0, tau0, [name])[name]
+
+
+def evaluate_ensemble_quantities(
+    result: MemberSums, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, names: Sequence[str],
+    transform: DatasetTransformation | None = None, *, includes_validity: bool = True,
+) -> dict[str, xarray.Dataset]:  # fmt: skip
+    """Apply `transform` to each piece of the result, and evaluate ensemble quantities at given mean normal loads.
+
+    The dataset of each quantity has the structure of `friction_map`. Without `includes_validity`, the quantities of
+    `Validity` are omitted. Each piece of the result is read twice.
+    """
+    load_values = np.atleast_1d(friction.validate_friction_parameter("loads", loads))
+    if load_values.ndim != 1:
+        raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
+    if not load_values.size or not (load_values > 0).all():
+        raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
+    dataset = result.head
+    strengths = choose_mu0_and_tau0(result, mu0, tau0)
+    missing_dimensions = [name for name in ("repetition", find_step_dimension(dataset)) if not dataset.sizes.get(name)]
+    missing_dimensions += [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims and not dataset.sizes[name]]
+    if missing_dimensions or not find_cell_dimensions(dataset):
+        raise ValueError(f"the dataset has no dimension {(missing_dimensions or ['fractal_dimension'])[0]!r}")
+    for name in itertools.chain.from_iterable(map(_list_required_variables, names)):
+        if name not in dataset:
+            raise ValueError(f"the dataset has no variable {name!r}")
+    quantities = _EnsembleQuantities(
+        dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_validity
+    )
+    # The first pass finds the steps at which the mean loads are reached.
+    # The second pass computes the intervals at these steps.
+    averages, count = _average_sums(
+        lambda: iterate_solved_pieces(result, quantities.required_variables(), transform),
+        names,
+        quantities.step_dimension,
+    )
+    if not count:
+        raise ValueError("no member of the result could be computed at all loads")
+    cells = list(np.ndindex(quantities.cells))
+    num_curve_values = quantities.mu0.size * quantities.tau0.size * dataset.sizes[quantities.step_dimension]
+    batch_size = max(1, MAX_VALUES_IN_MEMORY // max(1, num_curve_values))
+    with executor_or_thread_pool(None) as pool:
+
+        def average_cell(cell_index: tuple[int, ...]) -> intervals.MeansAtLoads:
+            normal, *values = (each[..., 0] for each in quantities.compute_curves(cell_index, averages))
+            return intervals.MeansAtLoads(normal, values, count, load_values)
+
+        means_by_cell = dict(zip(cells, pool.map(average_cell, cells), strict=True))
+        for piece in iterate_solved_pieces(result, quantities.required_variables(), transform):
+            piece_sums = _compute_sums(piece, names, quantities.step_dimension)
+
+            def add_members_to_cell(cell_index: tuple[int, ...], sums: Sequence[ContactSums]) -> None:
+                for batch_start in range(0, sums[0].contact_count.shape[-1], batch_size):
+                    normal, *values = quantities.compute_curves(
+                        cell_index, sums, slice(batch_start, batch_start + batch_size)
+                    )
+                    means_by_cell[cell_index].add(normal, values)
+
+            list(pool.map(add_members_to_cell, cells, itertools.repeat(piece_sums)))
+            del piece, piece_sums  # Release memory before the next piece is read.
+        return quantities.build_datasets(means_by_cell, averages, pool)
+
+
+class _EnsembleQuantities:
+    """Ensemble quantities at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
+
+    def __init__(
+        self, head: xarray.Dataset, names: Sequence[str], loads: Floats, mu0: Floats, tau0: Floats,
+        includes_validity: bool,
+    ) -> None:  # fmt: skip
+        self.head, self.names, self.loads, self.mu0, self.tau0 = head, names, loads, mu0, tau0
+        self.step_dimension = find_step_dimension(head)
+        self.dims = [*(motion for motion in MOTION_DIMENSIONS if motion in head.dims), *find_cell_dimensions(head)]
+        self.cells = tuple(head.sizes[dim] for dim in self.dims)
+        self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
+        self.includes_validity = includes_validity
+        # The validity of the model can be assessed only if the dataset contains all contact sums.
+        self.assesses_validity = includes_validity and all(name in head for name in SUM_QUANTITIES)
+
+    def required_variables(self) -> tuple[str, ...]:
+        """Return the names of the variables that must be read from the result."""
+        variables = [name for quantity in self.names for name in _list_required_variables(quantity)]
+        if "normal_stiffness" in self.names and self.step_dimension == "load":
+            variables.append("approach")  # the stiffness is a derivative with respect to the approach
+        return tuple(dict.fromkeys([*variables, *(SUM_QUANTITIES if self.assesses_validity else ())]))
+
+    def compute_curves(
+        self, cell: tuple[int, ...], sums: Sequence[ContactSums], selected_members: slice = slice(None)
+    ) -> list[Floats]:
+        """Return the normal loads and the values of each quantity for some members.
+
+        `sums` is a result of `_compute_sums`. The first axis of each array runs over all pairs of mu0 and tau0.
+        """
+        contact_sums, *quantity_sums = (
+            each.apply(operator.itemgetter((*cell, slice(None), selected_members))) for each in sums
+        )
+        strengths = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
+        normal = friction.compute_load("normal", contact_sums, *strengths)
+        values = (
+            np.broadcast_to(_compute_quantity_values(each, name, *strengths), normal.shape)
+            for name, each in zip(self.names, quantity_sums, strict=True)
+        )
+        return [array.reshape(-1, *normal.shape[2:]) for array in (normal, *values)]
+
+    def build_datasets(
+        self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sequence[ContactSums],
+        pool: Executor,
+    ) -> dict[str, xarray.Dataset]:  # fmt: skip
+        """Build the dataset of each quantity from the means and intervals of all cells, which `pool` evaluates."""
+        import xarray
+
+        estimates = np.full((len(self.names), 3, *self.shape), np.nan)
+        validity = {
+            name: np.full(self.shape, np.nan) for name in (COMMON_VALIDITY_QUANTITIES if self.includes_validity else ())
+        }
+        status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
+
+        def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> None:
+            for index, statistics in enumerate(estimates):
+                for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
+                    array[cell] = _reshape_curves(curve_values, self.shape)
+            cell_averages = averages[0].apply(operator.itemgetter((*cell, slice(None), 0)))
+            normal = self.compute_curves(cell, averages)[0][..., 0]
+            # True if friction is self-locked at the largest approach.
+            is_locked = (cell_averages.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
+            cell_status = friction.choose_statuses(
+                touched=bool(cell_averages.contact_count.any()), reached=means.crossing.reached,
+                below=means.crossing.below, locked=is_locked,
+            )  # fmt: skip
+            status[cell] = _reshape_curves(cell_status, self.shape)
+            if self.assesses_validity:
+                sums_at_loads = {
+                    name: means.crossing.interpolate(np.broadcast_to(getattr(cell_averages, name), normal.shape))
+                    for name in _VALIDITY_SUM_NAMES
+                }
+                for name, validity_value in vars(Validity.from_sums(sums_at_loads)).items():
+                    validity[name][cell] = _reshape_curves(
+                        np.where(means.crossing.reached, validity_value, np.nan), self.shape
+                    )
+
+        list(pool.map(evaluate_cell, means_by_cell.keys(), means_by_cell.values()))
+        coordinates: dict[str, Any] = {name: self.head[name].variable for name in self.dims}
+        dimensions = (("load", self.loads), ("mu0", self.mu0), ("tau0", self.tau0))
+        coordinates |= {name: (name, axis, quantity_attributes(name)) for name, axis in dimensions}
+        dims = tuple(coordinates)
+        scalar_motions = [motion for motion in MOTION_DIMENSIONS if motion in self.head.coords]
+        coordinates |= {motion: self.head[motion].variable for motion in scalar_motions}
+        common_variables: dict[str, Any] = {
+            "status": (dims, status, quantity_attributes("status")),
+            **{name: (dims, values, quantity_attributes(name)) for name, values in validity.items()},
+        }
+        datasets = {}
+        for name, statistics in zip(self.names, estimates, strict=True):
+            if name == "friction_coefficient" or QUANTITIES[name].weighted:
+                statistics /= self.loads[:, np.newaxis, np.newaxis]
+            if name == "friction_coefficient":
+                is_downhill = statistics[0] < -friction.NEGLIGIBLE_COEFFICIENT
+                statistics[:, is_downhill] = np.nan
+                status[is_downhill] = friction.STATUS_DOWNHILL
+            mean, lower, upper = statistics
+            unit, title = QUANTITIES[name].unit, QUANTITIES[name].words
+            variables = {
+                name: (dims, mean, {"units": unit, "long_name": title}),
+                "lower": (
+                    dims,
+                    lower,
+                    {"units": unit, "long_name": f"lower limit of the 95 % interval of the {title}"},
+                ),
+                "upper": (
+                    dims,
+                    upper,
+                    {"units": unit, "long_name": f"upper limit of the 95 % interval of the {title}"},
+                ),
+            }
+            datasets[name] = xarray.Dataset(variables | common_variables, coordinates, dict(self.head.attrs))
+        return datasets
+
+
+def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """Reshape a table with one row per curve and one column per load. The new array axes are load, mu0 and tau0."""
+    return np.moveaxis(curve_table.reshape(*shape[-2:], shape[-3]), -1, 0)
+
+
+def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
+    """Return the contact sums, and the sums that determine each quantity. The first array axes describe the motion."""
+    dims = [
+        *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
+        *find_cell_dimensions(dataset),
+        step_dimension,
+        "repetition",
+    ]
+    shape = [dataset.sizes[dim] for dim in dims]
+
+    def get_values_or_nan(name: str) -> NDArray[Any]:
+        if name not in dataset:
+            return np.broadcast_to(np.nan, shape)
+        own_dims = [dim for dim in dims if dim in dataset[name].dims]
+        values = move_repetitions_last(dataset[name], own_dims[:-1]).astype(float, copy=False)
+        return np.broadcast_to(values.reshape([dataset.sizes[dim] if dim in own_dims else 1 for dim in dims]), shape)
+
+    columns = {name: get_values_or_nan(name) for name in SUM_QUANTITIES}
+    sums = ContactSums.from_columns(columns)
+
+    def compute_quantity_sums(name: str) -> ContactSums:
+        if QUANTITIES[name].weighted:
+            return ContactSums.from_columns(
+                columns | {each: columns[each] * get_values_or_nan(name) for each in _LOAD_VARIABLES[1:]}
+            )
+        if name not in _VARIABLES_BY_QUANTITY:
+            return ContactSums.from_columns(columns | {"contact_area": get_values_or_nan(name)})
+        if name != "normal_stiffness":
+            return sums
+        approach_step = compute_derivative(get_values_or_nan("approach")) if step_dimension == "load" else 1.0
+        return ContactSums.from_columns(
+            columns | {each: compute_derivative(columns[each]) / approach_step for each in _LOAD_VARIABLES[1:]}
+        )
+
+    def compute_derivative(values: NDArray[Any]) -> Floats:
+        return np.asarray(np.gradient(values, dataset[step_dimension].values, axis=-2, edge_order=2))
+
+    return [sums, *map(compute_quantity_sums, names)]
+
+
+def _compute_quantity_values(sums: ContactSums, quantity: str, mu0: Floats, tau0: Floats) -> Floats:
+    if not (quantity in _VARIABLES_BY_QUANTITY or QUANTITIES[quantity].weighted):
+        return sums.contact_area
+    return friction.compute_load("tangential" if quantity == "friction_coefficient" else "normal", sums, mu0, tau0)
+
+
+def _average_sums(
+    solved_members: Callable[[], Iterator[xarray.Dataset]], names: Sequence[str], step_dimension: str
+) -> tuple[list[ContactSums], int]:
+    """Average the sums of `_compute_sums` over the members, and count the members."""
+    total_sums: list[ContactSums] = []
+    count = 0
+    for piece in solved_members():
+        count += piece.sizes["repetition"]
+        piece_sums = [
+            sums.apply(lambda values: values.sum(axis=-1, keepdims=True))
+            for sums in _compute_sums(piece, names, step_dimension)
+        ]
+        total_sums = [
+            ContactSums(**{name: getattr(first, name) + getattr(second, name) for name in SUM_QUANTITIES})
+            for first, second in zip(total_sums, piece_sums, strict=True)
+        ] if total_sums else piece_sums  # fmt: skip
+        del piece  # Release memory before the next piece is read.
+    return [each.apply(lambda values: values / max(count, 1)) for each in total_sums], count
+
+
+def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
+    """Return mu0 and tau0 (GPa) as arrays. Values that are None are replaced by those in the study."""
+    if mu0 is None or tau0 is None or "study" in result.head.attrs:
+        study = result.study
+        mu0 = study.friction.mu0 if mu0 is None else mu0
+        tau0 = [float(value) for value in study.friction.tau0] if tau0 is None else tau0
+        friction.warn_if_tau0_is_large(
+            friction.validate_friction_parameter("tau0", tau0), float(study.contact.effective_modulus)
+        )
+    return tuple(
+        np.atleast_1d(friction.validate_friction_parameter(name, strengths)).ravel()
+        for name, strengths in (("mu0", mu0), ("tau0", tau0))
+    )  # type: ignore[return-value]

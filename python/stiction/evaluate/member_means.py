@@ -1,0 +1,345 @@
+"""Means over members, with their intervals, and the statuses of these means."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction.evaluate import intervals
+from stiction.mechanics import friction
+from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, STATUS_DTYPE, STATUSES
+from stiction.mechanics.quantities import QUANTITIES, is_requested, quantity_attributes
+from stiction.solve.contact_statistics import compute_sample_quantiles
+from stiction.study.study import Study
+
+if TYPE_CHECKING:
+    import xarray
+
+SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of the values of single members, stored as `spread_low` and `spread_high`
+FULL_CONTACT_STATUS, AREA_ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
+"""Statuses of contacts with a true area equal to the nominal area (first) or above it (second).
+
+The sum of areas exceeds the nominal area if asperities overlap.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class LoadNeighbors:
+    """Values of members at the computed loads just below and above each load, and the position between these loads.
+
+    The position is the fraction of the distance in ln F; it is 0 at a computed load.
+    """
+
+    below: xarray.Dataset
+    above: xarray.Dataset
+    position: Floats
+
+
+def average_members(
+    study: Study, members: xarray.Dataset, names: Collection[str] | None, neighbors: LoadNeighbors | None = None
+) -> xarray.Dataset:
+    """Average the values of `evaluate_members_before_growth` over the members, and compute the 95 % intervals.
+
+    `names` lists quantities to evaluate besides friction; None stands for all. With `neighbors`, the intervals at loads
+    between computed loads include the interpolation error.
+    """
+    import xarray
+
+    dependence = MemberDependence.from_coordinates(study, members)
+
+    def average(dims: Sequence[str], get_values: Callable[[xarray.Dataset], Floats]) -> Floats:
+        """Return means and interval limits of values with the dimensions repetition and `dims`."""
+        values = get_values(members)
+        means = dependence.mean_with_interval(values)
+        if neighbors is None or "load" not in dims:
+            return means
+        position = neighbors.position.reshape([-1 if dim == "load" else 1 for dim in dims])
+        below, above = get_values(neighbors.below), get_values(neighbors.above)
+        return include_interpolation_error(means, values, below, above, position, dependence.mean_with_interval)
+
+    coordinates: dict[str, Any] = {
+        str(name): each for name, each in members.coords.items() if "repetition" not in each.dims
+    }
+    variables = _average_quantities(members, average, names)
+    if "contact_area_fraction" in variables:
+        fraction_dims, fraction, attributes = variables["contact_area_fraction"]
+        area_status, fraction = _classify_area_fractions(fraction, uses_half_space=study.uses_half_space)
+        variables["contact_area_fraction"] = fraction_dims, fraction, attributes
+        variables["contact_status"] = fraction_dims[:-1], area_status, quantity_attributes("contact_status")
+    dims = [str(dim) for dim in members.variables["friction_coefficient"].dims if dim != "repetition"]
+    dims_of_mean = [dim for dim in dims if dim != "direction"]
+    direction_axis = dims.index("direction") + 1
+
+    def get_coefficients(members: xarray.Dataset) -> Floats:
+        return np.asarray(members.variables["friction_coefficient"].transpose("repetition", *dims).values)
+
+    coefficient, status = get_coefficients(members), members.variables["status"].transpose("repetition", *dims).values
+
+    directional_dims, directional_means, attributes = variables["friction_coefficient"]
+    is_downhill = directional_means[..., 0] < -NEGLIGIBLE_COEFFICIENT
+    variables["friction_coefficient"] = directional_dims, _remove_negative(directional_means, is_downhill), attributes
+    # A mean over directions has no meaning if the body slides by itself in one of them. Without any strength, the
+    # directions cancel, and the mean is 0.
+    has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
+    counts_as_downhill = is_downhill & has_strength
+
+    def average_coefficients(
+        average_over_directions: Callable[[Floats], Floats],
+        dims: list[str],
+        name: str,
+        is_any_downhill: NDArray[np.bool_],
+    ) -> tuple[Any, ...]:
+        means = _remove_round_off(
+            average(dims, lambda members: average_over_directions(get_coefficients(members))), dims, members
+        )
+        is_removed = is_any_downhill | (means[..., 0] < -NEGLIGIBLE_COEFFICIENT)
+        return (*dims, "statistic"), _remove_negative(means, is_removed), quantity_attributes(name)
+
+    variables["friction_all_round"] = average_coefficients(
+        lambda coefficients: coefficients.mean(axis=direction_axis), dims_of_mean, "friction_all_round",
+        counts_as_downhill.any(axis=direction_axis - 1),
+    )  # fmt: skip
+    axes, direction_pairs = find_axes_with_both_directions(members["direction"].values)
+    if members.sizes["direction"] > 1 and axes.size and is_requested("friction_by_axis", names):
+
+        def average_axes(coefficients: Floats) -> Floats:
+            return np.stack(
+                [
+                    np.take(coefficients, pair, axis=direction_axis).mean(axis=direction_axis)
+                    for pair in direction_pairs
+                ],
+                axis=direction_axis,
+            )
+
+        variables["friction_by_axis"] = average_coefficients(
+            average_axes, ["axis" if dim == "direction" else dim for dim in dims], "friction_by_axis",
+            np.stack(
+                [
+                    np.take(counts_as_downhill, pair, axis=direction_axis - 1).any(axis=direction_axis - 1)
+                    for pair in direction_pairs
+                ],
+                axis=direction_axis - 1,
+            ),
+        )  # fmt: skip
+        coordinates["axis"] = ("axis", axes, quantity_attributes("axis"))
+    single_coefficients = np.moveaxis(coefficient, direction_axis, 1)
+    low, high = compute_sample_quantiles(
+        single_coefficients.reshape(-1, *single_coefficients.shape[2:]), SPREAD_QUANTILES
+    )  # NaN if no member has a coefficient
+    statuses = np.where(is_downhill, np.array(friction.STATUS_DOWNHILL, STATUS_DTYPE), _find_common_statuses(status))
+    variables |= {
+        # A member that slides by itself needs no tangential load.
+        "spread_low": (dims_of_mean, np.maximum(low, 0.0), quantity_attributes("spread_low")),
+        "spread_high": (dims_of_mean, np.maximum(high, 0.0), quantity_attributes("spread_high")),
+        "status": (dims, statuses, quantity_attributes("status")),
+        "ok": (dims, (status == friction.STATUS_OK).sum(axis=0), quantity_attributes("ok")),
+        "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
+    }
+    return xarray.Dataset(variables, coordinates | {"statistic": intervals.INTERVAL_STATISTICS}, members.attrs)
+
+
+def _average_quantities(
+    members: xarray.Dataset, average: Callable[[Sequence[str], Callable[[xarray.Dataset], Floats]], Floats],
+    names: Collection[str] | None,
+) -> dict[str, Any]:  # fmt: skip
+    """Average the quantities over the members. Normal and tangential loads are averaged only on request."""
+    variables: dict[str, Any] = {}
+    for name in map(str, members.data_vars):
+        values = members.variables[name]
+        is_load = name in ("normal_load", "tangential_load")
+        if (is_load and not is_requested(name, names)) or values.dtype.kind != "f" or "repetition" not in values.dims:
+            continue
+        dims = [str(dim) for dim in values.dims if dim != "repetition"]
+        means = average(dims, partial(_get_values, name=name, dims=("repetition", *dims)))
+        limit = QUANTITIES[name].bounds[1]
+        means = np.where(means > limit, np.maximum(limit, means[..., :1]), means)
+        variables[name] = (*dims, "statistic"), means, values.attrs
+    return variables
+
+
+def _get_values(members: xarray.Dataset, name: str, dims: Sequence[str]) -> Floats:
+    return np.asarray(members.variables[name].transpose(*dims).values)
+
+
+def include_interpolation_error(
+    means: Floats, values: Floats, below: Floats, above: Floats, position: Floats,
+    mean_with_interval: Callable[[Floats], Floats],
+) -> Floats:  # fmt: skip
+    """Widen the intervals of means of values that are interpolated between two computed points.
+
+    The error has two parts, which are combined with the interval in quadrature. The random part is that of members
+    whose values jump when contacts appear or merge: if the changes between the computed points have the half width h,
+    it is h sqrt(3 t (1 - t)) at the position t. (This is the error for values that scatter independently at the two
+    points and in the middle.) The systematic part is the difference from a power law. Positive values use logarithms.
+
+    Parameters
+    ----------
+    means : (..., 3) array of float
+        Mean, lower and upper limit.
+    values, below, above : (members, ...) array of float
+        Interpolated values, and values at the computed points below and above.
+    position : array of float
+        Position between the points, from 0 to 1; no error is added at 0.
+    mean_with_interval : callable
+        Function that computes means and limits, as `MemberDependence.mean_with_interval`.
+    """
+    mean, lower, upper = np.moveaxis(means, -1, 0)
+    with np.errstate(all="ignore"):
+        is_known = np.isfinite(below) & np.isfinite(above) & np.isfinite(values)
+        is_positive = (~is_known | ((below > 0) & (above > 0) & (values > 0))).all(axis=0)
+        change = np.where(is_known, np.where(is_positive, np.log(above / below), above - below), np.nan)
+        count = np.maximum(is_known.sum(axis=0), 1)
+        mean_change = np.where(is_known, change, 0.0).sum(axis=0) / count
+        deviation = (change - mean_change) * np.where(is_positive, values / mean, 1.0)
+        limits = mean_with_interval(deviation)
+        random_error = np.sqrt(3 * position * (1 - position)) * (limits[..., 2] - limits[..., 1]) / 2
+        power_law = np.where(is_known, below ** (1 - position) * above**position, 0.0).sum(axis=0) / count
+        error = np.where(is_positive, np.hypot(random_error, np.log(power_law / mean)), random_error)
+        is_logarithmic = is_positive & (lower > 0)
+        absolute_error = np.where(is_positive, mean * error, error)
+        lower, upper = (
+            np.where(
+                is_logarithmic,
+                mean * np.exp(sign * np.hypot(np.log(limit / mean), error)),
+                mean + sign * np.hypot(limit - mean, absolute_error),
+            )
+            for sign, limit in ((-1, lower), (1, upper))
+        )
+        is_signed = np.logical_or.reduce([(each < 0).any(axis=0) for each in (below, above, values)])
+    lower = np.where(is_signed | ~(mean >= 0), lower, np.maximum(lower, 0.0))
+    widened = np.stack([mean, lower, upper], axis=-1)
+    return np.where(np.broadcast_to(position > 0, mean.shape)[..., np.newaxis], widened, means)
+
+
+def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
+    """Return "ok" where a member (first axis) has a coefficient, and elsewhere the most frequent status."""
+    counts = np.stack([(statuses == each).sum(axis=0) for each in STATUSES])
+    most_frequent_statuses = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
+    has_coefficient = (statuses == friction.STATUS_OK).any(axis=0)
+    return np.where(has_coefficient, np.array(friction.STATUS_OK, STATUS_DTYPE), most_frequent_statuses)
+
+
+def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
+    """Return the contact status for each true area fraction, and the area fractions limited to 1.
+
+    The fractions have the shape (..., 3). In the asperity model, fractions above 1 become NaN instead.
+    """
+    is_above_nominal = fraction[..., 0] > 1
+    status = np.where(
+        is_above_nominal, FULL_CONTACT_STATUS if uses_half_space else AREA_ABOVE_NOMINAL_STATUS, friction.STATUS_OK
+    )
+    limited_fraction = (
+        np.minimum(fraction, 1.0) if uses_half_space else np.where(is_above_nominal[..., np.newaxis], np.nan, fraction)
+    )
+    return status, limited_fraction
+
+
+def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
+    """Replace means and their limits by NaN where a mask is true, and other negative means, which are round-off, by 0.
+
+    The last axis contains mean, lower limit and upper limit.
+    """
+    means = np.where(is_removed[..., np.newaxis], np.nan, means)
+    means[..., 0] = np.where(means[..., 0] < 0, 0.0, means[..., 0])
+    return means
+
+
+def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
+    """If mu0 and tau0 are 0, replace round-off errors in means over opposite directions by 0.
+
+    The means have the dimensions (*dims, statistic). Without strength, the contributions of opposite directions cancel
+    except for round-off, which would have a random sign.
+    """
+    mu0, tau0 = (members[name].values.reshape([-1 if dim == name else 1 for dim in dims]) for name in ("mu0", "tau0"))
+    # The limits of the interval are NaN if there are few members.
+    exceeds_round_off = (np.abs(means) >= NEGLIGIBLE_COEFFICIENT).any(axis=-1)
+    is_zero = ~exceeds_round_off & (mu0 == 0) & (tau0 == 0)
+    return np.where(is_zero[..., np.newaxis] & ~np.isnan(means), 0.0, means)
+
+
+def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the axes of motion (0 to 180 degrees) for which both opposite directions are given, and their indices.
+
+    The indices have the shape (axes, 2).
+    """
+    angles = np.mod(directions, 360.0)
+    axes, direction_pairs = [], []
+    for index, angle in enumerate(angles):
+        opposite = np.flatnonzero(np.abs(np.mod(angles - angle - 180.0 + 1e-6, 360.0)) < 2e-6)
+        if angle < 180.0 and opposite.size:
+            axes.append(float(angle))
+            direction_pairs.append((index, int(opposite[0])))
+    order = np.argsort(axes)
+    return np.array(axes)[order], np.array(direction_pairs, np.intp).reshape(-1, 2)[order]
+
+
+@dataclass(frozen=True, eq=False)
+class MemberDependence:
+    """Statistical dependence between members: none, between neighbours on a line, or through shared scans."""
+
+    order: NDArray[np.intp] | None = None
+    lines: NDArray[np.intp] | None = None
+    scans: tuple[Any, Any] | None = None
+
+    @classmethod
+    def from_coordinates(cls, study: Study, coordinates: Mapping[Any, Any]) -> MemberDependence:
+        """Determine the dependence between members from their positions.
+
+        Members on adjacent lines, or at adjacent positions of a line, are neighbours.
+        """
+        surfaces: Any = study.surfaces
+        if math.prod(surfaces.scan_counts) > 1:
+            return cls(scans=surfaces.scan_indices_of_members(np.asarray(coordinates["repetition"])))
+        if not study.is_measured or study.is_areal:
+            return cls()
+        lines, x, y = (np.asarray(coordinates[name]) for name in ("line", "x", "y"))
+        order = np.lexsort((x, lines, y))
+        return cls(order, lines[order])
+
+    def mean_with_interval(self, values: Floats) -> Floats:
+        """Average values over the members, ignoring NaN. Return the mean and the limits of its 95 % interval.
+
+        The values have the shape (members, ...), and the result has the shape (..., 3).
+        """
+        if self.scans is not None:
+            columns = values.reshape(values.shape[0], -1).T
+            rows = [
+                _compute_mean_and_interval(column, intervals.average_scan_pairs(column, *self.scans))
+                for column in columns
+            ]
+            return np.array(rows).reshape(*values.shape[1:], 3)
+        if self.order is None or self.lines is None:
+            return np.stack(intervals.average_independent_values(values), axis=-1)
+        flat_values = values[self.order].reshape(values.shape[0], -1)
+        # To save time, columns with the same missing members are evaluated together.
+        # In most columns, no member is missing.
+        is_finite = np.isfinite(flat_values)
+        is_incomplete = ~is_finite.all(axis=0)
+        masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)
+        if is_incomplete.any():
+            other_masks, other_group = np.unique(is_finite[:, is_incomplete].T, axis=0, return_inverse=True)
+            masks += list(other_masks)
+            mask_indices[is_incomplete] = 1 + other_group.ravel()
+        means_and_limits = np.empty((flat_values.shape[1], 3))
+        for mask_index in np.unique(mask_indices):
+            is_in_group, mask = mask_indices == mask_index, masks[mask_index]
+            means_and_limits[is_in_group] = np.stack(
+                intervals.average_line_means(flat_values[mask][:, is_in_group], self.lines[mask]), axis=-1
+            )
+        return means_and_limits.reshape(*values.shape[1:], 3)
+
+
+def _compute_mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
+    """Return the mean of the values and its interval limits. The limits are above 0 if no value is negative."""
+    if scan_mean is None:
+        finite_values = values[np.isfinite(values)]
+        return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan
+    limits = intervals.interval_around_mean(scan_mean.mean, scan_mean.half_width, np.nanmin(values) < 0)
+    return scan_mean.mean, float(limits[0]), float(limits[1])

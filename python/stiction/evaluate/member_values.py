@@ -1,0 +1,415 @@
+"""Values of each member of a result at given loads, for any mu0 and tau0."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction._checks import Floats, float_array
+from stiction.evaluate.intervals import LoadCrossings
+from stiction.evaluate.junction_growth import ADHESIVE_SUMS, apply_junction_growth, build_member_area_interpolator
+from stiction.evaluate.maps import MOTION_DIMENSIONS, choose_mu0_and_tau0, find_cell_dimensions
+from stiction.mechanics import friction
+from stiction.mechanics.friction import (
+    LOAD_SUM_NAMES,
+    STATUS_DTYPE,
+    STATUSES,
+    VALIDITY_RATIOS,
+    compute_load,
+    compute_loads,
+    validity_ratio,
+)
+from stiction.mechanics.quantities import (
+    DISTRIBUTION_QUANTITIES,
+    GAP_QUANTITIES,
+    INTERPOLATED_QUANTITIES,
+    QUANTITIES,
+    STIFFNESS_PER_AREA_FACTOR,
+    STIFFNESS_PER_AREA_QUANTITIES,
+    VALIDITY_RATIO_OPERANDS,
+    ZERO_LOAD_SUM_QUANTITIES,
+    is_requested,
+    quantity_attributes,
+)
+from stiction.solve.member_sums import MemberSums
+from stiction.study.study import Study, find_step_dimension
+
+if TYPE_CHECKING:
+    import xarray
+
+LATERAL_SUMS = ("lateral_elastic", "lateral_frictional", "lateral_adhesive")
+
+_FRICTION_VARIABLES = (
+    "friction_coefficient",
+    "normal_load",
+    "tangential_load",
+    "status",
+    "contact_area",
+    *GAP_QUANTITIES,
+)
+"""Quantities that are always evaluated, because intervals of friction need the true area and the slopes of the gap."""
+
+LoadDefinition = Literal["mean", "elastic", "normal"]
+MemberKind = Literal["shifts", "surrogates"]
+
+
+def member_values(
+    result: MemberSums | xarray.Dataset, loads: ArrayLike, *,
+    mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
+    reading: LoadDefinition = "elastic", member_kind: MemberKind | None = None,
+) -> xarray.Dataset:  # fmt: skip
+    """Evaluate friction and contact quantities at given loads for each member of a result.
+
+    Parameters
+    ----------
+    result, loads, mu0, tau0, member_kind
+        As for `at_load`.
+    reading : {"elastic", "normal"}
+
+    Returns
+    -------
+    xarray.Dataset
+        friction_coefficient, normal_load and tangential_load (mN) and status have the dimensions of the cells,
+        repetition, sliding, direction, load, mu0 and tau0; a single sliding rule or direction is a dimension of length
+        1. Height maps with the asperity model at elastic loads also have lateral_load (mN). Other quantities have the
+        dimensions of the cells, repetition and load (and fraction_below), and are evaluated at the elastic load.
+    """
+    if reading == "mean":
+        raise ValueError("reading must be 'elastic' or 'normal', because a single member has no mean load")
+    result = MemberSums.of(result)
+    unique_loads = np.unique(np.atleast_1d(float_array("loads", loads)))
+    strengths = choose_mu0_and_tau0(result, mu0, tau0)
+    members = evaluate_members_before_growth(result, unique_loads, *strengths, reading, member_kind)
+    if result.study.contact.junction_growth:
+        members = apply_junction_growth(members, result.study, build_member_area_interpolator(members, result))
+    if reading == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
+        sums = interpolate_member_sums(result, unique_loads, LATERAL_SUMS, member_kind=member_kind)
+        lateral_sums = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
+        lateral = compute_load("lateral", lateral_sums, strengths[0][:, np.newaxis], strengths[1])
+        dims = (*sums[LATERAL_SUMS[0]].dims, "mu0", "tau0")
+        members = members.assign(lateral_load=(dims, lateral, quantity_attributes("lateral_load")))
+    return members
+
+
+def evaluate_members_before_growth(
+    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, reading: LoadDefinition,
+    member_kind: MemberKind | None,
+    names: Collection[str] | None = None,
+) -> xarray.Dataset:  # fmt: skip
+    """Evaluate each member of a result at given loads, without the effect of junction growth.
+
+    If the contacts of the study grow, the dataset also contains the sums that `apply_junction_growth` requires.
+    """
+
+    def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
+        return _evaluate_piece(piece, result.study, loads, mu0, tau0, reading, names)
+
+    return _evaluate_pieces(result, member_kind, evaluate_piece)
+
+
+def interpolate_member_sums(
+    result: MemberSums | xarray.Dataset,
+    loads: Floats,
+    names: Sequence[str] = LOAD_SUM_NAMES,
+    *,
+    member_kind: MemberKind | None = None,
+) -> xarray.Dataset:
+    """Return contact sums of all members at elastic loads (mN). The default is the six sums that determine friction.
+
+    The dimensions are cells, repetition, sliding, direction and load.
+    """
+    import xarray
+
+    result = MemberSums.of(result)
+    study = result.study
+
+    def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
+        sums, load_crossings = _find_load_crossings(piece, loads, names)
+        dims = (*find_cell_dimensions(piece), "repetition", *MOTION_DIMENSIONS, "load")
+        values = np.broadcast_arrays(*map(load_crossings.interpolate, sums.values()))
+        coordinates = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims} - {"load"}}
+        return xarray.Dataset(
+            {name: (dims, each) for name, each in zip(sums, values, strict=True)},
+            _get_missing_motion_coordinates(piece, study) | coordinates,
+        )
+
+    return _evaluate_pieces(result, member_kind, evaluate_piece)
+
+
+def compute_mean_areas(result: MemberSums) -> Floats:
+    """Return the true area (µm²) at each computed load, averaged over the members."""
+    zero_strength = np.zeros(1)
+    areas = evaluate_members_before_growth(
+        result, result.study.contact.loading_steps(), zero_strength, zero_strength, "elastic", None, ()
+    )
+    return np.asarray(areas["contact_area"].mean([dim for dim in areas["contact_area"].dims if dim != "load"]).values)
+
+
+def _evaluate_pieces(
+    result: MemberSums, member_kind: MemberKind | None, evaluate: Callable[[xarray.Dataset], xarray.Dataset]
+) -> xarray.Dataset:
+    import xarray
+
+    pieces = [evaluate(piece) for piece in result.pieces() if piece.sizes["repetition"]]
+    values = pieces[0] if len(pieces) == 1 else xarray.concat(
+        pieces, "repetition", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
+    )  # fmt: skip
+    if "surrogate" not in values.coords:
+        return values
+    is_surrogate = values["surrogate"].values.astype(bool)
+    is_wanted = bool(is_surrogate.all()) if member_kind is None else member_kind == "surrogates"
+    if not (is_surrogate == is_wanted).any():
+        other_kind: MemberKind = "shifts" if is_wanted else "surrogates"
+        raise ValueError(f"member_kind must be {other_kind!r} for this result, got {member_kind!r}")
+    return values.isel(repetition=np.flatnonzero(is_surrogate == is_wanted))
+
+
+def _evaluate_piece(
+    piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, reading: LoadDefinition,
+    names: Collection[str] | None,
+) -> xarray.Dataset:  # fmt: skip
+    """Evaluate one piece (group of members) of a result at given loads.
+
+    `names` lists quantities to evaluate besides `_FRICTION_VARIABLES`; None stands for all.
+    """
+    import xarray
+
+    member_dims = (*find_cell_dimensions(piece), "repetition")
+    sums_at_steps, load_crossings = _find_load_crossings(piece, loads)
+    if reading == "elastic":
+        contact_sums = {name: load_crossings.interpolate(values) for name, values in sums_at_steps.items()}
+        forces = _MemberForces.at_elastic_loads(contact_sums, load_crossings, mu0, tau0)
+    else:
+        are_steps_loads = find_step_dimension(piece) == "load"
+        forces = _MemberForces.at_normal_loads(sums_at_steps, loads, mu0, tau0, interpolates_ratio=are_steps_loads)
+    status = _determine_member_status(piece, loads, forces)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        coefficient = np.where(status == friction.STATUS_OK, forces.tangential / forces.normal, np.nan)
+    dims = (*member_dims, *MOTION_DIMENSIONS, "load", "mu0", "tau0")
+    variables: dict[str, Any] = {
+        "friction_coefficient": (dims, coefficient, quantity_attributes("friction_coefficient")),
+        "normal_load": (dims, forces.normal, quantity_attributes("normal_load")),
+        "tangential_load": (dims, forces.tangential, quantity_attributes("tangential_load")),
+        "status": (dims, status, quantity_attributes("status")),
+    }
+    requested_names = None if names is None else {*_FRICTION_VARIABLES, *names}
+    if reading == "elastic":
+        variables |= _compute_opposing_share(piece, member_dims, contact_sums)
+    variables |= _interpolate_quantities(piece, member_dims, load_crossings, requested_names)
+    variables |= {name: piece.variables[name] for name in GAP_QUANTITIES if name in piece.variables}
+    if "pull_off" in piece.variables:
+        variables |= _evaluate_pull_off(piece, member_dims, mu0, tau0)
+    variables = _replace_sums_by_ratios(variables, piece.coords.get("nominal_area"))
+    variables = {name: each for name, each in variables.items() if is_requested(name, requested_names)}
+    if study.contact.junction_growth:
+        for name in ADHESIVE_SUMS:
+            adhesive_sums = load_crossings.interpolate(sums_at_steps[name])
+            variables[name] = dims[:-2], np.broadcast_to(adhesive_sums, forces.tangential.shape[:-2])
+    coordinates: dict[str, Any] = {
+        str(name): each.variable
+        for name, each in piece.coords.items()
+        if name not in (find_step_dimension(piece), "mu0", "tau0")
+    }
+    parameters = {"load": loads, "mu0": mu0, "tau0": tau0}
+    coordinates |= _get_missing_motion_coordinates(piece, study) | {
+        name: (name, each, quantity_attributes(name)) for name, each in parameters.items()
+    }
+    return xarray.Dataset(variables, coordinates, piece.attrs)
+
+
+@dataclass(frozen=True, eq=False)
+class _MemberForces:
+    """Normal and tangential loads (mN) of members at the onset of sliding, and whether the given loads are reached.
+
+    The arrays have the shape (..., sliding, direction, load, mu0, tau0), or a shape that broadcasts to it.
+    """
+
+    normal: Floats
+    tangential: Floats
+    is_reached: NDArray[np.bool_]
+    is_below: NDArray[np.bool_]  # True for loads below the first step
+
+    @classmethod
+    def at_elastic_loads(
+        cls, contact_sums: Mapping[str, Floats], load_crossings: LoadCrossings, mu0: Floats, tau0: Floats
+    ) -> _MemberForces:
+        """Compute the loads from contact sums that are interpolated at elastic loads."""
+        is_reached, is_below = (
+            each[..., None, None, :, None, None] for each in (load_crossings.reached, load_crossings.below)
+        )
+        return cls(*compute_loads(contact_sums, mu0, tau0), is_reached, is_below)
+
+    @classmethod
+    def at_normal_loads(
+        cls, sums_at_steps: Mapping[str, Floats], loads: Floats, mu0: Floats, tau0: Floats, *, interpolates_ratio: bool
+    ) -> _MemberForces:
+        """Interpolate the loads of each step to given normal loads. If the steps are loads, ratios are interpolated."""
+        # While values are interpolated, the steps are on the last axis.
+        normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums_at_steps, mu0, tau0))
+        normal = np.broadcast_to(normal, tangential.shape)
+        with np.errstate(invalid="ignore"):
+            positive_normal = np.where(normal > 0, normal, np.nan) if interpolates_ratio else normal
+        crossing = LoadCrossings.from_curves(
+            positive_normal, loads, interpolates_ratio=interpolates_ratio
+        ).without_crossings_after_nan(normal, loads)
+        arrays: tuple[Any, ...] = (
+            crossing.interpolate(normal), crossing.interpolate(tangential), crossing.reached, crossing.below
+        )  # fmt: skip
+        return cls(*(np.moveaxis(each, -1, -3) for each in arrays))
+
+
+def _compute_opposing_share(
+    piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
+) -> dict[str, Any]:
+    """Return the fraction of the load on contacts that oppose the motion, or {} if a sliding rule for it is missing."""
+    rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
+    if not {"opposing", "all"} <= set(rules):
+        return {}
+    opposing, total = (
+        np.take(contact_sums["tangential_frictional"], rules.index(rule), axis=len(member_dims))
+        for rule in ("opposing", "all")
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # The denominator is the sum of F |t·s|. To first order in the slopes, this sum equals the load.
+        share = opposing / total
+    return {"share_opposing": ((*member_dims, "direction", "load"), share, quantity_attributes("share_opposing"))}
+
+
+def _interpolate_quantities(
+    piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, names: Collection[str] | None
+) -> dict[str, Any]:
+    """Interpolate the requested quantities of a piece, and `normal_elastic`, at the given loads."""
+    step_dimension, variables = find_step_dimension(piece), {}
+    for name in (*INTERPOLATED_QUANTITIES, *DISTRIBUTION_QUANTITIES):
+        if name not in piece.variables or not (name == "normal_elastic" or is_requested(name, names)):
+            continue
+        stored_values = piece.variables[name]
+        if step_dimension in stored_values.dims:
+            value_dims = (*member_dims, *(["fraction_below"] if name in DISTRIBUTION_QUANTITIES else []))
+            interpolated = load_crossings.interpolate(
+                _to_float_array(stored_values, (*value_dims, step_dimension)), are_sums=QUANTITIES[name].proportional
+            )
+            variables[name] = (*value_dims, "load"), interpolated, stored_values.attrs
+    return variables
+
+
+def _evaluate_pull_off(
+    piece: xarray.Dataset, member_dims: tuple[str, ...], mu0: Floats, tau0: Floats
+) -> dict[str, Any]:
+    """Return the pull-off force of each member, a mark if it is only a lower bound, and the friction at no load."""
+    # An element is 1 if only a lower bound on the pull-off force of the member is known, and 0 otherwise.
+    is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
+    zero_load_sums = {
+        name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSIONS), missing=True)[..., None, None]
+        for name in ZERO_LOAD_SUM_QUANTITIES
+    }
+    direction_axis = len(member_dims) + 1
+    tangential = compute_load("unloaded", zero_load_sums, mu0[:, np.newaxis], tau0).mean(axis=direction_axis)
+    return {
+        "pull_off": piece.variables["pull_off"],
+        "share_of_pull_off_bounds": (member_dims, is_bound, quantity_attributes("share_of_pull_off_bounds")),
+        "friction_at_no_load": (
+            (*member_dims, "sliding", "mu0", "tau0"), tangential, quantity_attributes("friction_at_no_load")
+        ),
+    }  # fmt: skip
+
+
+def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _MemberForces) -> NDArray[Any]:
+    """Return the status of each member as an array of shape (..., sliding, direction, load, mu0, tau0)."""
+    is_known = np.isfinite(forces.normal)
+    is_locked = is_known & (forces.normal <= 0)
+    status = friction.choose_statuses(
+        touched=True, reached=is_known & forces.is_reached & ~is_locked, locked=is_locked, below=forces.is_below
+    )
+    status = np.array(np.broadcast_to(status, forces.normal.shape), STATUS_DTYPE)
+    step_dimension = find_step_dimension(piece)
+    if "status" in piece:
+        # A member without a coefficient gets the status of the first step at or above the load.
+        # If the status of this step is "ok", the status of the member is kept.
+        status_codes = _to_float_array(
+            piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
+        ).astype(int)
+        step_values = piece[step_dimension].values
+        step_index = np.minimum(np.searchsorted(step_values, loads), step_values.size - 1)
+        step_status = np.array(STATUSES)[status_codes[..., step_index]][..., None, None, :, None, None]
+        step_status = np.broadcast_to(step_status, status.shape)
+        is_replaced = (status != friction.STATUS_OK) & (step_status != friction.STATUS_OK)
+        status[is_replaced] = step_status[is_replaced]
+    return status
+
+
+def _find_load_crossings(
+    piece: xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES
+) -> tuple[dict[str, Floats], LoadCrossings]:
+    """Return the members' contact sums, and the points at which the load curves reach the given loads."""
+    step_dimension = find_step_dimension(piece)
+    member_dims = (*find_cell_dimensions(piece), "repetition")
+    # Access to variables is much faster than access to data arrays, because variables have no coordinates.
+    piece_variables = piece.variables
+    elastic_loads = _to_float_array(piece_variables["normal_elastic"], (*member_dims, step_dimension))
+    curve = (
+        elastic_loads
+        if step_dimension == "approach"
+        else np.where(np.isfinite(elastic_loads), piece[step_dimension].values, np.nan)
+    )
+    sums = {
+        name: _to_float_array(piece_variables[name], (*member_dims, *MOTION_DIMENSIONS, step_dimension), missing=True)
+        for name in names
+    }
+    return sums, LoadCrossings.from_curves(
+        curve, loads, interpolates_ratio=step_dimension == "load"
+    ).without_crossings_after_nan(curve, loads)
+
+
+def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
+    """Return coordinates for the sliding rule and the direction unless these are dimensions of the result."""
+    values = {"sliding": list(study.contact.sliding_rules()), "direction": list(study.contact.direction_angles())}
+    return {
+        name: ((name,), values[name][:1], quantity_attributes(name))
+        for name in MOTION_DIMENSIONS
+        if name not in piece.dims
+    }
+
+
+def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
+    """Add ratios of contact sums to the variables, and remove the sums that are needed only for these ratios."""
+    dims, elastic = variables["normal_elastic"][:2]
+    ratios: dict[str, Any] = {}
+    if nominal_area is not None and "pull_off" in variables:
+        pull_off = variables["pull_off"]
+        pressure = pull_off.values / float(nominal_area)
+        variables["pull_off_pressure"] = (pull_off.dims, pressure, quantity_attributes("pull_off_pressure"))
+    if nominal_area is not None:
+        area = float(nominal_area)
+        ratios["contact_area_fraction"] = variables["contact_area"][1] / area
+        ratios["nominal_pressure"] = np.broadcast_to(elastic, elastic.shape) / area
+        for name in STIFFNESS_PER_AREA_QUANTITIES:
+            if (stiffness := QUANTITIES[name].numerator) in variables:
+                ratios[name] = STIFFNESS_PER_AREA_FACTOR * variables[stiffness][1] / area
+    with np.errstate(divide="ignore", invalid="ignore"):
+        carried_load = variables["contact_load"][1] if "contact_load" in variables else elastic
+        ratios["mean_pressure"] = carried_load / variables["contact_area"][1]
+    sums = {name: each[1] for name, each in variables.items() if isinstance(each, tuple)}
+    for name, (numerator, _) in VALIDITY_RATIOS.items():
+        if numerator in sums and name not in sums:
+            ratios[name] = validity_ratio(name, sums)
+    shown_variables = {
+        name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in VALIDITY_RATIO_OPERANDS
+    }
+    return shown_variables | {name: (dims, values, quantity_attributes(name)) for name, values in ratios.items()}
+
+
+def _to_float_array(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
+    """Convert a variable to an array of floats whose dimensions are in the given order.
+
+    If `missing` is true, missing dimensions are added with the length 1.
+    """
+    own_dims = [dim for dim in dims if dim in array.dims]
+    values = array.transpose(*own_dims).values.astype(np.float64)
+    if not missing:
+        return values
+    return np.asarray(values[tuple(slice(None) if dim in own_dims else np.newaxis for dim in dims)])

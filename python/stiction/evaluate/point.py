@@ -1,0 +1,233 @@
+"""Values at one point of an `at_load` dataset, i.e. at one roughness or cutoff, load, mu0 and tau0."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import KW_ONLY, dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._estimate import Estimate, Interval
+from stiction.evaluate.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
+from stiction.mechanics.closed_forms import hardness_under_shear
+from stiction.mechanics.friction import STATUS_OK
+from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.study.study import Study
+
+
+UNKNOWN_INTERVAL = Interval(math.nan, math.nan)
+NEGLIGIBLE_LOAD_RATIO = 0.01
+"""Smallest ratio of load to pull-off force for which the load is not negligible and a coefficient has a meaning."""
+
+
+@dataclass(frozen=True)
+class SlidingRuleCoefficient(Estimate):
+    """Coefficient of static friction at a point under one sliding rule: mean over directions and combined interval."""
+
+    _: KW_ONLY
+    rule: str  # "all" or "opposing"
+    status: str = STATUS_OK  # "ok", or why a coefficient is missing in at least one direction
+    sampling_interval: Interval = UNKNOWN_INTERVAL  # sampling interval of the mean over positions
+    next_test: Interval = UNKNOWN_INTERVAL  # prediction interval for a single test in a single direction
+    low: float = math.nan  # 10 % quantile of the coefficients of single members
+    high: float = math.nan  # 90 % quantile of the coefficients of single members
+    slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies
+    # True if more than half of the load is on contacts for which the asperity model is invalid
+    is_outside_asperity_model: bool = False
+    # coefficients along the axes and in the directions (degree) of motion, with sampling intervals
+    by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
+    by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
+
+
+def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
+    """Yield one dataset for each point, i.e. for each combination of roughness or cutoff, load, mu0 and tau0."""
+    cell_dims = [name for name in CELL_DIMENSIONS if name in at.dims]
+    dims = [*cell_dims, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
+    for indices in np.ndindex(*(at.sizes[name] for name in dims)):
+        yield at.isel(dict(zip(dims, indices, strict=True)))
+
+
+SLIDING_RULE_ORDER = ("all", "opposing")
+"""Sliding rules, starting with the rule that is reported for measured bodies.
+
+Under the reported rule, friction acts at all contacts, because mu0 is measured on smooth faces.
+"""
+
+CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions that the cells of a study may have
+MEAN_AND_LIMITS = ("mean", "lower", "upper")  # labels of a mean and of the limits of its 95 % interval
+
+
+def get_roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
+    """Return the name and value of the roughness exponent. The name is H for self-affine surfaces, and D otherwise."""
+    has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
+    return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
+
+
+def select_sliding_rule(table: Any, rule: str) -> Any:
+    """Select the values for a sliding rule. An array without the dimension `sliding` is returned unchanged."""
+    return table.sel(sliding=rule) if "sliding" in table.dims else table
+
+
+def find_statistic_indices(table: xarray.Dataset | xarray.DataArray) -> list[int]:
+    """Return the indices of the mean and of the limits of its interval along the dimension `statistic`."""
+    statistics = table["statistic"].values.tolist()
+    return [statistics.index(name) for name in MEAN_AND_LIMITS]
+
+
+def read_estimate(table: xarray.DataArray) -> Estimate:
+    """Return the estimate in an array; dimensions other than `statistic` must have size 1."""
+    if "statistic" not in table.dims:
+        return Estimate(table.item())
+    return Estimate(*table.values.ravel()[find_statistic_indices(table)].astype(float).tolist())
+
+
+def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float, Estimate]:
+    """Return the estimates in an array with the dimensions `dimension` and `statistic`, by coordinate."""
+    rows = table.variable.transpose(dimension, "statistic").values[:, find_statistic_indices(table)].astype(float)
+    return {
+        coordinate: Estimate(*row)
+        for coordinate, row in zip(table[dimension].values.tolist(), rows.tolist(), strict=True)
+    }
+
+
+@dataclass(frozen=True)
+class PointQuantities:
+    """Quantities with one value for a point and a sliding rule, by name.
+
+    If there are several directions, quantities that depend on the direction are not included.
+    """
+
+    estimates: dict[str, Estimate]
+    numbers: dict[str, float]  # quantities without an interval
+    distributions: dict[str, dict[float, Estimate]]  # quantiles by the fraction of the distribution below them
+
+
+def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
+    """Return the quantities with one value for a point and a sliding rule.
+
+    Selections from an `xarray.Variable` are much faster than selections from an `xarray.DataArray`.
+    """
+    statistics = find_statistic_indices(point)
+    rule_index = point["sliding"].values.tolist().index(rule) if "sliding" in point.dims else 0
+    quantities = PointQuantities({}, {}, {})
+    for name in map(str, point.data_vars):
+        variable = point.variables[name]
+        indices = {"sliding": rule_index} if "sliding" in variable.dims else {}
+        if variable.sizes.get("direction") == 1:  # the result has a single direction
+            indices["direction"] = 0
+        variable = variable.isel(indices)
+        if variable.dims == ("statistic",):
+            quantities.estimates[name] = Estimate(*variable.values[statistics].astype(float).tolist())
+        elif not variable.dims and variable.dtype.kind in "if":
+            quantities.numbers[name] = float(variable.values)
+        elif set(variable.dims) == {"fraction_below", "statistic"}:
+            quantities.distributions[name] = read_estimates_along(
+                select_sliding_rule(point[name], rule), "fraction_below"
+            )
+    return quantities
+
+
+def mean_over_directions(point: xarray.Dataset, name: str) -> float:
+    """Return a quantity at a point, averaged over all directions, or NaN if the quantity is missing."""
+    if name not in point.variables:
+        return math.nan
+    # The arrays of variables are much faster to select from than an `xarray.DataArray`.
+    variable = point.variables[name]
+    values = variable.values
+    if "statistic" in variable.dims:
+        mean_index = point.variables["statistic"].values.tolist().index("mean")
+        values = values.take(mean_index, axis=variable.dims.index("statistic"))
+    finite_values = values[np.isfinite(values)]
+    return float(finite_values.mean()) if finite_values.size else math.nan
+
+
+def find_contact_status(point: xarray.Dataset, study: Study) -> str:
+    """Return the status of the true area at a point: "ok", "complete", or (asperity model only) "above-nominal"."""
+    if "contact_status" in point:
+        return str(point["contact_status"].values)
+    is_above_nominal = mean_over_directions(point, "contact_area_fraction") > 1
+    return (
+        (FULL_CONTACT_STATUS if study.uses_half_space else AREA_ABOVE_NOMINAL_STATUS) if is_above_nominal else STATUS_OK
+    )
+
+
+def mean_contact_pressure(point: xarray.Dataset) -> float:
+    """Return the mean contact pressure (GPa) at a point."""
+    if "mean_pressure" in point:
+        return mean_over_directions(point, "mean_pressure")
+    area = mean_over_directions(point, "contact_area")
+    load = mean_over_directions(point, "contact_load") if "contact_load" in point else float(point["load"])
+    return load / area if area > 0 else math.nan
+
+
+def list_sliding_rules_reported_first(study: Study) -> list[str]:
+    """Return the sliding rules of a study, starting with the rule whose coefficient is reported."""
+    rules = SLIDING_RULE_ORDER if study.is_measured else SLIDING_RULE_ORDER[::-1]
+    return sorted(study.contact.sliding_rules(), key=rules.index)
+
+
+def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
+    """Return whether a point has a nominal area that is meaningful for the contact model."""
+    return "nominal_area" in point.coords and study.has_nominal_area
+
+
+def nominal_pressure_at(point: xarray.Dataset, study: Study) -> float:
+    """Return the load of a point over the nominal area (GPa), or NaN if the nominal area is not meaningful."""
+    return float(point["load"]) / float(point["nominal_area"]) if has_nominal_area(point, study) else math.nan
+
+
+def get_contact_law_name(study: Study) -> str:
+    """Return the name of the contact law in lower case, or an empty string for the half-space model."""
+    return str(study.contact.law or "").lower()
+
+
+def has_limited_pressure(study: Study) -> bool:
+    """Return whether the contact pressure is limited by a hardness or a yield strength."""
+    return study.contact.hardness is not None or "jackson" in get_contact_law_name(study)
+
+
+def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
+    """Return E* (GPa) at a point."""
+    return float(point["effective_modulus"] if "effective_modulus" in point.coords else study.contact.effective_modulus)
+
+
+def get_adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
+    """Return the range of adhesion (µm) in the study, and the range used. A coarse grid requires a larger range."""
+    contact: Any = study.contact
+    given_range = float(contact.adhesion_range or DEFAULT_ADHESION_RANGE)
+    grid_spacing = float(np.max(point.attrs.get("spacing_um", 0.0)))
+    return given_range, max(
+        given_range,
+        min_resolved_adhesion_range(float(contact.work_of_adhesion), grid_spacing, effective_modulus_at(point, study)),
+    )
+
+
+def is_unloaded(point: xarray.Dataset) -> bool:
+    """Return whether the load at a point is negligible compared with the pull-off force."""
+    return "pull_off" in point and float(point["load"]) < NEGLIGIBLE_LOAD_RATIO * mean_over_directions(
+        point, "pull_off"
+    )
+
+
+def get_study_hardness(study: Study) -> float:
+    """Return the hardness (GPa) of a study, or NaN if the study has no hardness."""
+    hardness = study.contact.hardness
+    return math.nan if hardness is None else float(hardness)
+
+
+def compute_plastic_adhesive_friction(point: xarray.Dataset, study: Study) -> float | None:
+    """Return tau0/H', the adhesive part of the friction coefficient for fully plastic contacts.
+
+    The value is NaN at seizure, or None without a hardness.
+    """
+    hardness = get_study_hardness(study)
+    if math.isnan(hardness) or not study.uses_half_space:
+        return None
+    mu0, tau0, growth = float(point["mu0"]), float(point["tau0"]), study.contact.junction_growth or 0.0
+    return tau0 / float(hardness_under_shear(hardness, mu0, tau0, growth))

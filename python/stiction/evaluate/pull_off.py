@@ -1,0 +1,54 @@
+"""Adhesion without an external load: pull-off force, pull-off pressure, and friction at zero load."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from stiction._estimate import Estimate
+from stiction.evaluate.point import read_estimate, select_sliding_rule
+
+if TYPE_CHECKING:
+    import xarray
+
+MIN_STICKING_PRESSURE = 1e-7
+"""Pull-off pressure (GPa) above which bodies stick.
+
+The value is 100 Pa, the weight per area of a steel plate that is 1.3 mm thick.
+"""
+
+
+@dataclass(frozen=True)
+class PullOffValues:
+    """Pull-off force (mN), pull-off pressure (GPa) and friction force at zero load (mN), with 95 % intervals."""
+
+    pull_off: Estimate
+    pressure: Estimate
+    friction: Estimate
+    is_bound: bool  # True if only a lower bound on the pull-off force is known for some members
+
+    @property
+    def sticking_assessment(self) -> Literal["yes", "no", "uncertain"]:
+        """Assessment of whether the bodies stick together, which is "yes", "no" or "uncertain".
+
+        The value is "yes" if the interval of the pull-off pressure is above `MIN_STICKING_PRESSURE`, "no" if it is
+        below, and "uncertain" if it contains this pressure.
+        """
+        pressure = self.pressure
+        lower, upper = (limit if math.isfinite(limit) else pressure.value for limit in pressure.interval)
+        if lower > MIN_STICKING_PRESSURE:
+            return "yes"
+        return "no" if upper < MIN_STICKING_PRESSURE and not self.is_bound else "uncertain"
+
+
+def find_pull_off_values(point: xarray.Dataset, rule: str) -> PullOffValues | None:
+    """Return pull-off force, pull-off pressure and friction at zero load, or None if the point has no such values."""
+    if "pull_off" not in point or "pull_off_pressure" not in point:
+        return None
+    force, pressure, friction = (
+        read_estimate(select_sliding_rule(point[name], rule))
+        for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
+    )
+    bound_fraction = float(point["share_of_pull_off_bounds"].sel(statistic="mean"))
+    return PullOffValues(force, pressure, friction, bound_fraction > 0)

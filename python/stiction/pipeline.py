@@ -1,0 +1,265 @@
+"""Complete a result folder by adding missing blocks and, for a measured pair, companion files.
+
+Companion files contain the contacts of a typical member, areas at other hardnesses, and the onset of sliding. The
+cutoff study and the alternative preparations of the scans are companion studies, each in a subfolder.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from concurrent.futures import Executor
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from stiction._core import __version__
+from stiction._files import FolderClaim, check_replaceable, replace_file_atomically
+from stiction._text import format_duration
+from stiction.companions.contact_picture import contact_picture
+from stiction.companions.onset import ONSET_TABLE_SIGNATURE, compute_onset, format_backbone_csv, load_stored_onset
+from stiction.companions.resolution import find_cutoff_study
+from stiction.evaluate.hardness_nodes import compute_missing_areas
+from stiction.evaluate.load_range import has_only_negligible_loads
+from stiction.result import Result
+from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, find_alternative_study
+from stiction.solve.member_solution import estimate_member_time
+from stiction.solve.member_sums import MemberSums
+from stiction.solve.runner import complete_blocks, compute_member_sums, compute_preview_sums, prepare_result_folder
+from stiction.solve.store import (
+    AREAS_BY_HARDNESS_FILE,
+    CHECKSUM_PREFIX,
+    CONTACT_PICTURE_FILE,
+    ONSET_FILE,
+    ONSET_TABLE_FILE,
+    StoredResult,
+    StoreError,
+    export,
+    open_result_to_complete,
+    remove_result,
+)
+from stiction.study.study import Study, find_table_differences, format_study_differences
+from stiction.summary.input_caveats import find_alternatives
+
+LinePrintFunction = Callable[[str], Any]  # function that prints a line
+
+MIN_ANNOUNCED_TIME = 20.0  # computing time (s) above which an estimate of the time is always printed
+
+_COMPANION_FILES = {
+    CONTACT_PICTURE_FILE: CHECKSUM_PREFIX,
+    AREAS_BY_HARDNESS_FILE: CHECKSUM_PREFIX,
+    ONSET_FILE: CHECKSUM_PREFIX,
+    ONSET_TABLE_FILE: ONSET_TABLE_SIGNATURE,
+}
+"""Companion files of a measured pair, each with the first bytes that identify the file."""
+
+
+def _ignore_line(_: str) -> None:
+    """Ignore a line of output. Runs that print nothing use this function."""
+
+
+def run(
+    study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
+) -> Result:
+    """Run a study, and return its result.
+
+    Parameters
+    ----------
+    study : Study
+    executor : concurrent.futures.Executor, optional
+        Executor that computes the repetitions, by default with one thread per core. Results are bitwise equal for all
+        executors.
+    store : path, optional
+        Folder for the blocks of repetitions. Workers that can reach the folder write their blocks themselves. A folder
+        with repetitions of the same study is resumed: finished repetitions are not computed again, and the number of
+        repetitions may increase. Without a store the result is kept in memory.
+    progress : bool
+        True to draw a progress bar on the terminal, or to print a line every minute if there is no terminal.
+
+    Returns
+    -------
+    Result
+        Its `dataset` has the variables of `LoadCurve` over fractal_dimension, amplitude (µm), repetition and approach
+        (µm). Attributes store the units, the study and the version of stiction. Areal surfaces have the variables of
+        `SurfaceLoadCurve`, and the half-space has those of `HalfSpaceCurve` over load (mN) instead of approach. A list
+        of sliding rules or directions adds the dimension sliding or direction (degrees). Measured bodies have the
+        cutoff (µm) instead of fractal_dimension and amplitude, and contact statistics in addition.
+
+    Raises
+    ------
+    ValueError
+        If the study cannot be computed, or its result takes more than 16 GiB of memory without a store. Also if the
+        store cannot be written, is damaged, contains another study, or is incomplete and was created by another
+        version of stiction.
+
+    Examples
+    --------
+    >>> from stiction import Study, run
+    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    >>> run(Study.named("quick").with_changes(small)).dataset["contact_area"].dims
+    ('fractal_dimension', 'amplitude', 'repetition', 'approach')
+    """
+    return Result.of(compute_member_sums(study, executor=executor, store=store, progress=progress))
+
+
+def compute_preview_result(study: Study) -> Result:
+    """Compute a preview result from the first few members of a study. Parameters and errors as for `run`."""
+    return Result.of(compute_preview_sums(study))
+
+
+def complete_result(
+    study: Study, folder: Path, executor: Executor, *, part: tuple[int, int] | None = None, replace: bool = False,
+    onset: int | None = None, progress: bool = False, print_finished: LinePrintFunction = _ignore_line,
+    print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
+    show_result: Callable[[Result], Any] = lambda _: None,
+) -> Result:  # fmt: skip
+    """Compute the missing blocks of a study, or of one part of the study if `part` is given.
+
+    Without a part, the companion files are computed too.
+
+    `replace` removes the result of another study. `onset` is the number of members whose onset of sliding is computed,
+    0 for none. `print_finished` receives lines about finished work, `print_remark` receives important remarks, and
+    `announce` receives lines about the work ahead. `show_result` receives the result as soon as all blocks are
+    complete.
+    """
+    for name, signature in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
+        check_replaceable(folder / name, signature, StoreError)
+    existing_result = open_result_to_complete(folder)
+    with FolderClaim(folder) as claim:
+        if replace and existing_result:
+            remove_result(existing_result, claim)
+        stored_result = prepare_result_folder(study, folder, claim, part)
+        num_members = study.ensemble.repetitions
+        num_existing = stored_result.num_finished
+        differences = (
+            find_table_differences(existing_result.study, stored_result.study)
+            if existing_result and num_existing
+            else []
+        )
+        existing_text, all_text = map(study.member_names.with_count, (num_existing, num_members))
+        if friction_differences := [difference for difference in differences if difference[0].startswith("friction.")]:
+            print_remark(
+                f"{folder} has results for other friction parameters; its {existing_text} are kept, and its table, "
+                f"report and figures are replaced\n{format_study_differences(friction_differences)}"
+            )
+        is_measured = stored_result.study.is_measured
+        seconds = (num_members - num_existing) * estimate_member_time(stored_result.study)
+        announce_blocks = (
+            print_finished if not is_measured else print_remark if seconds > MIN_ANNOUNCED_TIME else announce
+        )
+        stored_result = complete_blocks(
+            stored_result,
+            claim,
+            part=part,
+            executor=executor,
+            progress=progress,
+            announce=announce_blocks,
+            update=print_remark,
+        )
+        if part is not None:
+            print_finished(
+                f"part {part[0]}/{part[1]} is finished; {stored_result.num_finished} of {all_text} are in {folder}"
+            )
+            return Result(stored_result)
+        result = Result(stored_result)
+        if is_measured and not has_only_negligible_loads(result):
+            _compute_areas_if_possible(result, executor, print_remark)
+            _compute_alternatives(stored_result, executor, progress=progress, print_remark=print_remark)
+        if num_existing < num_members and (num_existing or not is_measured):
+            print_finished(
+                f"wrote {folder}" + (f" ({num_existing} of {all_text} already existed)" if num_existing else "")
+            )
+        elif num_existing == num_members:
+            version_text = (
+                "" if stored_result.version == __version__ else f", computed by stiction {stored_result.version}"
+            )
+            print_finished(f"{folder} already contains this study{version_text}")
+        show_result(result)
+        if is_measured and (num_existing < num_members or not (stored_result.path / CONTACT_PICTURE_FILE).exists()):
+            _write_companion_file(stored_result, CONTACT_PICTURE_FILE, lambda: contact_picture(result))
+        compute_companion_files(
+            result, executor, onset, progress=progress, announce=announce, print_remark=print_remark
+        )
+        return result
+
+
+def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: float) -> None:
+    """Print the estimated time of a task if it is long."""
+    if seconds > MIN_ANNOUNCED_TIME:
+        print_remark(f"{task}: about {format_duration(seconds)} of one core")
+
+
+def _compute_areas_if_possible(result: MemberSums, executor: Executor, print_remark: LinePrintFunction) -> None:
+    """Compute areas at other hardnesses and moduli. Do nothing if files of the bodies are missing."""
+    with contextlib.suppress(ValueError):
+        compute_missing_areas(
+            result, executor, announce_time=partial(_print_time_if_long, print_remark, "at other hardnesses and moduli")
+        )
+
+
+def _compute_alternatives(
+    stored_result: StoredResult, executor: Executor, *, progress: bool, print_remark: LinePrintFunction
+) -> None:
+    """Compute the results for alternative preparations of the scans, which the combined interval includes.
+
+    If such a result cannot be computed, the pair keeps its result, and a remark gives the reason.
+    """
+    try:
+        names = find_alternatives(stored_result.study)
+    except ValueError:  # an exception means that files of the bodies are missing
+        return
+    for name in names:
+        label = ALTERNATIVE_LABELS[name]
+        try:
+            alternative_study = find_alternative_study(stored_result.study, stored_result.path, name)
+            alternative_result = alternative_study.complete(
+                executor,
+                progress=progress,
+                announce_time=partial(_print_time_if_long, print_remark, f"interval for {label}"),
+            )
+            _compute_areas_if_possible(alternative_result, executor, print_remark)
+        except (ValueError, ArithmeticError, OSError, MemoryError) as error:
+            print_remark(f"the interval does not include {label}: {error}")
+
+
+def _write_companion_file(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:
+    """Compute and write a companion file. Do nothing if there are no data, or if body files are missing."""
+    with contextlib.suppress(ValueError):
+        if (dataset := compute()) is not None:
+            export(dataset, stored_result.path / name, replace=True)
+
+
+def compute_companion_files(
+    result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False,
+    announce: LinePrintFunction = _ignore_line, print_remark: LinePrintFunction = _ignore_line,
+) -> None:  # fmt: skip
+    """Compute the cutoff study and the onset of sliding of a measured pair unless they are already stored."""
+    stored_result = result.stored
+    if stored_result is None or not stored_result.study.is_measured:
+        return
+    try:
+        cutoff_study = (
+            None if has_only_negligible_loads(result) else find_cutoff_study(stored_result.study, stored_result.path)
+        )
+        if cutoff_study is not None:
+            cutoff_study.complete(
+                executor,
+                progress=progress,
+                announce_time=lambda seconds: (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
+                    f"cutoff study: about {format_duration(seconds)} of one core"
+                ),
+            )
+        stored_onset = load_stored_onset(stored_result)
+        if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
+            return
+        announce("onset of sliding")
+        new_onset = compute_onset(stored_result.study, executor, members=onset)
+    except ValueError as error:  # an exception means that files of the bodies are missing
+        print_remark(f"cutoff study and onset are not computed: {error}")
+        return
+    if new_onset is not None:
+        export(new_onset, stored_result.path / ONSET_FILE, replace=True)
+        with replace_file_atomically(
+            stored_result.path / ONSET_TABLE_FILE, ONSET_TABLE_SIGNATURE, StoreError
+        ) as partial_path:
+            partial_path.write_text(format_backbone_csv(new_onset), encoding="utf-8")

@@ -1,0 +1,151 @@
+"""`Result`: the values of a study as numbers, tables, figures and reports."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stiction._checks import parse_path
+from stiction._repr import figure_html, preformatted_html, render_png
+from stiction._units import short_repr
+from stiction.solve.store import open_stored_result
+from stiction.summary.evaluation import Evaluation
+from stiction.views.files import write_result
+from stiction.views.rows import summary_table
+from stiction.views.sentence import quotable_sentences
+from stiction.views.style import MATPLOTLIB_STYLE
+from stiction.views.text import study_result_text
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+
+class Result(Evaluation):
+    """Result of a study of generated or measured surfaces. It is returned by `run`, `pair` and `open_result`.
+
+    Parameters
+    ----------
+    source : xarray.Dataset or StoredResult
+        Sums of all members in memory, or an open directory.
+
+    Examples
+    --------
+    >>> from stiction import Study, run
+    >>> result = run(Study.named("quick").with_changes({"ensemble.repetitions": 2, "surfaces.points": 3000}))
+    >>> sorted(result.dataset.sizes)
+    ['amplitude', 'approach', 'fractal_dimension', 'repetition']
+    """
+
+    @property
+    def sentence(self) -> str:
+        """Sentences to quote, one for each load on a line of its own, with all conditions under which the value holds.
+
+        Loads whose coefficient must not be quoted have a sentence with the reason. If `mu0` and `tau0` have several
+        values, each combination has a sentence. For generated surfaces, only the first surfaces, mu0 and tau0 do.
+        """
+        return "\n".join(quotable_sentences(self.summary()))
+
+    # ---- Tables, figures and reports ---------------------------------------------------------------------------------
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the table written to CSV files, with one row per load, mu0, tau0, sliding rule and direction."""
+        return summary_table(self.summary())
+
+    def figures(self) -> list[str]:
+        """Return the names of the figures that `figure` can draw."""
+        return [name for name, _ in self._list_drawing_functions()]
+
+    def figure(self, name: str) -> Figure:
+        """Draw one of the figures with Matplotlib.
+
+        Parameters
+        ----------
+        name : str
+            One of `figures()`; for measured bodies for example "friction", "compass", "contacts" or "sizes".
+
+        Raises
+        ------
+        ValueError
+            If there is no figure of this name.
+        """
+        import matplotlib as mpl
+
+        drawing_functions = dict(self._list_drawing_functions())
+        if not isinstance(name, str) or name not in drawing_functions:
+            raise ValueError(f"name must be one of {', '.join(map(repr, drawing_functions))}, got {short_repr(name)}")
+        with mpl.rc_context(MATPLOTLIB_STYLE):
+            figure: Figure = drawing_functions[name]()
+        vars(figure)["_repr_png_"] = partial(render_png, figure)  # allows a notebook to show the figure without pyplot
+        return figure
+
+    def _list_drawing_functions(self) -> Sequence[tuple[str, Any]]:
+        from stiction.views.figures.standard import select_figures  # imports Matplotlib
+
+        return list(select_figures(self))
+
+    def save_report(self, path: str | Path) -> Path:
+        """Save the interactive HTML report of the result, and return its path."""
+        from stiction.views.report import save_report  # imports Matplotlib
+
+        path = parse_path("path", path)
+        save_report(self, path, name=self.path.resolve().name if self.path else "result")
+        return path
+
+    def export(self, path: str | Path) -> None:
+        """Write the result to a new file: all numbers for ``.nc``, or a table of values for ``.csv`` and ``.tex``.
+
+        Raises
+        ------
+        ValueError
+            If the file exists or cannot be written, or its name has another ending.
+        """
+        write_result(self, parse_path("path", path))
+
+    # ---- Display in a terminal or a notebook -------------------------------------------------------------------------
+
+    def __repr__(self) -> str:
+        """Return the text that is shown if the result is printed on a terminal."""
+        try:
+            return study_result_text(self.summary()).rstrip()
+        except ValueError as error:  # an exception means that there is no contact or no finished member
+            return f"no answer: {error}"
+
+    def _repr_html_(self) -> str:
+        """Return HTML that contains a figure and the text that is shown on a terminal."""
+        figure_names = self.figures()
+        figure_name = next((each for each in ("contacts", "friction", *figure_names) if each in figure_names), None)
+        return (
+            f"<div>{preformatted_html(repr(self))}{figure_html(self.figure(figure_name)) if figure_name else ''}</div>"
+        )
+
+
+def open_result(directory: str | Path) -> Result:
+    """Open a finished or unfinished result in a directory that was written by `run`, `pair` or a command.
+
+    Parameters
+    ----------
+    directory : path
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    ValueError
+        If there is no result, or it is damaged.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stiction import Study, open_result, run
+    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    >>> folder = tempfile.mkdtemp()
+    >>> _ = run(Study.named("quick").with_changes(small), store=folder)
+    >>> dict(open_result(folder).dataset.sizes)["repetition"]
+    2
+    """
+    return Result(open_stored_result(parse_path("directory", directory)))

@@ -1,0 +1,1 @@
+"""Computation of the contact sums of all members, and their storage."""

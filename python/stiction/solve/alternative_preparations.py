@@ -1,0 +1,84 @@
+"""Alternative preparations of the scans of a measured pair, whose results the combined interval includes.
+
+Each alternative preparation is a separate study with the members and loads of the pair, stored in the folder of its
+result: *spikes* masks outliers, and *tip* estimates the roughness that a blunt tip did not reach.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from stiction.solve.companion_study import CompanionStudy
+from stiction.solve.member_sums import MemberSums
+from stiction.solve.store import StoredResult
+from stiction.study.study import Study
+
+ALTERNATIVES_FOLDER = "alternatives"
+"""Name of the subfolder of a result folder that contains a study for each alternative preparation."""
+
+AlternativeName = Literal["spikes", "tip"]
+SPIKES_ALTERNATIVE, TIP_ALTERNATIVE = get_args(AlternativeName)
+
+ALTERNATIVE_LABELS: dict[AlternativeName, str] = {
+    SPIKES_ALTERNATIVE: "spikes in the scans",
+    TIP_ALTERNATIVE: "roughness that the tip did not reach",
+}
+"""Labels of the alternative preparations in the uncertainty budget."""
+
+ALTERNATIVE_CONDITIONS: dict[AlternativeName, str] = {
+    SPIKES_ALTERNATIVE: "without outliers",
+    TIP_ALTERNATIVE: "with an estimate of the roughness that the tip did not reach",
+}
+"""Phrases that begin the texts of caveats about results for alternative preparations."""
+
+TIP_CORRECTION = 4.0
+"""Multiple of the tip correction that the alternative preparation *tip* subtracts from the scans.
+
+In 160 pairs of generated maps (Hurst exponents from 0.5 to 0.9, tip radii from 0.5 to 50 µm, half of the scans with
+noise), the true area of the pair without tip was at least 0.97 of the area after this correction in 90 % of the cases,
+and in 31 % after the tip reconstruction alone.
+"""
+
+
+def build_alternative_study(study: Study, name: AlternativeName) -> Study:
+    """Return a copy of a study of measured surfaces with an alternative preparation of the scans.
+
+    Outliers are masked in all alternatives, because a tip correction would broaden downward spikes. Where the study
+    cannot have missing points, the heights of outliers are interpolated.
+    """
+    surfaces: Any = study.surfaces
+    allows_missing_points = (
+        study.uses_half_space
+        and not study.contact.adheres
+        and not getattr(surfaces, "surrogates", 0)
+        and surfaces.press != "surrogates"
+    )
+
+    def prepare(file: Any, _: str) -> Any:
+        file = file.with_masked_outliers(interpolate=not allows_missing_points)
+        return file.with_tip_correction(TIP_CORRECTION) if name == TIP_ALTERNATIVE else file
+
+    return study.model_copy(update={"surfaces": surfaces.with_changed_files(prepare)})
+
+
+def find_alternative_study(study: Study, path: Path, name: AlternativeName) -> CompanionStudy:
+    """Return the study of an alternative preparation of the scans, with its subfolder of a result folder."""
+    return CompanionStudy(build_alternative_study(study, name), path / ALTERNATIVES_FOLDER / name)
+
+
+def load_stored_alternatives(sums: MemberSums) -> dict[AlternativeName, MemberSums]:
+    """Return the results for alternative preparations that are stored alongside a result, by name."""
+    return sums.load_companion(_open_alternatives) or {}
+
+
+def _open_alternatives(result: StoredResult) -> dict[AlternativeName, MemberSums] | None:
+    """Open the finished results of all alternative preparations, or return None if none are stored."""
+    if not result.study.is_measured or not (result.path / ALTERNATIVES_FOLDER).is_dir():
+        return None
+    alternatives = {
+        name: sums
+        for name in get_args(AlternativeName)
+        if (sums := find_alternative_study(result.study, result.path, name).open()) is not None
+    }
+    return alternatives or None

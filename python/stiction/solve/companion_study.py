@@ -1,0 +1,73 @@
+"""A study that belongs to the result of a measured pair and is stored in a subfolder of the result.
+
+Examples are the cutoff study, alternative preparations of the scans, and studies with scaled heights.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stiction._files import FolderClaim
+from stiction.solve.member_solution import estimate_member_time
+from stiction.solve.member_sums import MemberSums
+from stiction.solve.runner import complete_blocks, prepare_result_folder
+from stiction.solve.store import (
+    STUDY_FILE,
+    StoredResult,
+    StoreError,
+    open_result_to_complete,
+    open_stored_result,
+    remove_result,
+)
+from stiction.study.study import Study, find_member_differences
+
+TimeAnnouncer = Callable[[float], Any]  # function that receives the estimated time (s) on one core before a computation
+
+
+@dataclass(frozen=True)
+class CompanionStudy:
+    """A study derived from the study of a measured pair, and the folder that contains its members."""
+
+    study: Study
+    folder: Path
+
+    def open(self, *, allow_unfinished: bool = False) -> MemberSums | None:
+        """Open the stored members, with the friction parameters of the study.
+
+        Returns None if the folder is missing or damaged, if its members are those of another pair, or if members are
+        missing. With `allow_unfinished`, one finished member suffices.
+        """
+        if not (self.folder / STUDY_FILE).exists():
+            return None
+        try:
+            stored_result = open_stored_result(self.folder)
+        except (StoreError, ValueError):
+            return None
+        if find_member_differences(stored_result.study, self.study):
+            return None
+        num_members = self.study.ensemble.repetitions
+        is_finished = stored_result.num_finished == num_members == stored_result.study.ensemble.repetitions
+        if not (is_finished or (allow_unfinished and stored_result.num_finished)):
+            return None
+        return MemberSums(StoredResult(self.folder, self.study, stored_result.blocks))
+
+    def complete(
+        self, executor: Executor, *, progress: bool = False, announce_time: TimeAnnouncer = lambda _: None
+    ) -> MemberSums:
+        """Compute the members that the folder does not contain yet, and return all members.
+
+        Members of another study, for example of another pair, are removed first. Raises the errors of
+        `compute_missing_blocks`.
+        """
+        existing_result = open_result_to_complete(self.folder)
+        with FolderClaim(self.folder) as claim:
+            if existing_result and find_member_differences(existing_result.study, self.study):
+                remove_result(existing_result, claim)
+            stored_result = prepare_result_folder(self.study, self.folder, claim)
+            if num_missing := self.study.ensemble.repetitions - stored_result.num_finished:
+                announce_time(num_missing * estimate_member_time(self.study))
+            return MemberSums(complete_blocks(stored_result, claim, executor=executor, progress=progress))

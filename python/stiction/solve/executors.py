@@ -1,0 +1,206 @@
+"""Executors that run the tasks of a study, and a progress bar."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import re
+import sys
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, ThreadPoolExecutor
+from importlib import import_module
+from typing import Any, TypeVar
+
+from stiction._text import MAX_PATH_LENGTH, format_duration, printable_text
+from stiction._units import short_repr
+from stiction.study.values import StudyError
+
+# minimum number of grid points for which several threads make a Fourier transform faster
+MIN_THREADED_POINTS = 2**16
+WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
+_Result = TypeVar("_Result")
+CONNECTION_TIMEOUT = "15s"
+PROGRESS_PREFIX = "progress: "  # start of a line of progress
+PROGRESS_LINE_INTERVAL = 60.0  # time (s) between two lines of progress if the output is not a terminal
+
+
+@contextlib.contextmanager
+def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
+    """Provide the given executor, or a thread pool that is shut down at the end, as a context.
+
+    Raises a `StudyError` if a worker process ends.
+    """
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        raise StudyError(f"executor must be a concurrent.futures.Executor, got {type(executor).__name__}")
+    try:
+        if executor is not None:
+            yield executor
+        else:
+            with thread_pool_executor() as pool:
+                yield pool
+    except BrokenExecutor:
+        raise StudyError(WORKER_DIED_MESSAGE) from None
+
+
+class _ThreadPool(ThreadPoolExecutor):
+    """Thread pool that works with fewer threads if the system cannot start all of them."""
+
+    def _adjust_thread_count(self) -> None:
+        try:
+            super()._adjust_thread_count()
+        except RuntimeError:
+            if not self._threads:
+                raise
+
+
+@contextlib.contextmanager
+def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
+    """Provide a thread pool as a context. By default, it has one thread per core.
+
+    If the system limits the number of threads, the pool works with the threads that can start. Raises a `RuntimeError`
+    if no thread can start.
+    """
+    num_cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    pool = _ThreadPool(workers or num_cores or 1, thread_name_prefix="stiction")
+    pool.submit(int)
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
+    pool.shutdown()
+
+
+def wrap_to_use_idle_threads(
+    function: Callable[..., _Result], executor: Executor, tasks: int, points: int
+) -> Callable[..., _Result]:
+    """Wrap a task function so that it uses idle threads for Fourier transforms.
+
+    Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
+    of tasks, and `points` is the number of grid points of each task.
+    """
+    num_workers = executor._max_workers if isinstance(executor, ThreadPoolExecutor) else 1
+    threads_per_task = num_workers // max(tasks, 1)
+    if points < MIN_THREADED_POINTS or threads_per_task < 2:
+        return function
+
+    def run_with_threads(*arguments: Any) -> _Result:
+        import scipy.fft
+
+        with scipy.fft.set_workers(threads_per_task):
+            return function(*arguments)
+
+    return run_with_threads
+
+
+@contextlib.contextmanager
+def progress_bar(
+    label: str, total: int, finished: int, enabled: bool, estimate_progress: Callable[[], float] = lambda: 0.0
+) -> Iterator[Callable[..., None]]:
+    """Show the progress of a run, and yield a function that advances it by a number of finished tasks.
+
+    A terminal or a notebook shows a progress bar. Other output receives a line every `PROGRESS_LINE_INTERVAL`.
+    `estimate_progress` returns the sum of the finished fractions of all running tasks. Call the yielded function with 0
+    from time to time to update the display.
+    """
+    if not enabled:
+        yield lambda count=1: None
+        return
+    from importlib.util import find_spec
+
+    from rich import progress
+    from rich.console import Console
+
+    columns = (
+        progress.TextColumn(label), progress.BarColumn(), progress.MofNCompleteColumn(),
+        progress.TaskProgressColumn(), progress.TextColumn("elapsed"), progress.TimeElapsedColumn(),
+        progress.TextColumn("left {task.fields[left]}"),
+    )  # fmt: skip
+    is_notebook = Console().is_jupyter
+    # Without ipywidgets, rich shows no progress bar in a notebook, but prints one line of text at the end.
+    console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
+    is_hidden = not (console.is_terminal or is_notebook)
+    with progress.Progress(
+        *columns, console=console, transient=console.is_terminal, disable=is_hidden
+    ) as progress_display:
+        task = progress_display.add_task("", total=total, completed=finished, left="-")
+        start_time = last_time = time.monotonic()
+        num_finished = finished
+
+        def advance(count: int = 1) -> None:
+            nonlocal num_finished, last_time
+            num_finished += count
+            completed, now = num_finished + estimate_progress(), time.monotonic()
+            # The time per task is the mean of this run.
+            left = (now - start_time) * (total - completed) / (completed - finished) if completed > finished else 0.0
+            left_text = format_duration(left) if completed > finished else "-"
+            progress_display.update(task, completed=completed, left=left_text)
+            if is_hidden and now - last_time > PROGRESS_LINE_INTERVAL:
+                last_time = now
+                line = (
+                    f"{num_finished}/{total} {label}, {completed / total:.1%} after {format_duration(now - start_time)}"
+                )
+                line += f", about {left_text} left" if completed > finished else ""
+                with contextlib.suppress(OSError):  # standard error may be closed
+                    print(f"{PROGRESS_PREFIX}{line}", file=sys.stderr, flush=True)
+
+        yield advance
+
+
+class ClusterError(ValueError):
+    """Error raised if a cluster cannot be reached or fails."""
+
+
+@contextlib.contextmanager
+def _suppress_disconnect_log() -> Iterator[None]:
+    """Suppress Dask's log messages about a lost scheduler, because a `ClusterError` already reports the loss."""
+    loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "tornado.application")]
+    log_levels = [logger.level for logger in loggers]
+    try:
+        for logger in loggers:
+            logger.setLevel(logging.CRITICAL)
+        yield
+    finally:
+        for logger, level in zip(loggers, log_levels, strict=True):
+            logger.setLevel(level)
+
+
+@contextlib.contextmanager
+def connect_to_cluster(address: str) -> Iterator[Executor]:
+    """Connect to the Dask scheduler at the given address, and yield an executor.
+
+    Raises a `ClusterError` if the scheduler does not respond, or if its workers die.
+    """
+    try:
+        distributed: Any = import_module("distributed")
+    except ImportError:
+        raise ClusterError(
+            "a cluster needs the package distributed; install it with: pip install distributed"
+        ) from None
+    if not re.fullmatch(r"([a-z]+://)?[^\s/:]+:[0-9]{1,5}|([a-z]+://)\[[0-9a-fA-F:]+\]:[0-9]{1,5}", address):
+        raise ClusterError(
+            f"the address of a Dask scheduler must have the form tcp://host:8786, got {short_repr(address)}"
+        )
+    try:
+        client = distributed.Client(address, timeout=CONNECTION_TIMEOUT, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        raise ClusterError(
+            f"no Dask scheduler responds at {short_repr(address)}: "
+            f"{printable_text(str(error).splitlines()[0], MAX_PATH_LENGTH)}"
+        ) from None
+    with _suppress_disconnect_log(), client:
+        try:
+            if not client.nthreads():
+                message = f"the scheduler at {short_repr(address)} has no workers yet; waiting for them"
+                warnings.warn(message, stacklevel=3)
+            yield client.get_executor()
+        except distributed.scheduler.KilledWorker as error:
+            raise ClusterError(
+                f"a block was not computed because its worker processes died repeatedly: {error}"
+            ) from None
+        except CancelledError:
+            message = "the connection to the scheduler was lost; finished blocks are kept, and the same command resumes"
+            raise ClusterError(message) from None

@@ -1,0 +1,621 @@
+"""Compute contact sums and statistics for members at all loads, and individual contacts at one load."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import math
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+import stiction._core as _core
+from stiction._checks import Floats, make_read_only
+from stiction._errors import NoSolutionError
+from stiction.mechanics.candidates import candidates
+from stiction.mechanics.contact import contacts
+from stiction.mechanics.friction import STATUS_OK, STATUSES
+from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_at_zero_load, solve_together_or_separately
+from stiction.mechanics.load_curve import LoadCurve, press
+from stiction.mechanics.loading import SurfacePair, find_approaches_at_loads
+from stiction.mechanics.model import ContactModel, ShearDirection
+from stiction.mechanics.quantities import (
+    ADHESION_QUANTITIES,
+    AREAL_SUM_QUANTITIES,
+    DIRECTED_SUM_QUANTITIES,
+    GAP_QUANTITIES,
+    HALF_SPACE_SUM_QUANTITIES,
+    ONSET_QUANTITIES,
+    QUANTITIES,
+    STIFFNESS_PER_AREA_FACTOR,
+    SUM_QUANTITIES,
+    ZERO_LOAD_SUM_QUANTITIES,
+)
+from stiction.mechanics.solution_record import SolutionRecord
+from stiction.solve.contact_statistics import (
+    QUANTILE_PROBABILITIES,
+    ContactList,
+    PairSlopes,
+    compute_steep_contact_load_fraction,
+    compute_steep_point_load_fraction,
+    tabulate_asperity_contacts,
+    tabulate_contact_patches,
+)
+from stiction.solve.layout import ArraysByName, list_variable_names, variable_specs
+from stiction.study.contact_tables import AsperityModelSettings, CommonContactSettings, HalfSpaceSettings
+from stiction.study.members import (
+    MAX_BATCH_BYTES,
+    count_grid_points,
+    fill_profile_family,
+    generate_profile_pairs,
+    generate_unscaled_surface,
+    get_first_pair,
+    load_bodies,
+    scale_surface_to_amplitude,
+)
+from stiction.study.study import Study
+from stiction.surfaces.pairing import SIDES
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+STIFFNESS_DIFFERENCE_STEP = 0.02
+"""Half width of the finite difference that gives the stiffness of asperities, relative to the approach."""
+
+LOAD_JUMP_DISTANCE = 1e-11
+"""Relative distance from a jump of the load to an approach just before the jump.
+
+The distance exceeds the tolerance of `find_approaches_at_loads`.
+"""
+
+
+NUM_UNLOADING_MEMBERS, NUM_UNLOADING_CUT_OFFS = 4, 2
+"""Numbers of members and of cutoffs per member for which the unloading stiffness of plastic bodies is computed."""
+
+
+def solve_at_loads(
+    study: Study, upper: Profile | Surface, lower: Profile | Surface, *, record: SolutionRecord | None = None,
+    computes_unloading: bool = False,
+) -> ArraysByName:  # fmt: skip
+    """Compute the contact sums of a pair at the loads of its study. For measured bodies, add contact statistics.
+
+    Arrays that depend on the motion have the shape (rules, directions, loads); all others have the shape (loads,). At
+    loads for which the solver fails, values are NaN and the number of contacts is 0. The unloading stiffness takes
+    about a third of the time.
+    """
+    contact = study.contact
+    num_loads, motion_shape = (
+        contact.loading_steps().size,
+        (len(contact.sliding_rules()), contact.direction_angles().size),
+    )
+    values = {
+        name: _build_unsolved_values(name, motion_shape, num_loads)
+        for name in list_variable_names(study)
+        if name not in GAP_QUANTITIES
+    }
+    slopes = PairSlopes.from_pair(upper, lower) if study.is_measured else None
+    if isinstance(contact, HalfSpaceSettings):
+        _solve_half_space(contact, upper, lower, values, slopes, record, computes_unloading=computes_unloading)
+    else:
+        _solve_asperities(contact, upper, lower, values, slopes)
+    if slopes is not None:
+        rms_gradient, rms_slopes = slopes.compute_gap_slopes(contact.direction_angles())
+        values |= {"rms_gradient": np.asarray(rms_gradient), "rms_slope": rms_slopes}
+    return values
+
+
+def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: int) -> NDArray[Any]:
+    """Return placeholder values for loads at which the solver failed: NaN, 0 contacts, or the status "not-solved"."""
+    sizes = {
+        "sliding": motion_shape[0],
+        "direction": motion_shape[1],
+        "step": num_loads,
+        "fraction_below": len(QUANTILE_PROBABILITIES),
+    }
+    shape = tuple(sizes[dimension] for dimension in QUANTITIES[name].along)
+    if name == "status":
+        return np.full(shape, STATUSES.index("not-solved"))
+    return np.zeros(shape, np.int64) if QUANTITIES[name].dtype is int else np.full(shape, np.nan)
+
+
+def _list_profile_directions(contact: CommonContactSettings) -> list[ShearDirection]:
+    """Return the directions of motion along profiles, i.e. "+x", "-x" or both."""
+    return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.direction_angles()]
+
+
+def _solve_half_space(
+    contact: HalfSpaceSettings,
+    upper: Any,
+    lower: Any,
+    values: ArraysByName,
+    slopes: PairSlopes | None,
+    record: SolutionRecord | None,
+    *,
+    computes_unloading: bool,
+) -> None:
+    """Compute the contact at all loads with the half-space model.
+
+    A failure at one load does not affect the other loads.
+    """
+    is_areal = isinstance(upper, Surface)
+    first_direction: list[float] | Literal["+x"] = contact.direction_angles().tolist() if is_areal else "+x"
+    solve = functools.partial(
+        half_space,
+        upper,
+        lower,
+        **contact.solver_arguments(),
+        direction=first_direction,
+        sliding=contact.sliding_rules()[0],
+        record=record,
+    )
+    sum_names = (*HALF_SPACE_SUM_QUANTITIES, *(ADHESION_QUANTITIES[:1] if contact.adheres else ()))
+
+    def derive_motion_curves(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
+        """Derive load curves for all sliding rules and directions from one computed load curve."""
+        direction_curves = (
+            [curve]
+            if is_areal
+            else [
+                curve if direction == "+x" else curve.with_direction(direction)
+                for direction in _list_profile_directions(contact)
+            ]
+        )
+        rules = enumerate(contact.sliding_rules())
+        return [
+            [direction if rule == 0 else direction.with_sliding(sliding) for direction in direction_curves]
+            for rule, sliding in rules
+        ]
+
+    def stack_over_motions(curves: list[list[HalfSpaceCurve]], name: str) -> Floats:
+        return np.stack(
+            [
+                np.concatenate([np.atleast_2d(getattr(direction, name)) for direction in direction_curves])
+                for direction_curves in curves
+            ]
+        )
+
+    for load_indices, curve in solve_together_or_separately(solve, contact.loading_steps()):
+        curves = derive_motion_curves(curve)
+        for name in sum_names:
+            values[name][..., load_indices] = (
+                stack_over_motions(curves, name) if name in DIRECTED_SUM_QUANTITIES else getattr(curve, name)
+            )
+        if slopes is None:
+            continue
+        values["status"][load_indices] = STATUSES.index("ok")
+        values["normal_stiffness"][load_indices] = curve.stiffness
+        values["closure"][load_indices] = curve.closure
+        values["closure_stiffness"][load_indices] = curve.closure_stiffness * STIFFNESS_PER_AREA_FACTOR
+        if computes_unloading or curve.hardness is None:
+            values["unloading_stiffness"][load_indices] = curve.unloading_stiffness
+        values["error"][load_indices] = curve.error
+        for index, load in enumerate(load_indices):
+            load_solution = curve.at(index)
+            for name, value in (
+                tabulate_contact_patches(load_solution).compute_statistics()
+                | compute_steep_point_load_fraction(load_solution, slopes)
+            ).items():
+                values[name][load] = value
+    if contact.adheres:
+        solution_at_no_load = solve_at_zero_load(solve)
+        if solution_at_no_load is not None:
+            values["pull_off"][...], values["pull_off_is_bound"][...] = solution_at_no_load.pull_off_bound
+        curves = [] if solution_at_no_load is None else derive_motion_curves(solution_at_no_load)
+        for name in ZERO_LOAD_SUM_QUANTITIES if curves else ():
+            values[name][...] = stack_over_motions(curves, QUANTITIES[name].numerator)[..., 0]
+
+
+def _solve_asperities(
+    contact: AsperityModelSettings, upper: Any, lower: Any, values: ArraysByName, slopes: Any
+) -> None:
+    """Compute independent Hertzian contacts at the approaches that give the elastic loads of the study.
+
+    With the detection criterion "cell", the load jumps at some approaches. Sums at a load within a jump are
+    interpolated between the states just before and just after the jump.
+    """
+    model, is_areal = contact.contact_model(), isinstance(upper, Surface)
+    # A map needs one load curve for all directions, whereas a profile needs one load curve for each direction.
+    if is_areal:
+        models = [replace(model, direction=contact.direction_angles().tolist(), shear="+x").for_surfaces()]
+    else:
+        models = [
+            replace(model, shear=direction, direction=None).for_profiles()
+            for direction in _list_profile_directions(contact)
+        ]
+    first_model = replace(models[0], direction=0.0) if is_areal else models[0]
+    # Without friction, the normal load equals the elastic load.
+    approach, status = find_approaches_at_loads(
+        SurfacePair(upper, lower), contact.loading_steps(), mu0=0.0, tau0=0.0, model=first_model
+    )
+    values["status"][:] = [STATUSES.index(item) for item in status.tolist()]
+    solved_loads = np.flatnonzero(status == STATUS_OK)
+    if not solved_loads.size:
+        return
+    # Contacts at minima of the gap start with zero load, so the load has no jumps.
+    approach_fractions = [
+        1 - STIFFNESS_DIFFERENCE_STEP,
+        1 - LOAD_JUMP_DISTANCE * (first_model.detection == "cell"),
+        1,
+        1 + STIFFNESS_DIFFERENCE_STEP,
+    ]
+    approaches, index = np.unique(np.outer(approach_fractions, approach[solved_loads]), return_inverse=True)
+    lower_index, index_before_jump, load_index, upper_index = index.reshape(len(approach_fractions), solved_loads.size)
+    bodies = precompute_candidates(upper, lower, float(approaches[-1]), first_model)
+    press_bodies: Any = functools.partial(press, *bodies)
+    list_contacts: Any = functools.partial(contacts, *bodies)
+
+    def interpolate_at_jump(name: str, curve: Any) -> Floats:
+        normal, sums = curve.normal_elastic, getattr(curve, name)
+        load_jump, load_rise = (
+            normal[load_index] - normal[index_before_jump],
+            contact.loading_steps()[solved_loads] - normal[index_before_jump],
+        )
+        load_fraction = np.clip(
+            np.divide(load_rise, load_jump, out=np.ones(solved_loads.size), where=load_jump > 0), 0, 1
+        )
+        interpolated = sums[..., index_before_jump] + load_fraction * (
+            sums[..., load_index] - sums[..., index_before_jump]
+        )
+        return np.asarray(np.rint(interpolated) if QUANTITIES[name].dtype is int else interpolated)
+
+    names = [name for name in (*SUM_QUANTITIES, *AREAL_SUM_QUANTITIES) if name in values]
+    for rule, sliding in enumerate(contact.sliding_rules()):
+        curves: list[Any] = [press_bodies(approaches, model=replace(item, sliding=sliding)) for item in models]
+        for name in names:
+            if name not in DIRECTED_SUM_QUANTITIES:
+                values[name][solved_loads] = interpolate_at_jump(name, curves[0])
+            else:
+                values[name][rule][..., solved_loads] = np.concatenate(
+                    [np.atleast_2d(interpolate_at_jump(name, curve)) for curve in curves]
+                )
+    normal = curves[0].normal_elastic
+    stiffness = (normal[upper_index] - normal[lower_index]) / (approaches[upper_index] - approaches[lower_index])
+    values["approach"][solved_loads] = values["closure"][solved_loads] = approach[solved_loads]
+    values["normal_stiffness"][solved_loads] = stiffness
+    values["closure_stiffness"][solved_loads] = stiffness / np.prod(upper.extent) * STIFFNESS_PER_AREA_FACTOR
+    for load in solved_loads:
+        table = tabulate_asperity_contacts(list_contacts(float(approach[load]), model=first_model), upper)
+        for name, value in (table.compute_statistics() | compute_steep_contact_load_fraction(table, slopes)).items():
+            values[name][load] = value
+
+
+def precompute_candidates(upper: Any, lower: Any, max_approach: float, model: ContactModel) -> tuple[Any, ...]:
+    """Find the contact candidates up to an approach (µm), so that later calls need not search for them again.
+
+    Returns both bodies unchanged if contacts are not minima of the gap.
+    """
+    if model.detection != "gap-minimum":
+        return upper, lower
+    return (candidates(upper, lower, deepest=max_approach, curvature=model.curvature),)
+
+
+# ---- Contact at a single load ----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class PressedPair:
+    """Pair of bodies that are pressed together by one elastic load."""
+
+    upper: Any
+    lower: Any
+    curve: HalfSpaceCurve | LoadCurve  # load curve that contains only the given load, for a motion along +x
+    model: ContactModel | None = None  # contact model of the asperities; None for the half-space model
+
+    @classmethod
+    def solve(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
+        """Compute the contact between both bodies at a load (mN), or return None if the solver fails."""
+        upper, lower = pair
+        contact = study.contact
+        if isinstance(contact, HalfSpaceSettings):
+            try:
+                curve = half_space(upper, lower, [load], **contact.solver_arguments(), sliding="all")
+            except NoSolutionError:
+                return None
+            return cls(upper, lower, curve)
+        model = replace(contact.contact_model(), shear="+x", direction=None, sliding="all")
+        model = model.for_profiles() if isinstance(upper, Profile) else replace(model, direction=0.0).for_surfaces()
+        approach, status = find_approaches_at_loads(
+            SurfacePair(upper, lower), np.array([load]), mu0=0.0, tau0=0.0, model=model
+        )
+        if status[0] != STATUS_OK:
+            return None
+        bodies: Any = precompute_candidates(upper, lower, float(approach[0]), model)
+        load_curve: LoadCurve = press(*bodies, approach, model=model)  # type: ignore[call-overload]
+        return cls(upper, lower, load_curve, model=model)
+
+    def tabulate_contacts(self) -> ContactList:
+        """Return a table of the contacts between the two bodies."""
+        if isinstance(self.curve, HalfSpaceCurve):
+            return tabulate_contact_patches(self.curve.at(0))
+        assert self.model is not None
+        contacts_at_approach = contacts(self.upper, self.lower, float(self.curve.approach[0]), model=self.model)
+        return tabulate_asperity_contacts(contacts_at_approach, self.lower)
+
+
+# ---- Members of a study ----------------------------------------------------------------------------------------------
+
+CACHE_LINE_BYTES = 64  # size of a cache line of the processor in bytes
+# tangential load, as a fraction of the sliding load, at which the normal load on the slipping contact is stored
+SLIP_LOAD_FRACTION = 0.5
+
+MEMBER_TIME_COEFFICIENTS = {
+    "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,
+    "half-space": 1e-3, "half-plane": 8e-4,
+}  # fmt: skip
+"""Rough computing times on one core (s), which determine the number of members in a block.
+
+"onset" is the time of one onset of sliding. "profile", "asperities" and "point" are times per grid point of generated
+profiles, of generated areas, and of measured areas with the asperity model. "area" and "line" are times per load of
+asperities on measured areas and lines. "half-space" and "half-plane" are times per load in addition to the time of the
+solution.
+"""
+
+SOLUTION_TIME_COEFFICIENTS = {False: (6e-8, 1.25), True: (3e-8, 1.15)}
+"""Power law of the time (s) of a half-space solution on one core: coefficient and exponent of the number of points.
+
+The keys are False for lines and True for areas.
+"""
+
+ITERATION_TIME_COEFFICIENTS = {False: (2.4e-8, 0.97), True: (1.1e-8, 1.1)}
+"""Power law of the time (s) of an iteration with adhesion on one core: coefficient and exponent of the points.
+
+The keys are False for lines and True for areas.
+"""
+
+ITERATIONS_PER_LOAD = 15
+MAX_PULL_OFF_ITERATIONS = 12_000
+PULL_OFF_ITERATION_FACTORS = {False: 100_000, True: 5000}
+"""Factor in the number of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
+
+The number is proportional to E* Sq Sdq / (4 w) of the gap, up to a maximum. Bodies near complete contact need the most
+iterations.
+"""
+
+_reusable_arrays = threading.local()
+
+
+def compute_member_arrays(study: Study, index: int, record: SolutionRecord | None = None) -> ArraysByName:
+    """Compute all variables of one member of a study. The arrays have no member axis.
+
+    The half-space model reports its iterations and its finished loads to the record.
+
+    Measured bodies also have the `MEMBER_COORDINATE_TYPES`. Values are NaN at loads for which the solver fails. Raises
+    a `ValueError` if the bodies cannot be loaded.
+    """
+    arrays: ArraysByName = {
+        name: np.empty(shape, dtype) for name, (shape, dtype) in get_array_shapes_and_types(study).items()
+    }
+    for cell_index, cell_arrays in (
+        _solve_measured_member(study, index, arrays, record)
+        if study.is_measured
+        else _solve_generated_member(study, index, record)
+    ):
+        for name, values in cell_arrays.items():
+            arrays[name][cell_index] = values.reshape(arrays[name][cell_index].shape)
+    return arrays
+
+
+@functools.lru_cache(maxsize=4)
+def get_array_shapes_and_types(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
+    """Return the shape and data type of each variable, for a single member."""
+    num_cell_dims = len(study.surfaces.cell_coordinates())
+    return {
+        name: ((*spec.shape[:num_cell_dims], *spec.shape[num_cell_dims + 1 :]), spec.dtype)
+        for name, spec in variable_specs(study, [0]).items()
+    }
+
+
+def estimate_member_time(study: Study) -> float:
+    """Estimate the time (s) for computing one member on one core."""
+    num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
+    num_loads = study.contact.loading_steps().size
+    num_points, is_areal = count_grid_points(study), study.is_areal
+    if study.uses_half_space and study.contact.adheres:
+        return num_cells * (
+            (num_loads + 1) * estimate_solution_time(study)
+            + _estimate_pull_off_iterations(study) * _estimate_iteration_time(study)
+        )
+    if study.uses_half_space:
+        return num_cells * num_loads * estimate_solution_time(study)
+    if study.is_measured:
+        return num_cells * (
+            MEMBER_TIME_COEFFICIENTS["area"] * num_loads + MEMBER_TIME_COEFFICIENTS["point"] * num_points
+            if is_areal
+            else MEMBER_TIME_COEFFICIENTS["line"] * num_loads
+        )
+    onset_time = num_cells * num_loads * MEMBER_TIME_COEFFICIENTS["onset"] if study.contact.onset else 0.0
+    return (
+        num_cells * num_points * MEMBER_TIME_COEFFICIENTS["asperities" if study.is_areal else "profile"]
+        + onset_time
+        + 1e-4
+    )
+
+
+def estimate_member_iterations(study: Study) -> float:
+    """Estimate the number of iterations on the finest grid for one member of a half-space study."""
+    num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
+    num_loads = study.contact.loading_steps().size
+    if not study.contact.adheres:
+        return num_cells * num_loads * ITERATIONS_PER_LOAD
+    return num_cells * ((num_loads + 1) * ITERATIONS_PER_LOAD + _estimate_pull_off_iterations(study))
+
+
+def _estimate_pull_off_iterations(study: Study) -> float:
+    factor = PULL_OFF_ITERATION_FACTORS[study.is_areal]
+    return factor / max(_estimate_elasticity_to_adhesion_ratio(study), factor / MAX_PULL_OFF_ITERATIONS)
+
+
+def estimate_solution_time(study: Study) -> float:
+    """Estimate the time (s) for computing a half-space solution at a single load on one core."""
+    is_areal = study.is_areal
+    additional_time = MEMBER_TIME_COEFFICIENTS["half-space" if is_areal else "half-plane"]
+    if study.contact.adheres:
+        return additional_time + ITERATIONS_PER_LOAD * _estimate_iteration_time(study)
+    coefficient, exponent = SOLUTION_TIME_COEFFICIENTS[is_areal]
+    return additional_time + coefficient * math.pow(count_grid_points(study), exponent)
+
+
+def _estimate_iteration_time(study: Study) -> float:
+    coefficient, exponent = ITERATION_TIME_COEFFICIENTS[study.is_areal]
+    return coefficient * math.pow(count_grid_points(study), exponent)
+
+
+@functools.lru_cache(maxsize=16)
+def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
+    """Return E* Sq Sdq / (4 w) for the gap of the first member, or 0 if files are missing.
+
+    By the Cauchy-Schwarz inequality, this ratio is at least the elastic energy per area of complete contact, divided by
+    w.
+    """
+    contact, gap = study.contact, np.zeros((0, 0))
+    with contextlib.suppress(ValueError, OSError):
+        upper, lower = get_first_pair(study)
+        gap = np.asarray(upper.heights - lower.heights)
+    if not gap.size:
+        return 0.0
+    spacings = np.broadcast_to(upper.spacing, gap.ndim)
+    slopes = [np.diff(gap, axis=axis) / spacing for axis, spacing in enumerate(spacings)]
+    gradient = math.sqrt(sum(float(np.mean(np.square(slope))) for slope in slopes))
+    return float(contact.effective_modulus) * float(gap.std()) * gradient / (4 * float(contact.work_of_adhesion or 0))
+
+
+# ---- Generated bodies ------------------------------------------------------------------------------------------------
+
+
+def _solve_generated_member(
+    study: Study, repetition: int, record: SolutionRecord | None
+) -> Iterator[tuple[Any, ArraysByName]]:
+    """Yield, for each fractal dimension and amplitude, their indices and the contact sums of one repetition."""
+    if not (study.is_areal or study.uses_half_space or study.contact.onset):
+        yield from _solve_profile_batches(study, repetition)
+        return
+    press_pair = functools.partial(solve_at_loads, record=record) if study.uses_half_space else _solve_at_approaches
+    cells: Any = study.surfaces.cell_coordinates()
+    dimensions, amplitudes = cells["fractal_dimension"], cells["amplitude"]
+    if not study.is_areal:
+        for a, amplitude in enumerate(amplitudes):
+            for d, pair in enumerate(generate_profile_pairs(study, repetition, dimensions, amplitude)):
+                yield (d, a), press_pair(study, *pair)
+        return
+    for d, dimension in enumerate(dimensions):
+        upper, lower = (generate_unscaled_surface(study, repetition, side, dimension) for side in SIDES)
+        for a, amplitude in enumerate(amplitudes):
+            yield (
+                (d, a),
+                press_pair(study, *(scale_surface_to_amplitude(study, body, amplitude) for body in (upper, lower))),
+            )
+
+
+def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> ArraysByName:
+    """Compute the contact sums of a pair with the asperity model, at the approaches given in the study."""
+    steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)
+    bodies: Any = upper, lower
+    if isinstance(upper, Surface):
+        models = tuple(model.for_surfaces() for model in models)
+        bodies = (candidates(upper, lower, deepest=float(steps[-1]), curvature=models[0].curvature),)
+    curves: list[Any] = [press(*bodies, steps, model=model) for model in models]  # type: ignore[call-overload]
+    sums = {
+        name: np.stack([getattr(curve, name) for curve in curves])
+        if name in DIRECTED_SUM_QUANTITIES
+        else getattr(curves[0], name)
+        for name in study.contact_sum_names()
+        if name not in ONSET_QUANTITIES
+    }
+    return sums | _compute_onsets(study, curves[0]) if study.contact.onset else sums
+
+
+def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
+    """Compute the onset of sliding at each approach, for motion along the first direction."""
+    contact = study.contact
+    assert isinstance(contact, AsperityModelSettings)
+    assert contact.onset is not None
+    onsets = {name: np.zeros(curve.approach.size) for name in ONSET_QUANTITIES}
+    for index in np.flatnonzero(curve.normal_elastic > 0).tolist():
+        onset = curve.onset(
+            index, mu0=contact.onset.mu0, tau0=float(contact.onset.tau0), direction=contact.directions_of_motion()[0],
+            steps=[SLIP_LOAD_FRACTION], poisson=contact.onset.poisson_ratio,
+        )  # fmt: skip
+        values = (onset.stiffness, onset.displacement_at_sliding, float(onset.slipped_load[0]))
+        for name, value in zip(ONSET_QUANTITIES, values, strict=True):
+            onsets[name][index] = value
+    return onsets
+
+
+@functools.lru_cache(maxsize=4)
+def _list_contact_models(contact: Any) -> tuple[ContactModel, ...]:
+    return tuple(contact.contact_model(rule) for rule in contact.sliding_rules())
+
+
+@functools.lru_cache(maxsize=4)
+def _list_loading_steps(contact: Any) -> Floats:
+    return make_read_only(contact.loading_steps())
+
+
+def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, ArraysByName]]:
+    """Compute contact sums of profiles with the asperity model. Several fractal dimensions are computed together.
+
+    The arrays have the shape (dimensions, amplitudes, rules, steps), with a single rule for quantities that do not
+    depend on the motion.
+    """
+    surfaces: Any = study.surfaces
+    steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)
+    dimensions, amplitudes = surfaces.fractal_dimensions(), surfaces.amplitudes()
+    batch_size = min(dimensions.size, max(1, MAX_BATCH_BYTES // (8 * surfaces.points)))
+    height_buffer = _get_reused_array((2 * batch_size + 2, surfaces.points))
+    for batch_start in range(0, dimensions.size, batch_size):
+        batch_dimensions = dimensions[batch_start : batch_start + batch_size]
+        upper_heights, lower_heights = (
+            height_buffer[: batch_dimensions.size],
+            height_buffer[batch_size : batch_size + batch_dimensions.size],
+        )
+        columns = _core.press_profile_batches(
+            upper_heights, fill_profile_family(study, upper_heights, batch_dimensions, repetition, "upper"),
+            lower_heights, fill_profile_family(study, lower_heights, batch_dimensions, repetition, "lower"),
+            spacing=surfaces.spacing, amplitudes=amplitudes, measure=surfaces.amplitude_measure, approaches=steps,
+            scratch=height_buffer[-2:],
+            models=[model.for_profiles().core() for model in models],
+        )  # fmt: skip
+        shape = batch_dimensions.size, amplitudes.size, len(models), steps.size
+        tables = {name: columns[name].reshape(shape) for name in study.contact_sum_names()}
+        yield (
+            slice(batch_start, batch_start + batch_dimensions.size),
+            {name: table if name in DIRECTED_SUM_QUANTITIES else table[:, :, :1] for name, table in tables.items()},
+        )
+
+
+def _get_reused_array(shape: tuple[int, ...]) -> Floats:
+    """Return an uninitialised array that all tasks of a thread reuse, because memory allocation is slow.
+
+    The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
+    """
+    reusable_array: Floats | None = getattr(_reusable_arrays, "memory", None)
+    if reusable_array is None or reusable_array.shape != shape:
+        buffer = np.empty(math.prod(shape) + CACHE_LINE_BYTES // 8)
+        offset = -buffer.__array_interface__["data"][0] % CACHE_LINE_BYTES // 8
+        _reusable_arrays.memory = reusable_array = buffer[offset : offset + math.prod(shape)].reshape(shape)
+    return reusable_array
+
+
+# ---- Measured bodies -------------------------------------------------------------------------------------------------
+
+
+def _solve_measured_member(
+    study: Study, index: int, arrays: ArraysByName, record: SolutionRecord | None
+) -> Iterator[tuple[int, ArraysByName]]:
+    """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
+    computes_unloading = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
+    for cell_index, wavelength in enumerate(study.surfaces.cell_coordinates()["cut_off"]):
+        member = load_bodies(study).member(index, float(wavelength))
+        arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
+        yield (
+            cell_index,
+            solve_at_loads(
+                study,
+                *member.pair,
+                record=record,
+                computes_unloading=computes_unloading and cell_index < NUM_UNLOADING_CUT_OFFS,
+            ),
+        )

@@ -1,0 +1,176 @@
+"""Contact sums of the members of a study, in memory or in the directory of a result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import check_callable, check_instance, parse_names, parse_path
+from stiction._units import short_repr
+from stiction.solve.layout import compute_members_per_piece
+from stiction.solve.store import StoredResult, export
+from stiction.study.study import Study, parse_study_of_dataset
+
+if TYPE_CHECKING:
+    import xarray
+
+_Value = TypeVar("_Value")
+
+
+class MemberSums:
+    """Contact sums of all members of a study, from which values are evaluated.
+
+    Parameters
+    ----------
+    source : xarray.Dataset or StoredResult
+        Sums of all members in memory, or an open directory.
+    """
+
+    def __init__(self, source: xarray.Dataset | StoredResult) -> None:
+        self.source = source
+        self._companions: dict[Callable[[StoredResult], Any], Any] = {}
+        self._computed: dict[Callable[[Any], Any], Any] = {}
+
+    @classmethod
+    def of(cls, sums: MemberSums | xarray.Dataset | StoredResult) -> Self:
+        """Convert a dataset of member sums or an opened directory to this class. Return its instances unchanged."""
+        import xarray
+
+        if isinstance(sums, cls):
+            return sums
+        if isinstance(sums, MemberSums):
+            return cls(sums.source)
+        check_instance("result", sums, (xarray.Dataset, StoredResult), "a Result, or an xarray.Dataset of member sums")
+        return cls(sums)
+
+    @property
+    def stored(self) -> StoredResult | None:
+        """Result stored in a directory, or None if the result is in memory."""
+        return self.source if isinstance(self.source, StoredResult) else None
+
+    @cached_property
+    def study(self) -> Study:
+        """Study from which the result was computed."""
+        return self.source.study if isinstance(self.source, StoredResult) else parse_study_of_dataset(self.source)
+
+    @property
+    def path(self) -> Path | None:
+        """Directory of the result, or None if the result is in memory."""
+        return None if self.stored is None else self.stored.path
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset:
+        """Dataset that contains the contact sums of all members in memory.
+
+        Raises a `StoreError` if the sums take more than 2 GiB.
+        """
+        return self.source.dataset() if isinstance(self.source, StoredResult) else self.source
+
+    @cached_property
+    def head(self) -> xarray.Dataset:
+        """Dataset with the coordinates and attributes of the result.
+
+        For a stored result, this dataset contains the values of one member only. Raises a `StoreError` if no
+        member is finished.
+        """
+        if not isinstance(self.source, StoredResult):
+            return self.source
+        # If the result has no members, `StoredResult.dataset` raises an error.
+        return self.source.first_member() if self.source.num_finished else self.source.dataset()
+
+    @cached_property
+    def members(self) -> NDArray[np.intp]:
+        """Indices of the finished members."""
+        if isinstance(self.source, StoredResult):
+            return self.source.finished_members
+        return np.asarray(self.source["repetition"].values, dtype=np.intp)
+
+    @property
+    def version(self) -> str:
+        """Version of stiction that computed the result."""
+        if isinstance(self.source, StoredResult):
+            return self.source.version
+        return str(self.source.attrs.get("stiction_version", "unknown"))
+
+    def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
+        """Yield the result in pieces (groups of members) with the named variables. Only one piece is held in memory.
+
+        The pieces depend only on the study, so that sums over the pieces are bitwise reproducible.
+        """
+        if names is not None:
+            names = parse_names("names", names)
+            if unknown_names := [name for name in names if name not in self.head.variables]:
+                raise ValueError(f"names must be variables of the result, got {short_repr(unknown_names[0])}")
+        if isinstance(self.source, StoredResult):
+            yield from self.source.pieces(names)
+            return
+        count = self.source.sizes["repetition"]
+        piece_size = compute_members_per_piece(
+            sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count)
+        )
+        selected_dataset = self.source if names is None else self.source[list(names)]
+        for piece_start in range(0, count, piece_size):
+            yield selected_dataset.isel(repetition=slice(piece_start, piece_start + piece_size))
+
+    def means(self, names: Iterable[str]) -> xarray.Dataset:
+        """Average variables over the members that the solver completed at a loading step; NaN if there are none.
+
+        Only one piece of the result is held in memory at a time.
+        """
+        import xarray
+
+        names, sums, counts = parse_names("names", names), dict[str, xarray.Variable](), dict[str, xarray.Variable]()
+        for piece in self.pieces(names):
+            for name in names:
+                dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
+                # Summation is fast if the repetitions are contiguous in memory.
+                values = np.ascontiguousarray(piece[name].transpose(*dims, "repetition").values)
+                is_solved = ~np.isnan(values)
+                piece_sum = xarray.Variable(dims, np.where(is_solved, values, 0).sum(axis=-1))
+                piece_count = xarray.Variable(dims, is_solved.sum(axis=-1))
+                sums[name] = piece_sum if name not in sums else sums[name] + piece_sum
+                counts[name] = piece_count if name not in counts else counts[name] + piece_count
+        head = self.head
+        coordinates = {name: variable for name, variable in head.coords.items() if "repetition" not in variable.dims}
+        with np.errstate(invalid="ignore"):
+            variables = {
+                name: (value.dims, value.values / counts[name].values, head[name].attrs) for name, value in sums.items()
+            }
+        return xarray.Dataset(variables, coordinates, head.attrs)
+
+    @cached_property
+    def mean_elastic_loads(self) -> xarray.DataArray:
+        """Elastic load (mN) of each cell at each loading step, averaged over the members solved at this step."""
+        return self.means(["normal_elastic"])["normal_elastic"]
+
+    def load_companion(self, read: Callable[[StoredResult], _Value | None]) -> _Value | None:
+        """Call `read` to load data that are stored alongside the result, and cache the data.
+
+        Returns None for results in memory.
+
+        The value None is not cached, because an unfinished run may add the data later.
+        """
+        check_callable("read", read)
+        if self.stored is None:
+            return None
+        if read not in self._companions:
+            value = read(self.stored)
+            if value is None:
+                return None
+            self._companions[read] = value
+        return self._companions[read]  # type: ignore[no-any-return]
+
+    def compute_once(self, compute: Callable[[Self], _Value]) -> _Value:
+        """Return `compute(self)`, and cache the value for the next call with the same function."""
+        if compute not in self._computed:
+            self._computed[compute] = compute(self)
+        return self._computed[compute]  # type: ignore[no-any-return]
+
+    def to_netcdf(self, path: str | Path) -> None:
+        """Write the result to a new netCDF file, including all variables, coordinates and attributes."""
+        export(self.dataset, parse_path("path", path))

@@ -1,0 +1,227 @@
+"""Progress of the members that are being computed, and their finished steps on disk.
+
+    DIR/in_progress/0000003-1b2c3d4e5f6a7b8c/00007.npz     step 7 of member 3, for example the contact at one load
+    DIR/in_progress/0000003-1b2c3d4e5f6a7b8c/state.npz     state in the middle of the next step
+
+A member whose computation was interrupted continues from these files, with the same bits as without the interruption.
+Only members that take longer than `STORAGE_INTERVAL` have files. The files are removed as soon as the block of the
+member is stored. The name of the folder contains a checksum of the study, the software and the machine, because other
+software or another machine may compute other bits.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import platform
+import re
+import time
+import zipfile
+import zlib
+from collections.abc import Callable
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+import stiction._core as _core
+import stiction._files as _files
+from stiction._core import __version__
+from stiction._errors import NoSolutionError
+from stiction.mechanics.solution_record import SolutionRecord, StepResult
+from stiction.study.study import Study
+
+IN_PROGRESS_FOLDER = "in_progress"
+STORAGE_INTERVAL = 15.0  # time (s) between two writes of the steps of a member
+MAX_STEP_BYTES = 2**32  # maximum size (bytes) of a file that is read
+_STATE_FILE = "state.npz"
+_STEP_FILE_PATTERN = re.compile(r"([0-9]{5,}|state)\.npz")
+_MEMBER_FOLDER_PATTERN = re.compile(r"([0-9]{7,18})-[0-9a-f]{16}")
+MAX_LINEAR_FRACTION = 0.5
+"""Fraction of the expected iterations up to which the progress of a member is proportional to its iterations.
+
+Beyond this fraction, the progress approaches 1 without reaching it, because the number of iterations is not known in
+advance.
+"""
+
+
+class MembersInProgress:
+    """Members that a run is computing: their iterations and, if a result folder is given, their stored steps.
+
+    `estimate_iterations` returns the expected number of iterations of a member.
+    """
+
+    def __init__(self, study: Study, folder: Path | None, estimate_iterations: Callable[[], float]) -> None:
+        self._study, self._folder, self._estimate_iterations = study, folder, estimate_iterations
+        self._records: dict[int, SolutionRecord] = {}
+        self._finished_counts: list[int] = []
+
+    @cached_property
+    def _key(self) -> str:
+        """Checksum of everything that determines the bits of a member."""
+        import scipy
+
+        inputs = (
+            self._study.to_toml(), __version__, sorted(_core.build().items()), np.__version__, scipy.__version__,
+            platform.node(), platform.machine(),
+        )  # fmt: skip
+        return hashlib.sha256(repr(inputs).encode()).hexdigest()[:16]
+
+    def add(self, member: int) -> SolutionRecord:
+        """Return a new record of a member whose computation starts."""
+        record = (
+            SolutionRecord()
+            if self._folder is None
+            else _StoredRecord(self._folder / IN_PROGRESS_FOLDER / f"{member:07d}-{self._key}")
+        )
+        self._records[member] = record
+        return record
+
+    def remove(self, members: range) -> None:
+        """Remove the records of members whose block is stored, together with their files."""
+        for member in members:
+            if record := self._records.pop(member, None):
+                self._finished_counts.append(record.counter.count)
+        if self._folder is not None:
+            remove_stored_steps(self._folder, members)
+
+    def estimate_progress(self) -> float:
+        """Return the sum of the finished fractions of all members that are being computed."""
+        if not self._records:
+            return 0.0
+        counts = [count for count in self._finished_counts if count > 0]
+        expected = sum(counts) / len(counts) if counts else self._estimate_iterations()
+        return sum(
+            _estimate_finished_fraction(record.counter.count / max(expected, 1.0))
+            for record in list(self._records.values())
+        )
+
+
+def _estimate_finished_fraction(iteration_ratio: float) -> float:
+    """Return a fraction from 0 to 1 that rises with the ratio of finished to expected iterations."""
+    if iteration_ratio <= MAX_LINEAR_FRACTION:
+        return iteration_ratio
+    return 1 - MAX_LINEAR_FRACTION**2 / iteration_ratio
+
+
+def find_members_in_progress(folder: Path) -> set[int]:
+    """Return the members of a result folder that have stored steps."""
+    return {
+        member
+        for member, member_folder in _list_member_folders(folder)
+        if any(_STEP_FILE_PATTERN.fullmatch(path.name) for path in member_folder.iterdir())
+    }
+
+
+def remove_stored_steps(folder: Path, members: range | None = None) -> None:
+    """Remove the stored steps of some members, or of all members, from a result folder. Errors are ignored."""
+    for member, member_folder in _list_member_folders(folder):
+        if members is None or member in members:
+            with contextlib.suppress(OSError):
+                for path in member_folder.iterdir():
+                    if _STEP_FILE_PATTERN.fullmatch(path.name):
+                        path.unlink(missing_ok=True)
+                _files.remove_stale_partial_files(member_folder)
+                member_folder.rmdir()
+    with contextlib.suppress(OSError):  # the folder is missing, or contains other members
+        (folder / IN_PROGRESS_FOLDER).rmdir()
+
+
+def _list_member_folders(folder: Path) -> list[tuple[int, Path]]:
+    try:
+        paths = list((folder / IN_PROGRESS_FOLDER).iterdir())
+    except OSError:
+        return []
+    matches = [(_MEMBER_FOLDER_PATTERN.fullmatch(path.name), path) for path in paths]
+    return [(int(match[1]), path) for match, path in matches if match]
+
+
+class _StoredRecord(SolutionRecord):
+    """Record of a member that stores its steps in a folder, and reads the steps of an interrupted computation."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__()
+        self._folder = folder
+        self._step = -1
+        self._is_resuming, self._is_writable = True, True
+        self._unsaved_steps: list[tuple[int, StepResult]] = []
+        self._last_time = time.monotonic()
+        self._first_count = 0  # iterations before the current step
+
+    def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:
+        self._step += 1
+        self._first_count = self.counter.count
+        result = self._read_step(self._step)
+        if result is not None:
+            self.counter.add(int(result["iteration_count"]))
+        else:
+            try:
+                result = compute()
+            except error_type as error:
+                result = {"failure": str(error)}
+            result["iteration_count"] = self.counter.count - self._first_count
+            if self._is_writable:
+                self._unsaved_steps.append((self._step, result))
+            if self._is_due():
+                self._write({})
+        if "failure" in result:
+            raise error_type(str(result["failure"]))
+        return result
+
+    def read_state(self) -> StepResult | None:
+        state = _read_result(self._folder / _STATE_FILE) if self._had_files else None
+        if state is None or int(state["step"]) != self._step:
+            return None
+        self.counter.add(int(state["iteration_count"]))
+        return state
+
+    def offer_state(self, get_state: Callable[[], StepResult]) -> None:
+        if self._is_due():
+            counts = {"step": self._step, "iteration_count": self.counter.count - self._first_count}
+            self._write(get_state() | counts)
+
+    @cached_property
+    def _had_files(self) -> bool:
+        return self._folder.is_dir()
+
+    def _read_step(self, step: int) -> StepResult | None:
+        """Return a stored step, or None if this step or an earlier one is missing."""
+        result = _read_result(self._folder / f"{step:05d}.npz") if self._is_resuming and self._had_files else None
+        self._is_resuming = result is not None
+        return result
+
+    def _is_due(self) -> bool:
+        return self._is_writable and time.monotonic() - self._last_time > STORAGE_INTERVAL
+
+    def _write(self, state: StepResult) -> None:
+        """Write the finished steps and the state of the current step.
+
+        A step that cannot be written does not end the computation: after an interruption, the member is computed again.
+        """
+        try:
+            self._folder.parent.mkdir(exist_ok=True)
+            self._folder.mkdir(exist_ok=True)
+            for step, result in self._unsaved_steps:
+                _files.write_atomically(self._folder / f"{step:05d}.npz", _encode_result(result))
+            if state:
+                _files.write_atomically(self._folder / _STATE_FILE, _encode_result(state))
+        except OSError:
+            self._is_writable = False
+        self._unsaved_steps.clear()
+        self._last_time = time.monotonic()
+
+
+def _encode_result(result: StepResult) -> bytes:
+    file = io.BytesIO()
+    np.savez_compressed(file, **result)
+    return file.getvalue()
+
+
+def _read_result(path: Path) -> StepResult | None:
+    """Read a stored result. Return None if the file is missing or damaged; a checksum protects each array."""
+    try:
+        with np.load(io.BytesIO(_files.read_file_bytes(path, MAX_STEP_BYTES)), allow_pickle=False) as file:
+            return dict(file.items())
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, _files.UnreadableFileError):
+        return None

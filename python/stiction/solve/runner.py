@@ -1,0 +1,501 @@
+"""Run a study with an executor, which computes each block of members in a separate task."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import itertools
+import math
+import queue
+import shutil
+import socket
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._checks import check_bool, check_instance, parse_path
+from stiction._core import __version__
+from stiction._files import FolderClaim, new_partial_file_name
+from stiction._text import format_bytes, format_duration, printable_path
+from stiction.solve.executors import (
+    WORKER_DIED_MESSAGE,
+    executor_or_thread_pool,
+    progress_bar,
+    wrap_to_use_idle_threads,
+)
+from stiction.solve.layout import (
+    MEMBER_COORDINATE_TYPES,
+    ArraysByName,
+    build_dataset,
+    compute_bytes_per_member,
+    stack_members,
+)
+from stiction.solve.member_solution import compute_member_arrays, estimate_member_iterations, estimate_member_time
+from stiction.solve.member_sums import MemberSums
+from stiction.solve.members_in_progress import MembersInProgress
+from stiction.solve.store import (
+    BLOCKS_FOLDER,
+    STUDY_FILE,
+    StoredResult,
+    StoreError,
+    create_or_open_result,
+    encode_members,
+    is_complete,
+    write_block,
+)
+from stiction.study.members import check_last_member, count_grid_points, find_body_attributes
+from stiction.study.study import Study
+from stiction.study.values import StudyError
+
+if TYPE_CHECKING:
+    import xarray
+
+# Target computing time (s) of a block. It is short, so that little work is lost if the program crashes.
+# Writing a block takes a few per cent of this time.
+TARGET_BLOCK_TIME = 1.5
+MAX_BLOCK_MEMBERS = 4096
+MAX_BLOCK_BYTES = 2**24
+MIN_BLOCKS = 16  # minimum number of blocks; with several blocks, the wait for the last block is short
+MIN_BLOCK_TIME = 0.06  # minimum computing time (s) of a block; writing its file takes some milliseconds
+MAX_SUBMITTED_TASKS = 1000  # maximum number of submitted tasks if the workers write the block files
+# maximum number of submitted tasks if this process writes the block files
+MAX_RETURNED_TASKS = 256
+PROGRESS_INTERVAL = 0.5  # time (s) between two updates of the displayed progress
+SHUTDOWN_TIMEOUT = 3.0  # time (s) for which an interrupted run waits for unfinished blocks
+MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result without a store, and of a single repetition
+
+
+def choose_block_size(study: Study) -> int:
+    """Return the number of members to store in each block."""
+    size_by_time = int(min(TARGET_BLOCK_TIME / max(estimate_member_time(study), 1e-9), MAX_BLOCK_MEMBERS))
+    size_by_bytes = MAX_BLOCK_BYTES // compute_bytes_per_member(study)
+    num_members = study.ensemble.repetitions
+    min_size = min(math.ceil(MIN_BLOCK_TIME / max(estimate_member_time(study), 1e-9)), num_members // 4)
+    return max(1, min(size_by_time, size_by_bytes, max(num_members // MIN_BLOCKS, min_size)))
+
+
+# ---- Runs -----------------------------------------------------------------------------------------------------------
+
+
+def compute_member_sums(
+    study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
+) -> MemberSums:
+    """Compute the contact sums of all members of a study, in memory or in a folder. Parameters as for `run`."""
+    check_instance("study", study, Study, "a Study")
+    check_bool("progress", progress)
+    size = study.ensemble.repetitions * compute_bytes_per_member(study)
+    if store is None and size > MAX_BYTES_IN_MEMORY:
+        raise StudyError(
+            f"the result would take {size / 2**30:.0f} GiB of memory, more than the limit of "
+            f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; give a store, or reduce ensemble.repetitions"
+        )
+    if store is None:
+        return MemberSums(_run_in_memory(study.with_checksums(), executor, progress))
+    store = parse_path("store", store)
+    with FolderClaim(store) as claim:
+        stored_result = prepare_result_folder(study, store, claim)
+        return MemberSums(complete_blocks(stored_result, claim, executor=executor, progress=progress))
+
+
+def compute_missing_blocks(
+    study: Study, folder: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
+    progress: bool = False, announce: Callable[[str], None] | None = None,
+) -> int:  # fmt: skip
+    """Compute all blocks of a study that its folder does not contain yet.
+
+    The part (3, 16) is every 16th block, starting with the third.
+
+    Several processes can compute different parts in one folder; a process without a part computes all missing blocks.
+    `announce` receives a line about the work ahead. Returns the number of finished repetitions of the study, or of the
+    part. Raises the errors of `run`.
+    """
+    with FolderClaim(folder) as claim:
+        stored_result = complete_blocks(
+            prepare_result_folder(study, folder, claim, part),
+            claim,
+            part=part,
+            executor=executor,
+            progress=progress,
+            announce=announce,
+        )
+    unfinished_members = _UnfinishedMembers(stored_result, part)
+    return unfinished_members.total - unfinished_members.count
+
+
+def prepare_result_folder(
+    study: Study, folder: str | Path, claim: FolderClaim, part: tuple[int, int] | None = None
+) -> StoredResult:
+    """Create the folder in which a study is stored, or open the existing folder, and acquire the claim of the run.
+
+    Raises the errors of `compute_missing_blocks`.
+    """
+    if part is not None and not 1 <= part[0] <= part[1]:
+        raise ValueError(f"part must be K of N, as in 3/16, got {part[0]}/{part[1]}")
+    if (size := compute_bytes_per_member(study)) > MAX_BYTES_IN_MEMORY:
+        keys = " or ".join(f"surfaces.{name}" for name in study.surfaces.cell_coordinates())
+        raise StudyError(
+            f"a repetition would take {size / 2**30:.0f} GiB, more than the limit of "
+            f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; reduce the number of values of "
+            f"contact.{study.step_quantity} or {keys}"
+        )
+    if not is_complete(folder, study):
+        check_last_member(study.with_checksums())
+    return create_or_open_result(folder, study.with_checksums(Path(folder)), claim)
+
+
+def complete_blocks(
+    stored_result: StoredResult, claim: FolderClaim, *, part: tuple[int, int] | None = None,
+    executor: Executor | None = None,
+    progress: bool = False, announce: Callable[[str], None] | None = None, update: Callable[[str], None] | None = None,
+) -> StoredResult:  # fmt: skip
+    """Compute the blocks that are missing in a stored result, and return the complete result.
+
+    The claim of the run is refreshed after each block.
+
+    `update` receives a new estimate of the run time after the first block, if much time remains and the first estimate
+    was too low. Raises the errors of `compute_missing_blocks`.
+    """
+    unfinished_members = _UnfinishedMembers(stored_result, part)
+    with contextlib.ExitStack() as stack:
+        pool = stack.enter_context(executor_or_thread_pool(executor))
+        members_in_progress = _create_members_in_progress(stored_result.study, stored_result.path)
+        advance = stack.enter_context(
+            progress_bar(
+                stored_result.study.member_names.plural,
+                unfinished_members.total,
+                unfinished_members.total - unfinished_members.count,
+                progress,
+                members_in_progress.estimate_progress,
+            )
+        )
+
+        def advance_and_refresh(count: int) -> None:
+            claim.refresh()
+            advance(count)
+
+        if unfinished_members.count:
+            stack.enter_context(_add_finished_count_to_errors(stored_result))
+            _compute_blocks(
+                stored_result, unfinished_members, members_in_progress, pool, advance_and_refresh, announce, update
+            )
+    stored_result = stored_result.reload()
+    if _UnfinishedMembers(stored_result, part).count or not (stored_result.path / STUDY_FILE).exists():
+        raise StoreError(
+            f"{printable_path(stored_result.path)}: files were removed while the study was running; run the study again"
+        )
+    return stored_result
+
+
+def _create_members_in_progress(study: Study, folder: Path | None) -> MembersInProgress:
+    return MembersInProgress(study, folder, functools.partial(estimate_member_iterations, study))
+
+
+def _compute_blocks(
+    stored_result: StoredResult, unfinished_members: _UnfinishedMembers, members_in_progress: MembersInProgress,
+    pool: Executor, advance: Callable[[int], None], announce: Callable[[str], None] | None,
+    update: Callable[[str], None] | None,
+) -> None:  # fmt: skip
+    """Compute the blocks that are missing in a stored result, and write them to files.
+
+    Workers that can access the folder write the block files.
+    """
+    # number of workers; None for a cluster, whose number of workers varies
+    num_workers = getattr(pool, "_max_workers", None)
+    start_time, is_first = time.monotonic(), update is not None and num_workers is not None
+
+    def accept_block(members: range, content: bytes | None) -> None:
+        nonlocal is_first
+        if content is not None:
+            write_block(stored_result.path, members[0], content, len(members))
+        members_in_progress.remove(members)
+        advance(len(members))
+        if is_first and update is not None and num_workers is not None:
+            is_first = False
+            estimate = _format_revised_time_estimate(
+                stored_result.study,
+                unfinished_members,
+                len(members),
+                time.monotonic() - start_time,
+                num_workers,
+                estimate_member_time(stored_result.study),
+            )
+            if estimate:
+                update(estimate)
+
+    with contextlib.ExitStack() as stack:
+        is_local = isinstance(pool, ThreadPoolExecutor)
+        folder = None if is_local else stack.enter_context(_create_run_token(stored_result.path))
+        is_visible = folder is not None and pool.submit(folder.is_accessible).result()
+        if announce is not None:
+            announce(
+                _describe_remaining_work(stored_result, unfinished_members, is_local or is_visible, num_workers or 1)
+            )
+        max_tasks = MAX_SUBMITTED_TASKS if is_visible else MAX_RETURNED_TASKS
+        counts_iterations = is_local and stored_result.study.uses_half_space
+        task = (
+            functools.partial(compute_block, members_in_progress=members_in_progress)
+            if counts_iterations
+            else compute_block
+        )
+        _submit_member_ranges(
+            unfinished_members, pool, max_tasks, accept_block, advance, task, __version__, stored_result.study, folder
+        )
+
+
+@contextlib.contextmanager
+def _create_run_token(path: Path) -> Iterator[SharedResultFolder]:
+    """Create a token file that exists as long as the run is active.
+
+    If a worker finds the token file, the worker can access the folder, and the run is still active.
+    """
+    folder = SharedResultFolder(path.resolve(), new_partial_file_name())
+    token_file = folder.path / BLOCKS_FOLDER / folder.token
+    try:
+        try:
+            token_file.touch(exist_ok=False)
+        except OSError as error:
+            raise StoreError(f"{printable_path(path)}: cannot be written: {error.strerror}") from None
+        yield folder
+    finally:
+        with contextlib.suppress(OSError):
+            token_file.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]:
+    """Add the number of finished members to the messages of storage errors and of errors about dead workers."""
+    try:
+        yield
+    except (StoreError, BrokenExecutor) as error:
+        reason = WORKER_DIED_MESSAGE if isinstance(error, BrokenExecutor) else error
+        raise StoreError(
+            f"{reason}\n{stored_result.reload().num_finished} of "
+            f"{stored_result.study.member_names.with_count(stored_result.study.ensemble.repetitions)} are finished and "
+            "kept; run the study in the same folder again to resume"
+        ) from None
+
+
+def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> xarray.Dataset:
+    unfinished_members = _UnfinishedMembers(StoredResult(Path(), study, ()), None)
+    axis = len(study.surfaces.cell_coordinates())
+    arrays: ArraysByName = {}
+
+    def accept_arrays(members: range, sums: ArraysByName) -> None:
+        for name, values in sums.items():
+            member_axis = 0 if name in MEMBER_COORDINATE_TYPES else axis
+            if name not in arrays:
+                shape = (*values.shape[:member_axis], unfinished_members.total, *values.shape[member_axis + 1 :])
+                arrays[name] = np.empty(shape, values.dtype)
+            arrays[name][(*(slice(None),) * member_axis, slice(members.start, members.stop))] = values
+        members_in_progress.remove(members)
+        advance(len(members))
+
+    with contextlib.ExitStack() as stack:
+        pool = stack.enter_context(executor_or_thread_pool(executor))
+        members_in_progress = _create_members_in_progress(study, None)
+        advance = stack.enter_context(
+            progress_bar(
+                study.member_names.plural, unfinished_members.total, 0, progress, members_in_progress.estimate_progress
+            )
+        )
+        counts_iterations = isinstance(pool, ThreadPoolExecutor) and study.uses_half_space
+        task = (
+            functools.partial(compute_block_arrays, members_in_progress=members_in_progress)
+            if counts_iterations
+            else compute_block_arrays
+        )
+        _submit_member_ranges(
+            unfinished_members, pool, MAX_SUBMITTED_TASKS, accept_arrays, advance, task, __version__, study
+        )
+    return build_dataset(study, range(unfinished_members.total), arrays, find_body_attributes(study))
+
+
+# if the estimated time (s) on all threads exceeds this limit, advice on shortening the run is printed
+LONG_RUN_TIME = 600.0
+
+
+def _describe_remaining_work(
+    stored_result: StoredResult, unfinished_members: _UnfinishedMembers, is_visible: bool, workers: int
+) -> str:
+    """Describe the remaining work in one line: run time, number and size of files, and whether disk space is short."""
+    study = stored_result.study
+    free_bytes = shutil.disk_usage(stored_result.path).free
+    num_files = sum(1 for _ in unfinished_members)
+    size = unfinished_members.count * compute_bytes_per_member(study)
+    space_text = f", with {format_bytes(free_bytes)} free" if size > free_bytes / 2 else ""
+    writer_text = "" if is_visible else "; the workers cannot reach the folder, so this process writes the files"
+    seconds = unfinished_members.count * estimate_member_time(study)
+    elapsed_time = seconds / min(workers, unfinished_members.count)
+    time_text = f"about {format_duration(seconds)} of one core"
+    time_text += (
+        f", {format_duration(elapsed_time)} on {workers} threads"
+        if workers > 1 and elapsed_time > MIN_REPORTED_TIME
+        else ""
+    )
+    advice = (
+        f"; fewer {study.member_names.plural} or smaller surfaces reduce the time"
+        if elapsed_time > LONG_RUN_TIME
+        else ""
+    )
+    return (
+        f"computing {study.member_names.with_count(unfinished_members.count)}: {time_text}, {format_bytes(size)} in "
+        f"{num_files} {'file' if num_files == 1 else 'files'}{space_text}{writer_text}{advice}"
+    )
+
+
+MIN_REPORTED_TIME = 60.0  # if the remaining time (s) exceeds this limit, a new estimate of the run time is printed
+
+
+def _format_revised_time_estimate(
+    study: Study, unfinished_members: _UnfinishedMembers, members: int, seconds: float, workers: int, cost: float
+) -> str:
+    """Return a line with a better estimate of the run time, based on the first block.
+
+    The line is empty if little time remains, or if the first estimate was right.
+    """
+    remaining_time = seconds * (unfinished_members.count / (members * workers) - 1)
+    if remaining_time < MIN_REPORTED_TIME or seconds < 2 * members * cost:
+        return ""
+    count_text = study.member_names.with_count(unfinished_members.count)
+    progress_text = f"{members} of {count_text} took {format_duration(seconds)}"
+    return f"{progress_text}; the rest takes about {format_duration(remaining_time)} more"
+
+
+class _UnfinishedMembers:
+    """Unfinished members of a study or of one part of it. Each range of members lies within one block."""
+
+    def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
+        num_members = stored_result.study.ensemble.repetitions
+        self.block_size = choose_block_size(stored_result.study)
+        first, step = (1, 1) if part is None else part
+        self._blocks = range(first - 1, -(-num_members // self.block_size), step)
+        self._is_finished = np.zeros(num_members, np.bool_)
+        self._is_finished[stored_result.finished_members] = True
+        finished_by_block = [
+            self._is_finished[block * self.block_size : (block + 1) * self.block_size] for block in self._blocks
+        ]
+        self.total = sum(map(len, finished_by_block))
+        self.count = self.total - int(sum(np.count_nonzero(is_finished) for is_finished in finished_by_block))
+
+    def __iter__(self) -> Iterator[range]:
+        """Yield ranges of consecutive missing members, one block after the other."""
+        for block in self._blocks:
+            first = block * self.block_size
+            is_finished = self._is_finished[first : first + self.block_size]
+            # start and end (exclusive) of each range of missing members
+            edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
+            for start, end in edges.reshape(-1, 2).tolist():
+                yield range(first + start, first + end)
+
+
+def _submit_member_ranges(
+    unfinished_members: _UnfinishedMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
+    advance: Callable[[int], None], task: Callable[..., Any], *arguments: Any,
+) -> None:  # fmt: skip
+    """Submit a task for each range of missing members, and pass the result of the task to `accept`.
+
+    While tasks run, `advance` is called with 0, which updates the displayed progress.
+
+    At most `max_tasks` tasks are queued at a time. An error cancels the remaining tasks.
+    """
+    ranges = iter(unfinished_members)
+    task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in unfinished_members), count_grid_points(arguments[1]))
+    pending_members: dict[Future[Any], range] = {}
+    # `concurrent.futures.wait` would lock all futures. If it were interrupted, some futures would remain locked.
+    finished_futures: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
+
+    def submit_tasks(count: int) -> None:
+        for members in itertools.islice(ranges, count):
+            future = pool.submit(task, *arguments, members)
+            pending_members[future] = members
+            future.add_done_callback(finished_futures.put)
+
+    try:
+        submit_tasks(max_tasks)
+        while pending_members:
+            try:
+                future = finished_futures.get(timeout=PROGRESS_INTERVAL)
+            except queue.Empty:
+                advance(0)
+                continue
+            accept(pending_members[future], future.result())
+            del pending_members[future]
+            submit_tasks(max_tasks - len(pending_members))
+    finally:
+        for future in pending_members:
+            future.cancel()
+        for future in wait(pending_members, SHUTDOWN_TIMEOUT).done:
+            if not future.cancelled() and future.exception() is None:
+                with contextlib.suppress(StoreError):
+                    accept(pending_members[future], future.result())
+
+
+# ---- Tasks ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class SharedResultFolder:
+    """Result folder. Workers on other machines write their blocks into the folder if they can access it."""
+
+    path: Path
+    token: str  # name of the token file; the token file exists in the blocks folder during a run
+
+    def is_accessible(self) -> bool:
+        """Return whether this process can access the folder."""
+        return (self.path / BLOCKS_FOLDER / self.token).exists()
+
+
+def compute_block(
+    version: str, study: Study, folder: SharedResultFolder | None, members: range,
+    members_in_progress: MembersInProgress | None = None,
+) -> bytes | None:  # fmt: skip
+    """Compute a block of members and write its file. If the folder is not accessible, return the file content."""
+    if folder is not None and folder.is_accessible():
+        members_in_progress = _create_members_in_progress(study, folder.path)
+    content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))
+    # If the run has ended in the meantime, a run of another study may use the folder.
+    if folder is None or not folder.is_accessible():
+        return content
+    write_block(folder.path, members[0], content, len(members))
+    return None
+
+
+def compute_block_arrays(
+    version: str, study: Study, members: range, members_in_progress: MembersInProgress | None = None
+) -> ArraysByName:
+    """Compute the arrays of values for a block of members.
+
+    Raises a `StudyError` if `version` is not the version of this process.
+    """
+    if version != __version__:
+        raise StudyError(
+            f"the worker on {socket.gethostname()} has stiction {__version__}, but the study was submitted with "
+            f"{version}; install the same version on all machines"
+        )
+    if members_in_progress is None or not study.uses_half_space:
+        return stack_members(study, [compute_member_arrays(study, member) for member in members])
+    return stack_members(
+        study, [compute_member_arrays(study, member, members_in_progress.add(member)) for member in members]
+    )
+
+
+# ---- Preview from the first members ---------------------------------------------------------------------------------
+
+NUM_PREVIEW_MEMBERS = 4
+
+
+def compute_preview_sums(study: Study) -> MemberSums:
+    """Compute a preview result from the first few members of a study.
+
+    Raises a `ValueError` if their contact cannot be computed.
+
+    The computation takes less than a second with the asperity model, which serves as a preview of a half-space result.
+    """
+    members = range(min(NUM_PREVIEW_MEMBERS, study.ensemble.repetitions))
+    arrays = stack_members(study, [compute_member_arrays(study, member) for member in members])
+    return MemberSums(build_dataset(study, members, arrays, find_body_attributes(study)))

@@ -1,0 +1,933 @@
+"""Results on disk. Each result has a folder with a study file and one file per block of members.
+
+    DIR/study.toml                               the study; the first line contains a checksum of the other lines
+    DIR/blocks/0000008-0000015-1b2c3d4e.nc       members 8 to 15; the last field is the CRC-32 of the file's bytes
+
+Block files are created atomically and never changed: a file with its final name is a finished block, and a missing file
+is a block that still has to be computed. The bits of a member depend only on the study and the number of the member.
+Two processes of the same study may therefore write the same block, and no lock is needed. Blocks may overlap, for
+example after a study was extended; each member is then read from the first file that contains it.
+"""
+
+from __future__ import annotations
+
+import functools
+import io
+import os
+import re
+import threading
+import warnings
+import zlib
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import stiction._files as _files
+from stiction._core import __version__
+from stiction._files import (
+    FolderClaim,
+    UnreadableFileError,
+    create_file_atomically,
+    describe_os_error,
+    read_file_bytes,
+    replace_file_atomically,
+)
+from stiction._text import printable_path, printable_text
+from stiction.mechanics.friction import STATUS_OK, STATUSES
+from stiction.mechanics.quantities import GAP_QUANTITIES, QUANTITIES
+from stiction.solve.layout import (
+    MEMBER_COORDINATE_TYPES,
+    RESULT_TITLE,
+    ArraysByName,
+    build_dataset,
+    compute_bytes_per_member,
+    compute_members_per_piece,
+    coordinate_specs_and_values,
+    variable_specs,
+)
+from stiction.solve.members_in_progress import remove_stored_steps
+from stiction.study.member_sources import BODY_ATTRIBUTE_SPECS, BodyAttributes
+from stiction.study.members import find_body_attributes
+from stiction.study.stored_values import (
+    MIN_POSITIVE_STORED_VALUE,
+    POSITIVE_STORED_VALUE,
+    AttributeSpec,
+    DamagedFileError,
+    VariableSpec,
+    check_attributes,
+    check_increase,
+    check_missing_values,
+    check_values,
+)
+from stiction.study.study import (
+    MAX_STUDY_BYTES,
+    Study,
+    StudyDifference,
+    find_member_differences,
+    find_table_differences,
+    format_study_differences,
+    parse_study,
+)
+
+if TYPE_CHECKING:
+    import h5py
+    import xarray
+
+STUDY_FILE = "study.toml"
+BLOCKS_FOLDER = "blocks"
+AREAS_BY_HARDNESS_FILE = "hardness.nc"  # true areas of the first members at the nodes of hardness and modulus
+CONTACT_PICTURE_FILE = "picture.nc"  # contacts of a typical member
+ONSET_FILE = "onset.nc"  # onset of sliding
+ONSET_TABLE_FILE = "onset.csv"  # mean onset curve as a table, for use in a Masing model
+STUDY_FILE_SIGNATURE = "# Written by stiction"  # first words of every study file written by stiction
+_STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32 of the text below: ([0-9a-f]{8})\.")
+MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory as a whole
+MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a companion file that is read
+_BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
+MAX_WRITE_ATTEMPTS = 3
+
+
+class StoreError(ValueError):
+    """Error raised if a result cannot be read or written."""
+
+
+@dataclass(frozen=True)
+class BlockFile:
+    """Block of members. Its file name consists of the range of members and a checksum."""
+
+    first: int
+    last: int
+    checksum: int
+
+    @property
+    def name(self) -> str:
+        """Name of the block file."""
+        return f"{self.first:07d}-{self.last:07d}-{self.checksum:08x}.nc"
+
+
+@dataclass(frozen=True)
+class StoreInfo:
+    """Description of a result folder, with study, progress, size and version."""
+
+    study: Study
+    finished: int  # number of finished repetitions; the total is study.ensemble.repetitions
+    size: int  # size on disk in bytes
+    versions: dict[str, str]  # versions of the software that created the result
+
+
+@dataclass(frozen=True)
+class StoredResult:
+    """Result that is stored in a folder.
+
+    Blocks are read on demand, and a result that fits into a single piece is cached.
+    """
+
+    path: Path
+    study: Study
+    blocks: tuple[BlockFile, ...]
+
+    @cached_property
+    def _block_ranges(self) -> list[tuple[BlockFile, int, int]]:
+        """List of blocks, each with the range of members to be read from it.
+
+        The ranges do not overlap, even if the blocks do.
+        """
+        block_ranges, next_member = [], 0
+        for block in sorted(self.blocks, key=lambda block: (block.first, -block.last, block.checksum)):
+            first, last = max(block.first, next_member), min(block.last + 1, self.study.ensemble.repetitions)
+            if first < last:
+                block_ranges.append((block, first, last))
+                next_member = last
+        return block_ranges
+
+    @property
+    def num_finished(self) -> int:
+        """Number of finished members."""
+        return sum(last - first for _, first, last in self._block_ranges)
+
+    @cached_property
+    def finished_members(self) -> NDArray[np.intp]:
+        """Indices of the finished members, in ascending order."""
+        return np.concatenate(
+            [np.empty(0, np.intp), *(np.arange(first, last) for _, first, last in self._block_ranges)]
+        )
+
+    @cached_property
+    def version(self) -> str:
+        """Version of stiction that computed the first block, or the running version if there are no blocks."""
+        return self.first_block_content.version if self.blocks else __version__
+
+    @cached_property
+    def total_file_size(self) -> int:
+        """Total size of the block files in bytes."""
+        return sum((self.path / BLOCKS_FOLDER / block.name).lstat().st_size for block in self.blocks)
+
+    @property
+    def nbytes(self) -> int:
+        """Size in bytes of the result when it is loaded into memory."""
+        return self.num_finished * compute_bytes_per_member(self.study)
+
+    def reload(self) -> StoredResult:
+        """Return the result with an updated list of the blocks in its folder."""
+        return StoredResult(self.path, self.study, _list_block_files(self.path))
+
+    @cached_property
+    def first_block_content(self) -> BlockFileContent:
+        """Contents of the first block. The study in this block may differ from the study file in the folder."""
+        return self._read_block(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
+
+    def dataset(self) -> xarray.Dataset:
+        """Return a dataset that contains all finished members.
+
+        Raises a `StoreError` if the dataset exceeds 2 GiB, or if the result has no finished members, is damaged, or
+        does not match its study.
+        """
+        if not self.num_finished:
+            count_text = self.study.member_names.with_count(self.study.ensemble.repetitions)
+            raise StoreError(f"{printable_path(self.path)}: none of the {count_text} is finished yet")
+        if self.nbytes > MAX_RESULT_BYTES:
+            raise StoreError(
+                f"{printable_path(self.path)}: the result takes {self.nbytes / 2**30:.1f} GiB of memory, more than "
+                f"the limit of {MAX_RESULT_BYTES / 2**30:.0f} GiB; use Result.pieces, or open "
+                f"{printable_path(self.path / BLOCKS_FOLDER)} with xarray.open_mfdataset"
+            )
+        return (
+            self._whole_dataset.copy(deep=True)
+            if self._members_per_piece >= self.num_finished
+            else self._read_member_range(0, self.num_finished)
+        )
+
+    def first_member(self) -> xarray.Dataset:
+        """Return a dataset that contains only the first finished member. The result must have a finished member."""
+        return self._read_member_range(0, 1)
+
+    def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
+        """Yield the result in consecutive pieces, with only one piece in memory at a time (see `Result.pieces`)."""
+        selected, count = None if names is None else list(names), self.num_finished
+        for piece_start in range(0, count, self._members_per_piece):
+            piece = (
+                self._whole_dataset
+                if self._members_per_piece >= count
+                else self._read_member_range(piece_start, min(piece_start + self._members_per_piece, count), selected)
+            )
+            yield piece.copy() if selected is None else piece[selected]
+
+    @cached_property
+    def _members_per_piece(self) -> int:
+        """Number of members in a piece of the result."""
+        return compute_members_per_piece(compute_bytes_per_member(self.study))
+
+    @cached_property
+    def _whole_dataset(self) -> xarray.Dataset:
+        """Whole result as a dataset of read-only arrays that all tables and figures share."""
+        dataset = self._read_member_range(0, self.num_finished)
+        for variable in dataset.data_vars.values():
+            variable.values.flags.writeable = False
+        return dataset
+
+    def _read_member_range(self, first: int, last: int, names: Collection[str] | None = None) -> xarray.Dataset:
+        """Return a dataset of the finished members `self.finished_members[first:last]`, in ascending order.
+
+        `names` lists the variables of the dataset; by default, the dataset has all variables.
+        """
+        version, numbers = self.version, self.finished_members[first:last]
+        axis = len(self.study.surfaces.cell_coordinates())
+        arrays: ArraysByName = {
+            name: np.empty(spec.shape, spec.dtype) for name, spec in variable_specs(self.study, numbers, names).items()
+        }
+        if self.study.is_measured:
+            arrays |= {name: np.empty(numbers.size, dtype) for name, dtype in MEMBER_COORDINATE_TYPES.items()}
+        block_start = num_copied = 0
+        for block, block_first, block_last in self._block_ranges:
+            block_end = block_start + block_last - block_first
+            if first < block_end and block_start < last:
+                first_in_block = max(first, block_start) - block_start + block_first
+                end_in_block = min(last, block_end) - block_start + block_first
+                block_arrays = self._read_arrays(block, arrays)
+                for name, values in arrays.items():
+                    leading_slices = (slice(None),) * (0 if name in MEMBER_COORDINATE_TYPES else axis)
+                    source_slice = slice(first_in_block - block.first, end_in_block - block.first)
+                    values[(*leading_slices, slice(num_copied, num_copied + end_in_block - first_in_block))] = (
+                        block_arrays[name][(*leading_slices, source_slice)]
+                    )
+                num_copied += end_in_block - first_in_block
+            block_start = block_end
+        bodies = self.first_block_content.bodies
+        return build_dataset(self.study, numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
+
+    def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
+        """Return at least the named arrays of a block.
+
+        The first call for a block checks the whole block. Later calls decode only the named arrays, unless the block
+        is in memory.
+        """
+        is_first = block is self._block_ranges[0][0]
+        if block in self._checked_blocks and not is_first:
+            return self._read_checked_block(block, names)
+        content = self.first_block_content if is_first else self._read_block(block)
+        if differences := find_member_differences(content.study, self.study):
+            raise _build_damage_error(
+                self.path, block, f"does not match {STUDY_FILE}: {format_study_differences(differences[:1])}"
+            )
+        self._checked_blocks.add(block)
+        return content.arrays
+
+    @cached_property
+    def _checked_blocks(self) -> set[BlockFile]:
+        """Blocks that have been checked as a whole. Their variables can be decoded individually."""
+        return set()
+
+    def _read_block(self, block: BlockFile) -> BlockFileContent:
+        """Read a block, compare its checksum with the checksum in the file name, and return the contents."""
+        with self._convert_read_errors(block):
+            file_content = self._read_block_bytes(block)
+            if zlib.crc32(file_content) != block.checksum:
+                raise DamagedFileError("does not match its checksum")
+            content = decode_members(file_content)
+            if not np.array_equal(content.numbers, np.arange(block.first, block.last + 1)):
+                raise DamagedFileError("does not contain the members in its file name")
+        return content
+
+    def _read_checked_block(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
+        """Return the named arrays of a block that has been checked before."""
+        numbers = np.arange(block.first, block.last + 1)
+        shapes = {name: spec.shape for name, spec in variable_specs(self.study, numbers, names).items()}
+        with self._convert_read_errors(block), _open_netcdf(self._read_block_bytes(block)) as file:
+            return {name: _read_variable(file, name, shapes.get(name, numbers.shape)) for name in names}
+
+    def _read_block_bytes(self, block: BlockFile) -> bytes:
+        return read_file_bytes(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
+
+    @contextmanager
+    def _convert_read_errors(self, block: BlockFile) -> Iterator[None]:
+        """Convert errors that occur while a block is read into a `StoreError` that names the file."""
+        try:
+            yield
+        except OSError as error:
+            raise _build_damage_error(self.path, block, f"cannot be read: {describe_os_error(error)}") from None
+        except (UnreadableFileError, DamagedFileError) as error:
+            raise _build_damage_error(self.path, block, str(error)) from None
+
+
+def _build_damage_error(path: Path, block: BlockFile, reason: str) -> StoreError:
+    return StoreError(
+        f"{printable_path(path / BLOCKS_FOLDER / block.name)}: {reason}; remove that file and run the study again to "
+        f"recompute members {block.first} to {block.last}"
+    )
+
+
+# ---- Reading --------------------------------------------------------------------------------------------------------
+
+
+def read(path: str | Path) -> xarray.Dataset:
+    """Read a result from a folder, or from a netCDF file that `export` has written.
+
+    If the study is not finished, the dataset contains only the finished repetitions, and a warning is issued.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset of the result that `run` returned.
+
+    Raises
+    ------
+    StoreError
+        If there is no result at that path, or the result is damaged, larger than 2 GiB, or has no finished
+        repetition.
+    """
+    path = Path(path)
+    if path.is_file():
+        try:
+            content = decode_members(read_file_bytes(path, MAX_RESULT_BYTES))
+        except (OSError, UnreadableFileError, DamagedFileError) as error:
+            raise StoreError(
+                f"{printable_path(path)}: {describe_os_error(error) if isinstance(error, OSError) else error}"
+            ) from None
+        dataset = build_dataset(content.study, content.numbers, content.arrays, content.bodies)
+        return dataset.assign_attrs(stiction_version=content.version)
+    stored_result = open_stored_result(path)
+    result = stored_result.dataset()
+    num_members = stored_result.study.ensemble.repetitions
+    if stored_result.num_finished < num_members:
+        warnings.warn(
+            f"{printable_path(path)}: {stored_result.num_finished} of "
+            f"{stored_result.study.member_names.with_count(num_members)} are finished; the result contains only these",
+            stacklevel=2,
+        )
+    return result
+
+
+def read_companion_file(
+    path: Path, variables: Mapping[str, VariableSpec], attributes: Mapping[str, AttributeSpec] | None = None
+) -> xarray.Dataset | None:
+    """Read a companion file of a result, and compare its variables and attributes with their specifications.
+
+    Returns None if the file does not exist. Raises a `StoreError` if the file is damaged.
+    """
+    import xarray
+
+    try:
+        file_content = read_file_bytes(path, MAX_COMPANION_BYTES)
+        options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
+        with _open_netcdf(file_content) as file:
+            for name, spec in variables.items():
+                if spec.is_required or name in file:
+                    _read_variable(file, name)
+            check_attributes(file.attrs, attributes or {})
+            with xarray.open_dataset(io.BytesIO(file_content), **options) as dataset:
+                dataset.load()
+        for name, spec in variables.items():
+            if name in dataset.variables:
+                _check_variable(name, dataset[name], spec)
+    except FileNotFoundError:
+        return None
+    except (OSError, UnreadableFileError, DamagedFileError) as error:
+        reason = describe_os_error(error) if isinstance(error, OSError) else error
+        raise StoreError(
+            f"{printable_path(path)}: {reason}; remove the file, and run the study again to recreate it"
+        ) from None
+    values_by_name = {name: np.asarray(value) for name, value in dataset.attrs.items()}
+    dataset.attrs = {name: value.item() if value.size == 1 else value for name, value in values_by_name.items()}
+    return dataset
+
+
+def _check_variable(name: str, variable: xarray.DataArray, spec: VariableSpec) -> None:
+    if variable.dims != spec.dims:
+        raise DamagedFileError(f"has {name} with the dimensions {variable.dims} instead of {spec.dims}")
+    check_values(name, variable.values, dtype=spec.dtype, bounds=spec.bounds, may_be_nan=spec.may_be_nan)
+    if spec.ascending_dim:
+        check_increase(name, variable.values, variable.dims.index(spec.ascending_dim))
+
+
+def open_stored_result(path: str | Path) -> StoredResult:
+    """Open the result in a folder without reading its blocks.
+
+    Raises a `StoreError` if the folder has no result.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise StoreError(f"{printable_path(path)}: no such directory")
+    if path.is_file():
+        raise StoreError(f"{printable_path(path)} is a file, but a result is a directory")
+    blocks = _list_block_files(path)
+    try:
+        study = _read_study_file(path)
+    except FileNotFoundError:
+        raise StoreError(f"{printable_path(path)} is not a result, because it contains no {STUDY_FILE}") from None
+    except OSError as error:
+        raise StoreError(f"{printable_path(path)}: {STUDY_FILE} cannot be read: {describe_os_error(error)}") from None
+    return StoredResult(path, study, blocks)
+
+
+def open_result_to_complete(path: Path) -> StoredResult | None:
+    """Open the result in a folder. Returns None if its study file does not exist or is empty, so that a run writes it.
+
+    Raises a `StoreError` if the study file is damaged.
+    """
+    file = path / STUDY_FILE
+    return open_stored_result(path) if file.exists() and file.stat().st_size else None
+
+
+def is_complete(path: str | Path, study: Study) -> bool:
+    """Return whether a folder has blocks with all members of a study. The blocks are not read."""
+    return StoredResult(Path(path), study, _list_block_files(Path(path))).num_finished == study.ensemble.repetitions
+
+
+def info(path: str | Path) -> StoreInfo:
+    """Describe the contents of a result folder. At most one block is read.
+
+    Raises
+    ------
+    StoreError
+        If there is no result at that path, or it is damaged.
+    """
+    stored_result = open_stored_result(path)
+    return StoreInfo(
+        stored_result.study,
+        stored_result.num_finished,
+        stored_result.total_file_size,
+        {"stiction": printable_text(stored_result.version)},
+    )
+
+
+def _list_block_files(path: Path) -> tuple[BlockFile, ...]:
+    try:
+        names = sorted(os.listdir(path / BLOCKS_FOLDER))
+    except (FileNotFoundError, NotADirectoryError):
+        return ()
+    except OSError as error:
+        raise StoreError(
+            f"{printable_path(path / BLOCKS_FOLDER)}: cannot be read: {describe_os_error(error)}"
+        ) from None
+    matches = (_BLOCK_NAME_PATTERN.fullmatch(name) for name in names)
+    blocks = (BlockFile(int(match[1]), int(match[2]), int(match[3], 16)) for match in matches if match)
+    return tuple(block for block in blocks if block.first <= block.last)
+
+
+def _read_study_file(path: Path) -> Study:
+    try:
+        text = read_file_bytes(path / STUDY_FILE, MAX_STUDY_BYTES).decode()
+    except (UnreadableFileError, UnicodeDecodeError) as error:
+        raise StoreError(f"{printable_path(path / STUDY_FILE)} is not a study: {printable_text(error)}") from None
+    if not text.strip():  # valid TOML of a study with default values, but more likely left by a crash of the machine
+        raise StoreError(
+            f"{printable_path(path / STUDY_FILE)} is empty; run the study again in this directory to restore the file"
+        )
+    return parse_study(text, str(path / STUDY_FILE))
+
+
+# ---- Writing --------------------------------------------------------------------------------------------------------
+
+
+def create_or_open_result(path: str | Path, study: Study, claim: FolderClaim | None = None) -> StoredResult:
+    """Create a result in a folder. If the folder already contains a result of the same study, open it to resume.
+
+    Stale partial files are removed. The claim of the run, if given, is acquired; its folder is then refused to runs of
+    other studies. Raises a `StoreError` if the folder cannot be written, contains another study, is in use by a run of
+    another study, or was created by another version.
+    """
+    path = Path(path)
+    if path.is_file():
+        raise StoreError(f"{printable_path(path)} is a file; give a directory for the results")
+    stored_result = StoredResult(path, study, _list_block_files(path))
+    _check_resumable(stored_result)
+    if os.path.lexists(path / STUDY_FILE) and not _contains_study(path, study):
+        _check_replaceable(path, study)
+    try:
+        with FolderClaim(path) if claim is None else nullcontext(claim) as claim:
+            (path / BLOCKS_FOLDER).mkdir(parents=True, exist_ok=True)
+            for folder in (path, path / BLOCKS_FOLDER):
+                _files.remove_stale_partial_files(folder)
+            claim.acquire()
+            if not _contains_study(path, study):
+                _write_study_file(stored_result, claim)
+    except (OSError, RuntimeError) as error:  # A symbolic link that refers to itself raises a RuntimeError.
+        if stored_result.num_finished < study.ensemble.repetitions:
+            reason = describe_os_error(error) if isinstance(error, OSError) else error
+            raise StoreError(f"{printable_path(path)}: cannot be written: {reason}") from None
+    return stored_result
+
+
+def _write_study_file(stored_result: StoredResult, claim: FolderClaim) -> None:
+    """Write the study file of a new result, or replace a study file that stiction wrote and no other run uses."""
+    path, study = stored_result.path, stored_result.study
+    text = study.to_toml()
+    content = f"{_format_study_file_header(text)}\n\n{text}".encode()
+    try:
+        _files.create_atomically(path / STUDY_FILE, content)
+    except FileExistsError:
+        if _contains_study(path, study):  # another run of the same study was faster
+            return
+        if not _contains_study(path, study, repetitions_may_differ=True):
+            check_unused(path, claim)
+        # The blocks are listed after the claims, because a run writes its blocks before it ends.
+        _check_resumable(stored_result.reload())
+        _check_replaceable(path, study)
+        _files.write_atomically(path / STUDY_FILE, content)
+
+
+def _format_study_file_header(text: str) -> str:
+    """Return the first line of a study file. Its checksum distinguishes an unchanged file from an edited one."""
+    return f"{STUDY_FILE_SIGNATURE} {__version__}. CRC-32 of the text below: {zlib.crc32(text.encode()):08x}."
+
+
+def remove_result(stored_result: StoredResult, claim: FolderClaim) -> None:
+    """Remove all files of a result (study, blocks, areas, onset) from a folder, but no other files.
+
+    Raises a `StoreError` if the study file was written or edited by hand, or if another run uses the folder.
+    """
+    check_unedited(stored_result.path)
+    claim.acquire()
+    check_unused(stored_result.path, claim)
+    for block in stored_result.blocks:
+        (stored_result.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
+    area_files = (AREAS_BY_HARDNESS_FILE,) if stored_result.study.is_measured else ()
+    onset_files = (ONSET_FILE, ONSET_TABLE_FILE) if (stored_result.path / ONSET_FILE).exists() else ()
+    remove_stored_steps(stored_result.path)
+    for name in (STUDY_FILE, *area_files, *onset_files):
+        (stored_result.path / name).unlink(missing_ok=True)
+
+
+def _check_resumable(stored_result: StoredResult) -> None:
+    """Raise a `StoreError` if the existing blocks prevent the computation of this study from being resumed."""
+    if not stored_result.blocks:
+        return
+    path, content, num_members = (
+        stored_result.path,
+        stored_result.first_block_content,
+        stored_result.study.ensemble.repetitions,
+    )
+    if differences := find_member_differences(content.study, stored_result.study):
+        raise StudyMismatchError(path, content.study, differences)
+    last_member = max(block.last for block in stored_result.blocks)
+    if last_member >= num_members:
+        raise StoreError(
+            f"{printable_path(path)}: repetition {last_member} is finished, and ensemble.repetitions = {num_members} "
+            f"would discard it; set it to at least {last_member + 1}, or choose another directory"
+        )
+    if stored_result.num_finished == num_members:
+        return
+    if content.version != __version__:
+        version = printable_text(content.version)
+        raise StoreError(
+            f"{printable_path(path)} was created by stiction {version}, and results of this version, {__version__}, "
+            f"may differ; finish the result with stiction {version}, or choose another directory"
+        )
+    if not content.is_exact:
+        raise StoreError(
+            f"{printable_path(path)} was created on another machine or with another version of NumPy, so its "
+            "steps differ slightly from the steps of the study; finish the result there, or choose another directory"
+        )
+
+
+def check_unedited(path: Path) -> None:
+    """Raise a `StoreError` unless the study file in a folder is exactly as stiction wrote it, or is empty.
+
+    A crash of the machine may leave an empty file. A link is never replaced.
+    """
+    file = path / STUDY_FILE
+    try:
+        content = read_file_bytes(file, MAX_STUDY_BYTES)
+        header, _, text = content.partition(b"\n\n")
+        match = _STUDY_FILE_HEADER_PATTERN.fullmatch(header)
+        if not file.is_symlink() and (
+            not content.strip() or (match is not None and int(match[1], 16) == zlib.crc32(text))
+        ):
+            return
+    except OSError as error:
+        raise StoreError(f"{printable_path(file)}: cannot be read: {describe_os_error(error)}") from None
+    except UnreadableFileError as error:
+        raise StoreError(f"{printable_path(file)}: {error}; choose another directory, or remove this file") from None
+    raise EditedStudyError(
+        f"{printable_path(file)} was written or edited by hand, so it is not replaced; choose another directory, or "
+        "move this file"
+    )
+
+
+def _check_replaceable(path: Path, study: Study) -> None:
+    """Raise a `StoreError` unless the study file in a folder may be replaced by another study."""
+    try:
+        check_unedited(path)
+    except EditedStudyError:
+        stored_study = _read_study_file(path)
+        differences = find_table_differences(stored_study, study)
+        raise StudyMismatchError(path, stored_study, differences, is_edited=True) from None
+
+
+def check_unused(path: Path, claim: FolderClaim) -> None:
+    """Raise a `StoreError` if another active run uses a result folder. The claim must be acquired."""
+    if competitor := claim.find_competitor():
+        raise StoreError(
+            f"{printable_path(path)} is in use by another run (its file is {competitor}); wait until that run ends, or "
+            "choose another directory"
+        )
+
+
+def _contains_study(path: Path, study: Study, *, repetitions_may_differ: bool = False) -> bool:
+    """Return whether the folder contains the given study. An unreadable or empty study file contains none."""
+    try:
+        stored_study = _read_study_file(path)
+    except (OSError, ValueError):
+        return False
+    if not repetitions_may_differ:
+        return stored_study == study
+    return all(key == "ensemble.repetitions" for key, *_ in find_table_differences(stored_study, study))
+
+
+class EditedStudyError(StoreError):
+    """Error raised if a study file would be replaced that a user has written or edited."""
+
+
+class StudyMismatchError(StoreError):
+    """Error raised if a folder contains the result of a different study."""
+
+    def __init__(
+        self,
+        path: Path,
+        stored: Study,
+        differences: list[StudyDifference],
+        advice: str = "",
+        *,
+        is_edited: bool = False,
+    ) -> None:
+        advice = advice or (
+            "give another directory" if is_edited else "give another directory, or replace the stored result"
+        )
+        edit_text = f" in a {STUDY_FILE} that was written or edited by hand" if is_edited else ""
+        super().__init__(
+            f"{printable_path(path)} contains another study{edit_text}; {advice}\n"
+            f"{format_study_differences(differences)}"
+        )
+        self.path, self.stored, self.differences, self.is_edited = path, stored, differences, is_edited
+
+    def with_remedy(self, advice: str) -> StudyMismatchError:
+        """Return a copy of the error with another remedy in the message."""
+        return StudyMismatchError(self.path, self.stored, self.differences, advice, is_edited=self.is_edited)
+
+
+def write_block(path: Path, first_member: int, content: bytes, num_members: int) -> None:
+    """Write a block file that contains `num_members` members, starting with the index `first_member`.
+
+    Raises a `StoreError` if the file cannot be written.
+    """
+    block = BlockFile(first_member, first_member + num_members - 1, zlib.crc32(content))
+    for attempt in range(1, MAX_WRITE_ATTEMPTS + 1):
+        try:
+            _files.write_atomically(path / BLOCKS_FOLDER / block.name, content)
+            return
+        except FileNotFoundError:  # another process removed the partial file
+            if attempt == MAX_WRITE_ATTEMPTS or not (path / BLOCKS_FOLDER).is_dir():
+                raise StoreError(f"{printable_path(path)} was removed or replaced while it was being written") from None
+        except OSError as error:
+            raise StoreError(f"{printable_path(path)}: cannot be written: {describe_os_error(error)}") from None
+
+
+# ---- The file of a block ---------------------------------------------------------------------------------------------
+
+# attributes of a result that do not describe the bodies
+NON_BODY_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
+
+CHECKSUM_PREFIX = b"stiction crc32 "
+"""Bytes before the checksum at the end of an exported file. The checksum is verified first, because HDF5 may never
+return from reading a damaged file. HDF5 ignores bytes after its own data, and programs that modify the file remove the
+checksum.
+"""
+
+_template_lock = threading.Lock()  # ensures that only one of several concurrent threads creates the template
+
+
+@dataclass(frozen=True)
+class BlockFileContent:
+    """Contents of a block file, which stores some members of a result."""
+
+    study: Study
+    version: str  # version of stiction that computed the members
+    numbers: NDArray[np.int64]
+    arrays: ArraysByName
+    bodies: BodyAttributes
+    is_exact: bool  # True if the coordinates are bitwise equal to the coordinates of the study
+
+
+def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    """Encode the arrays returned by `stack_members` as the bytes of a block file.
+
+    Equal members give equal bytes.
+    """
+    import h5py
+
+    with _template_lock:
+        template = _encode_block_of_zeros(study, len(numbers))
+    file_image = io.BytesIO(template)
+    with h5py.File(file_image, "r+") as file:
+        file["repetition"][...] = numbers
+        for name, values in arrays.items():
+            file[name][...] = values
+    return file_image.getvalue()
+
+
+@functools.lru_cache(maxsize=4)
+def _encode_block_of_zeros(study: Study, count: int) -> bytes:
+    """Return the bytes of a block file with `count` members, in which all values are 0.
+
+    Copying a template is much faster than writing a new file, because names and units take longer to write than values.
+    """
+    numbers = range(count)
+    arrays = {name: np.zeros(spec.shape, spec.dtype) for name, spec in variable_specs(study, numbers).items()}
+    if study.is_measured:
+        arrays |= {name: np.zeros(count, dtype) for name, dtype in MEMBER_COORDINATE_TYPES.items()}
+    file_image = io.BytesIO()
+    write_dataset(build_dataset(study, numbers, arrays, find_body_attributes(study)), file_image)
+    return file_image.getvalue()
+
+
+def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
+    """Write a dataset to a netCDF file in the same way as xarray, but without using xarray's locks.
+
+    The locks of xarray would require a Dask scheduler in Dask workers.
+    """
+    import h5netcdf
+    import h5py
+    from xarray.conventions import cf_encoder, encode_dataset_coordinates
+
+    variables, attributes = encode_dataset_coordinates(dataset)
+    for variable in variables.values():
+        variable.encoding = {"_FillValue": None}
+    variables, attributes = cf_encoder(variables, attributes)
+    with h5netcdf.File(file, "w") as output:
+        output.dimensions = {str(dim): size for dim, size in dataset.sizes.items()}
+        for name, value in attributes.items():
+            output.attrs[str(name)] = value
+        for name, variable in variables.items():
+            values = variable.values
+            dtype = h5py.string_dtype() if values.dtype.kind in "UO" else values.dtype
+            encoded_values = values.astype(object) if values.dtype.kind == "U" else values
+            netcdf_variable = output.create_variable(str(name), variable.dims, dtype, data=encoded_values)
+            for attribute, value in variable.attrs.items():
+                netcdf_variable.attrs[attribute] = value
+
+
+def append_checksum(file: io.BytesIO) -> None:
+    """Append the checksum of all preceding bytes to the file, after the bytes `CHECKSUM_PREFIX`."""
+    file.seek(0, io.SEEK_END)
+    file.write(CHECKSUM_PREFIX + b"%08x" % zlib.crc32(file.getbuffer()))
+
+
+def decode_members(content: bytes) -> BlockFileContent:
+    """Decode the members from the bytes of a block file.
+
+    Raises a `DamagedFileError` if the arrays do not match the study in the file, or if an array or an attribute has
+    values that no computation returns.
+    """
+    with _open_netcdf(content) as file:
+        title, text, version = (file.attrs.get(name) for name in ("title", "study", "stiction_version"))
+        if title != RESULT_TITLE or not isinstance(text, str):
+            raise DamagedFileError("has no attribute 'study'")
+        if not isinstance(version, str):
+            raise DamagedFileError("has no attribute 'stiction_version'")
+        study = _parse_stored_study(text)
+        numbers = _read_variable(file, "repetition")
+        check_values("repetition", numbers, dtype=int, bounds=(0, np.iinfo(np.int64).max))
+        if numbers.ndim != 1 or np.unique(numbers).size < numbers.size:
+            raise DamagedFileError("has repeated values of repetition")
+        arrays = {name: _read_variable(file, name, spec.shape) for name, spec in variable_specs(study, numbers).items()}
+        check_member_arrays(study, arrays)
+        arrays = {name: values.astype(QUANTITIES[name].dtype, copy=False) for name, values in arrays.items()}
+        bodies = BodyAttributes()
+        if study.is_measured:
+            for name, dtype in MEMBER_COORDINATE_TYPES.items():
+                coordinate = _read_variable(file, name, numbers.shape)
+                # Surrogates have no position, so x and y are NaN.
+                check_values(
+                    name, coordinate, dtype=QUANTITIES[name].dtype, bounds=QUANTITIES[name].stored_bounds,
+                    may_be_nan=True,
+                )  # fmt: skip
+                arrays[name] = coordinate.astype(dtype)
+            stored_attributes = {name: file.attrs[name] for name in file.attrs if name not in NON_BODY_ATTRIBUTES}
+            check_attributes(stored_attributes, BODY_ATTRIBUTE_SPECS)
+            attributes = {
+                name: value if isinstance(value, str) else np.atleast_1d(value)
+                for name, value in stored_attributes.items()
+            }
+            nominal_area = _read_variable(file, "nominal_area", ())
+            check_values("nominal_area", nominal_area, bounds=POSITIVE_STORED_VALUE)
+            bodies = BodyAttributes(float(nominal_area), attributes)
+        coordinates = {
+            name: spec_and_values
+            for name, spec_and_values in coordinate_specs_and_values(study, []).items()
+            if name != "repetition"
+        }
+        is_exact = [np.array_equal(_read_variable(file, name), values) for name, (_, values) in coordinates.items()]
+    return BlockFileContent(study, version, numbers, arrays, bodies, all(is_exact))
+
+
+def check_member_arrays(study: Study, arrays: ArraysByName) -> None:
+    """Raise a `DamagedFileError` if arrays of members have values that no computation of the study returns.
+
+    Values may be NaN only where a solver can fail, which is at given loads and for the pull-off force. If a solver
+    fails at a load, all contact sums are NaN. A contact that carries a load has an area.
+    """
+    can_fail = study.step_quantity == "load"
+    smallest_values, names_with_nan = {}, []
+    for name, values in arrays.items():
+        quantity = QUANTITIES[name]
+        smallest_values[name], has_nan = check_values(
+            name, values, dtype=quantity.dtype, bounds=quantity.stored_bounds,
+            may_be_nan=can_fail and name not in GAP_QUANTITIES,
+        )  # fmt: skip
+        names_with_nan += [name] * has_nan
+    load, area = arrays["normal_elastic"], arrays["contact_area"]
+    for name, values in (("normal_elastic", load), ("contact_area", area)):
+        is_small = smallest_values[name] < MIN_POSITIVE_STORED_VALUE
+        if is_small and ((values > 0) & (values < MIN_POSITIVE_STORED_VALUE)).any():
+            raise DamagedFileError(f"has {name} with a value between 0 and {MIN_POSITIVE_STORED_VALUE:g}")
+    if smallest_values["contact_area"] == 0 and ((area == 0) & (load > 0)).any():
+        raise DamagedFileError("has contact_area = 0 at a load above 0")
+    is_missing = np.isnan(load) if names_with_nan else np.zeros(load.shape, dtype=bool)
+    for name, values in arrays.items():
+        is_step_sum = QUANTITIES[name].kind == "sum" and "step" in QUANTITIES[name].along
+        if names_with_nan and is_step_sum and values.dtype.kind == "f":
+            check_missing_values(name, values, is_missing)
+    if "status" in arrays:
+        check_values("status", arrays["status"], dtype=int, bounds=(0, len(STATUSES) - 1))
+        if not np.array_equal(arrays["status"] != STATUSES.index(STATUS_OK), is_missing):
+            raise DamagedFileError("has values of status that contradict normal_elastic")
+
+
+@contextmanager
+def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
+    import h5py
+
+    content_length = len(content) - len(CHECKSUM_PREFIX) - 8
+    if content[content_length:-8] == CHECKSUM_PREFIX and content[-8:] != b"%08x" % zlib.crc32(
+        memoryview(content)[:content_length]
+    ):
+        raise DamagedFileError("does not match its checksum")
+    try:
+        with h5py.File(io.BytesIO(content), "r") as file:
+            yield file
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
+        # h5py raises these exceptions for files that are not HDF5 files.
+        raise DamagedFileError("is not a readable netCDF file") from None
+
+
+@functools.lru_cache(maxsize=8)
+def _parse_stored_study(text: str) -> Study:
+    try:
+        return parse_study(text, "its study")
+    except ValueError as error:
+        raise DamagedFileError(f"contains a study that cannot be read: {error}") from None
+
+
+def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
+    """Return the values of a variable. The values must be stored in the file itself, not in a linked file."""
+    import h5py
+
+    variable = file.get(name) if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
+    if not isinstance(variable, h5py.Dataset) or variable.external or variable.is_virtual:
+        raise DamagedFileError(f"has no variable {name}")
+    if variable.id.get_storage_size() < variable.nbytes:  # a small damaged file may declare a huge size
+        raise DamagedFileError(f"declares {name} but does not store it")
+    if shape not in (None, variable.shape):
+        raise DamagedFileError(f"has {name} with the shape {variable.shape} instead of {shape}")
+    return np.asarray(variable.asstr()[...] if h5py.check_string_dtype(variable.dtype) else variable[...])
+
+
+# ---- Export ----------------------------------------------------------------------------------------------------------
+
+
+class ExportError(ValueError):
+    """Error raised if an exported file cannot be written."""
+
+
+def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) -> None:
+    """Write all variables, coordinates and attributes of a dataset to a netCDF file without loss of information.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    path : path
+        File to create, which must not exist yet. The file appears only when it is complete.
+    replace : bool
+        True to replace an existing file that this function wrote.
+
+    Raises
+    ------
+    ExportError
+        If the file exists or cannot be written.
+    """
+    path = Path(path)
+    with (
+        replace_file_atomically(path, CHECKSUM_PREFIX, ExportError)
+        if replace
+        else create_file_atomically(path, ExportError) as partial
+    ):
+        content = io.BytesIO()  # The file is first created in memory, because HDF5 may crash if the disk is full.
+        write_dataset(dataset, content)
+        append_checksum(content)
+        partial.write_bytes(content.getbuffer())

@@ -1,1 +1,0 @@
-"""Friction studies of ensembles of surface pairs over ranges of parameters."""

@@ -1,0 +1,1 @@
+"""Definition of a study: bodies, contact, inputs with their uncertainty, and the options of a pair."""

@@ -1,0 +1,635 @@
+"""Classes for the table `[contact]` of a study, one for each contact model and kind of surfaces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Field, PlainSerializer, PlainValidator, model_validator
+
+from stiction._checks import Floats, float_array
+from stiction._units import VALID_QUANTITY_RANGES, quantity, short_repr
+from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, BoundaryCondition, TiltMode
+from stiction.mechanics.law import CONTACT_LAWS_BY_NAME, HertzCylinder, JacksonGreen, LawName, parse_contact_law
+from stiction.mechanics.model import (
+    PROFILE_WIDTH,
+    ContactModel,
+    CurvatureRequirement,
+    DetectionMethod,
+    Direction,
+    ShearDirection,
+    SlidingRule,
+)
+from stiction.study.generated_surfaces import GeneratedProfileSettings, GeneratedSurfaceSettings
+from stiction.study.input_distributions import MAX_JUNCTION_GROWTH_COEFFICIENT
+from stiction.study.measured_surfaces import MeasuredSurfaceSettings
+from stiction.study.values import (
+    ApproachesOrRange,
+    ApproachRange,
+    Directions,
+    Fraction,
+    Length,
+    LoadRange,
+    LoadsOrRange,
+    Modulus,
+    PressureOrZero,
+    SettingsTable,
+    SettingsTableVariant,
+    SlidingRules,
+    WorkOfAdhesion,
+    as_tuple,
+    check_keys,
+    direction_to_degrees,
+    format_quantities,
+    make_key_error,
+    select_key_value,
+    to_value_array,
+)
+
+DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion for height maps, degrees
+MAX_DIRECTIONS = 360  # maximum number of directions of motion for height maps
+# In the asperity model, the load curve of two profiles starts below the smallest load by this factor.
+# It ends above the largest load by the same factor.
+ASPERITY_LOAD_MARGIN_FACTOR = 30.0
+NUM_ASPERITY_LOADS = 25
+# In the half-plane model, the load curve of two profiles starts below the smallest load by this factor.
+# It ends above the largest load by the same factor.
+HALF_PLANE_LOAD_MARGIN_FACTOR = 10.0
+NUM_HALF_PLANE_LOADS = 7
+MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads in the contact solutions of height maps
+
+
+# ---- Laws -----------------------------------------------------------------------------------------------------------
+
+
+class HertzCylinderSettings(SettingsTable):
+    """Table for the contact law of elastic cylinders. It contains the width of the cylinders."""
+
+    name: Literal["hertz-cylinder"]
+    width: Length
+
+    def law(self) -> HertzCylinder:
+        """Return the contact law that the table describes."""
+        return HertzCylinder(width=float(self.width))
+
+
+class JacksonGreenSettings(SettingsTable):
+    """Table for the Jackson-Green contact law, with the yield strength and Poisson's ratio of the softer body."""
+
+    name: Literal["jackson-green"]
+    yield_strength: Modulus
+    poisson_ratio: Annotated[float, Field(ge=0, le=0.5)]
+
+    def law(self) -> JacksonGreen:
+        """Return the contact law that the table describes."""
+        return JacksonGreen(yield_strength=float(self.yield_strength), poisson_ratio=self.poisson_ratio)
+
+
+LawTableSettings = HertzCylinderSettings | JacksonGreenSettings
+LAW_SETTINGS_CLASSES: dict[str, type[LawTableSettings]] = {
+    "hertz-cylinder": HertzCylinderSettings,
+    "jackson-green": JacksonGreenSettings,
+}
+"""Classes for the tables of contact laws that have parameters, by the value of the key `name`."""
+
+
+def _parse_law(value: object) -> LawName | LawTableSettings:
+    """Parse a contact law, given as a name or as a table of parameters."""
+    for name in CONTACT_LAWS_BY_NAME:
+        if value == name:
+            return name  # type: ignore[return-value]
+    if isinstance(value, LawTableSettings):
+        return value
+    settings_class = LAW_SETTINGS_CLASSES.get(str(value.get("name"))) if isinstance(value, Mapping) else None
+    if settings_class is None:
+        names = " or ".join(f'"{name}"' for name in CONTACT_LAWS_BY_NAME)
+        tables_text = " or ".join(
+            f'"{name}" ({", ".join(list(settings_class.model_fields)[1:])})'
+            for name, settings_class in LAW_SETTINGS_CLASSES.items()
+        )
+        raise ValueError(f"must be {names}, or a table with the name {tables_text}, got {short_repr(value)}")
+    return settings_class.model_validate(value)
+
+
+def _serialize_law(law: LawName | LawTableSettings) -> object:
+    return law if isinstance(law, str) else law.model_dump()
+
+
+LawNameOrSettings = Annotated[LawName | LawTableSettings, PlainValidator(_parse_law), PlainSerializer(_serialize_law)]
+
+
+# ---- Contacts -------------------------------------------------------------------------------------------------------
+
+_MaterialName = Annotated[str, Field(min_length=1, max_length=80)]
+_PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
+DetectionSetting = Annotated[
+    DetectionMethod,
+    Field(description="Criterion for a contact: as in the paper, or minima of the gap (the only criterion for areas)."),
+]
+CurvatureSetting = Annotated[
+    CurvatureRequirement, Field(description="Convexity required at a contact: of both bodies, or only of their gap.")
+]
+MaterialNames = Annotated[tuple[_MaterialName, _MaterialName], as_tuple]
+# Poisson's ratios of the upper and the lower body
+PoissonRatios = Annotated[tuple[_PoissonRatio, _PoissonRatio], as_tuple]
+
+
+class OnsetSettings(SettingsTable):
+    """Friction parameters used to compute the onset of sliding. Friction is assumed to act at all contacts.
+
+    The result stores the onset for these parameters only.
+    """
+
+    mu0: float = Field(default=0.4, ge=0, description="Molecular friction coefficient.")
+    tau0: PressureOrZero = Field(default=quantity("0 MPa", "pressure"), description="Adhesive shear strength.")
+    poisson_ratio: float = Field(default=0.3, gt=-1, le=0.5, description="Poisson's ratio of both bodies.")
+
+    @model_validator(mode="after")
+    def _require_mu0_or_tau0(self) -> OnsetSettings:
+        if self.mu0 == 0 and float(self.tau0) == 0:
+            raise ValueError("mu0 and tau0 must not both be 0, because the bodies would slide without friction")
+        return self
+
+
+DIRECTION_DESCRIPTION = (
+    "Direction of motion of the upper body, instead of `shear`. For height maps, it may be an angle in degrees from +x "
+    "towards +y, or a list of directions."
+)
+LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `friction.load` by default."
+
+
+class CommonContactSettings(SettingsTableVariant):
+    """Keys of the table `[contact]` that are common to all contact models and all kinds of surfaces."""
+
+    effective_modulus: Modulus = Field(
+        default=quantity("10 GPa", "pressure"), description="Effective modulus E* of both bodies."
+    )
+
+    @property
+    def step_quantity(self) -> Literal["approach", "load"]:
+        """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
+        return "load"
+
+    def loading_steps(self) -> Floats:
+        """Return the approaches (µm) or loads (mN) of all loading steps."""
+        raise NotImplementedError
+
+    def sliding_rules(self) -> tuple[SlidingRule, ...]:
+        """Return all sliding rules that the table specifies."""
+        raise NotImplementedError
+
+    def directions_of_motion(self) -> tuple[Direction, ...]:
+        """Return all directions of motion, as given by the key `shear` or `direction`."""
+        raise NotImplementedError
+
+    def direction_angles(self) -> Floats:
+        """Return all directions of motion, in degrees from +x towards +y."""
+        return np.array([direction_to_degrees(direction) for direction in self.directions_of_motion()])
+
+    def motion_coordinates(self) -> dict[str, list[Any]]:
+        """Return the sliding rules and directions (degrees) that form dimensions of a result."""
+        return {"sliding": list(self.sliding_rules()), "direction": self.direction_angles().tolist()}
+
+
+# ---- Study-file keys for each kind of surfaces ----------------------------------------------------------------------
+
+
+class GeneratedSurfaceContactSettings(CommonContactSettings):
+    """Keys of the contact table that specify the motion of generated surfaces."""
+
+    place: ClassVar[str] = "generated surfaces"
+    materials: ClassVar[None] = None
+    poisson_ratio: ClassVar[None] = None
+
+    shear: ShearDirection = Field(default="+x", description="Direction of motion of the upper body along a profile.")
+    direction: Directions = Field(default=None, description=DIRECTION_DESCRIPTION)
+    sliding: SlidingRules = Field(
+        default="opposing",
+        description="Contacts with friction: only contacts that oppose the motion, as in the paper, or all contacts; "
+        "or a list of both rules.",
+    )
+
+    @model_validator(mode="after")
+    def _require_one_direction(self) -> Self:
+        if self.direction is not None and self.shear != "+x":
+            raise make_key_error("direction", f'must not be given together with shear = "{self.shear}"')
+        return self
+
+    def sliding_rules(self) -> tuple[SlidingRule, ...]:
+        """Return all sliding rules that the table specifies."""
+        return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
+
+    def directions_of_motion(self) -> tuple[Direction, ...]:
+        """Return all directions of motion, as given by the key `shear` or `direction`."""
+        direction_value = self.shear if self.direction is None else self.direction
+        return direction_value if isinstance(direction_value, tuple) else (direction_value,)
+
+    def motion_coordinates(self) -> dict[str, list[Any]]:
+        """Return the sliding rules and directions (degrees) that are given as lists. Single values are omitted."""
+        is_list = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
+        return {name: values for name, values in super().motion_coordinates().items() if is_list[name]}
+
+
+class GeneratedSurfaceLoadSettings(GeneratedSurfaceContactSettings):
+    """Keys of the contact table that specify the loads on generated surfaces."""
+
+    place: ClassVar[str] = "the half-space of generated surfaces"
+
+    load: LoadsOrRange = Field(
+        default=LoadRange(start=quantity("0.01 mN", "force"), stop=quantity("1 mN", "force"), count=8),
+        description=LOAD_DESCRIPTION,
+    )
+
+    def loading_steps(self) -> Floats:
+        """Return the loads (mN) of all loading steps."""
+        return to_value_array(self.load)
+
+
+class MeasuredSurfaceContactSettings(CommonContactSettings):
+    """Keys of the contact table for measured surfaces at given loads. Results are computed for both sliding rules."""
+
+    place: ClassVar[str] = "measured surfaces"
+
+    load: LoadsOrRange = Field(description=LOAD_DESCRIPTION)
+    materials: MaterialNames | None = Field(
+        default=None, description="Material names of the upper and the lower body; they do not affect the calculation."
+    )
+    poisson_ratio: PoissonRatios | None = Field(
+        default=None,
+        description="Poisson's ratios of the upper and the lower body, for the onset of sliding; 0.3 by default.",
+    )
+
+    def loading_steps(self) -> Floats:
+        """Return the loads (mN) of all loading steps."""
+        return to_value_array(self.load)
+
+    def sliding_rules(self) -> tuple[SlidingRule, ...]:
+        """Return both sliding rules, "all" and "opposing"."""
+        return "all", "opposing"
+
+
+class MeasuredLinesContactSettings(MeasuredSurfaceContactSettings):
+    """Keys of the contact table for measured lines (profiles or lines of maps), which slide in both directions."""
+
+    place: ClassVar[str] = "measured lines"
+
+    def directions_of_motion(self) -> tuple[Direction, ...]:
+        """Return both directions of motion, "+x" and "-x"."""
+        return "+x", "-x"
+
+
+class MeasuredMapContactSettings(MeasuredSurfaceContactSettings):
+    """Keys of the contact table for measured areas, which can slide in one or several directions."""
+
+    place: ClassVar[str] = "measured areas"
+
+    direction: Directions = Field(default=DEFAULT_DIRECTIONS, description=DIRECTION_DESCRIPTION)
+
+    def directions_of_motion(self) -> tuple[Direction, ...]:
+        """Return all directions of motion that the table specifies."""
+        assert self.direction is not None
+        return self.direction if isinstance(self.direction, tuple) else (self.direction,)
+
+
+class HalfSpaceSettings(CommonContactSettings):
+    """Keys of the contact table for the half-space model."""
+
+    place: ClassVar[str] = "the half-space"
+    law: ClassVar[None] = None
+    onset: ClassVar[None] = None
+
+    mechanics: Literal["half-space"] = Field(default="half-space", description="Contact model: the elastic half-space.")
+    boundary: BoundaryCondition = Field(
+        default="free", description="Boundary at the edges: free, or periodic continuation of the surfaces."
+    )
+    hardness: Modulus | None = Field(default=None, description="Largest contact pressure; elastic contact if omitted.")
+    junction_growth: float | None = Field(
+        default=None,
+        ge=0,
+        le=MAX_JUNCTION_GROWTH_COEFFICIENT,
+        description="α of p² + α s² = H², the growth of plastic contacts under shear; 0 with a caveat if omitted.",
+    )
+    compliance_share: Fraction = Field(
+        default=0.5, description="Fraction of the compliance that the lower body contributes."
+    )
+    work_of_adhesion: WorkOfAdhesion | None = Field(
+        default=None,
+        description="Energy per area that separates surfaces in contact; if omitted, it is unknown and treated as 0.",
+    )
+    adhesion_range: Length | None = Field(
+        default=None, description="Gap over which the attraction decays to 1/e; 0.5 nm by default."
+    )
+
+    tilt: TiltMode = Field(
+        default="fixed",
+        description="Orientation of the upper body: fixed, or (with free boundaries) tilted until the load is centred.",
+    )
+
+    @model_validator(mode="after")
+    def _require_consistent_growth(self) -> HalfSpaceSettings:
+        if self.junction_growth and self.hardness is None:
+            raise make_key_error(
+                "junction_growth", "must not be given without a hardness, because elastic contacts do not grow"
+            )
+        if self.junction_growth and self.adheres:
+            raise make_key_error(
+                "junction_growth",
+                "must be 0 if work_of_adhesion is above 0, because adhesive contacts do not grow in the model",
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _require_consistent_adhesion(self) -> HalfSpaceSettings:
+        if self.adhesion_range is not None and not self.adheres:
+            raise make_key_error("adhesion_range", "must not be given unless work_of_adhesion is above 0")
+        max_attraction = float(self.work_of_adhesion or 0) / float(self.adhesion_range or DEFAULT_ADHESION_RANGE)
+        if self.hardness is not None and not max_attraction < float(self.hardness):
+            raise make_key_error(
+                "hardness", f"must be above work_of_adhesion / adhesion_range = {max_attraction:g} GPa, at which "
+                f"bodies yield without a load, got {format_quantities(self.hardness)!r}",
+            )  # fmt: skip
+        return self
+
+    @property
+    def adheres(self) -> bool:
+        """True if the work of adhesion is above 0."""
+        return bool(self.work_of_adhesion)
+
+    @model_validator(mode="after")
+    def _require_consistent_tilt(self) -> HalfSpaceSettings:
+        if self.tilt == "free" and (self.adheres or self.boundary == "periodic"):
+            raise make_key_error(
+                "tilt", 'must be "fixed" if the boundaries are periodic or the bodies adhere, got "free"'
+            )
+        return self
+
+    def solver_arguments(self) -> dict[str, Any]:
+        """Return the keyword arguments of `half_space` that specify material, boundary conditions and tilt."""
+        return {
+            "effective_modulus": float(self.effective_modulus),
+            "boundary": self.boundary,
+            "compliance_share": self.compliance_share,
+            "tilt": self.tilt,
+            "hardness": None if self.hardness is None else float(self.hardness),
+            **({"work_of_adhesion": float(self.work_of_adhesion)} if self.work_of_adhesion else {}),
+            **({"adhesion_range": float(self.adhesion_range)} if self.adhesion_range else {}),
+        }
+
+
+class AsperityModelSettings(CommonContactSettings):
+    """Keys of the contact table for the asperity model, which neglects interaction between contacts."""
+
+    place: ClassVar[str] = "asperities"
+    hardness: ClassVar[None] = None
+    junction_growth: ClassVar[None] = None
+    work_of_adhesion: ClassVar[None] = None
+    adheres: ClassVar[bool] = False
+
+    mechanics: Literal["asperities"] = Field(
+        default="asperities", description="Contact model: Hertzian contacts that do not interact."
+    )
+    law: LawNameOrSettings = Field(
+        default="hertz-sphere",
+        description='Contact law; `{ name = "jackson-green", yield_strength = ..., poisson_ratio = ... }`.',
+    )
+    detection: DetectionSetting = "gap-minimum"
+    curvature: CurvatureSetting = "convex"
+
+    def direction_arguments(self) -> dict[str, Any]:
+        """Return the contact-model arguments for the direction of motion, or an empty dict if none are needed."""
+        return {}
+
+    def contact_model(self, sliding: SlidingRule | None = None) -> ContactModel:
+        """Return the contact model with the given sliding rule. The default is the first rule in the table."""
+        return ContactModel(
+            effective_modulus=float(self.effective_modulus),
+            law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
+            curvature=self.curvature, sliding=sliding or self.sliding_rules()[0], **self.direction_arguments(),
+        )  # fmt: skip
+
+
+# ---- Combinations of contact model and kind of surfaces --------------------------------------------------------------
+
+
+class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceContactSettings):
+    """Keys of the contact table for generated surfaces and the asperity model. They prescribe approaches."""
+
+    place: ClassVar[str] = "asperities of generated surfaces"
+
+    approach: ApproachesOrRange = Field(
+        default=ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40),
+        description="Approaches of the bodies from first contact.",
+    )
+    onset: OnsetSettings | None = Field(
+        default=None,
+        description="Friction parameters for which the onset of sliding of each pair is stored, as in `{ mu0 = 0.4 }`.",
+    )
+
+    @model_validator(mode="after")
+    def _require_valid_onset(self) -> Self:
+        if self.onset is not None and isinstance(parse_contact_law(self.contact_model().law), HertzCylinder):
+            raise make_key_error(
+                "onset", "must not be given with cylinders, because the displacement under a line load is unbounded"
+            )
+        return self
+
+    @property
+    def step_quantity(self) -> Literal["approach", "load"]:
+        """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
+        return "approach"
+
+    def loading_steps(self) -> Floats:
+        """Return the approaches (µm) of all loading steps."""
+        return to_value_array(self.approach)
+
+    def direction_arguments(self) -> dict[str, Any]:
+        """Return the contact-model arguments that set the direction of motion."""
+        return {"shear": self.shear, "direction": self.direction}
+
+
+class GeneratedProfileAsperitySettings(GeneratedSurfaceAsperitySettings):
+    """Contact table of the asperity model for generated profiles."""
+
+    place: ClassVar[str] = "asperities of generated lines"
+
+    detection: DetectionSetting = "cell"
+
+
+class GeneratedMapAsperitySettings(GeneratedSurfaceAsperitySettings):
+    """Contact table of the asperity model for generated height maps."""
+
+    place: ClassVar[str] = "asperities of generated areas"
+
+    curvature: CurvatureSetting = "signed"
+
+
+class MeasuredLineAsperitySettings(AsperityModelSettings, MeasuredLinesContactSettings):
+    """Contact table of the asperity model for measured lines."""
+
+    place: ClassVar[str] = "asperities of measured lines"
+    onset: ClassVar[None] = None
+
+
+class MeasuredMapAsperitySettings(AsperityModelSettings, MeasuredMapContactSettings):
+    """Contact table of the asperity model for measured height maps."""
+
+    place: ClassVar[str] = "asperities of measured areas"
+    onset: ClassVar[None] = None
+
+    curvature: CurvatureSetting = "signed"
+
+
+class GeneratedProfileHalfSpaceSettings(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
+    """Contact table of the half-plane model for generated profiles."""
+
+    place: ClassVar[str] = "the half-space of generated lines"
+
+
+class GeneratedMapHalfSpaceSettings(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
+    """Contact table of the half-space model for generated height maps."""
+
+    place: ClassVar[str] = "the half-space of generated areas"
+
+
+class MeasuredLineHalfSpaceSettings(HalfSpaceSettings, MeasuredLinesContactSettings):
+    """Contact table of the half-plane model for measured lines."""
+
+    place: ClassVar[str] = "the half-space of measured lines"
+
+
+class MeasuredMapHalfSpaceSettings(HalfSpaceSettings, MeasuredMapContactSettings):
+    """Contact table of the half-space model for measured height maps."""
+
+    place: ClassVar[str] = "the half-space of measured areas"
+
+
+ContactSettings = (
+    GeneratedProfileAsperitySettings
+    | GeneratedMapAsperitySettings
+    | MeasuredLineAsperitySettings
+    | MeasuredMapAsperitySettings
+    | GeneratedProfileHalfSpaceSettings
+    | GeneratedMapHalfSpaceSettings
+    | MeasuredLineHalfSpaceSettings
+    | MeasuredMapHalfSpaceSettings
+)
+"""Table `[contact]` of a study."""
+
+CONTACT_SETTINGS_CLASSES: dict[str, dict[str, type[ContactSettings]]] = {
+    "generated lines": {
+        "asperities": GeneratedProfileAsperitySettings,
+        "half-space": GeneratedProfileHalfSpaceSettings,
+    },
+    "generated areas": {"asperities": GeneratedMapAsperitySettings, "half-space": GeneratedMapHalfSpaceSettings},
+    "measured lines": {"asperities": MeasuredLineAsperitySettings, "half-space": MeasuredLineHalfSpaceSettings},
+    "measured areas": {"half-space": MeasuredMapHalfSpaceSettings, "asperities": MeasuredMapAsperitySettings},
+}
+"""Classes of the table by kind of bodies and value of `mechanics`; the first class of each kind is the default."""
+
+SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
+    AsperityModelSettings, GeneratedSurfaceAsperitySettings, MeasuredSurfaceContactSettings,
+    GeneratedSurfaceContactSettings, MeasuredMapContactSettings, HalfSpaceSettings, GeneratedSurfaceLoadSettings,
+)  # fmt: skip
+"""Base classes whose keys several tables share; error messages about misplaced keys name these classes."""
+
+
+def select_contact_settings_class(
+    surfaces: type[GeneratedSurfaceSettings | MeasuredSurfaceSettings], table: Mapping[str, Any]
+) -> type[ContactSettings]:
+    """Return the contact-table class that matches the kind of surfaces and the key `mechanics`."""
+    settings_classes = CONTACT_SETTINGS_CLASSES[surfaces.bodies]
+    return settings_classes[select_key_value("mechanics", table, settings_classes)]
+
+
+def parse_contact_settings(
+    value: Mapping[str, Any], surfaces: GeneratedSurfaceSettings | MeasuredSurfaceSettings
+) -> ContactSettings:
+    """Parse a contact table and check that it is consistent with the surfaces."""
+    settings_class = select_contact_settings_class(type(surfaces), value)
+    check_keys(value, settings_class, SHARED_CONTACT_SETTINGS_CLASSES)
+    contact = settings_class.model_validate(value)
+    if isinstance(contact, MeasuredMapContactSettings):
+        direction = contact.direction
+        if direction is None or len(contact.directions_of_motion()) > MAX_DIRECTIONS:
+            raise make_key_error("direction", f"must be 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}")
+        contact = contact.model_copy(update={"direction": tuple(contact.direction_angles().tolist())})
+    is_profile = isinstance(surfaces, GeneratedProfileSettings)
+    if (
+        is_profile
+        and isinstance(contact, GeneratedSurfaceContactSettings)
+        and contact.direction not in (None, "+x", "-x")
+    ):
+        raise make_key_error("direction", f'must be "+x" or "-x" for profiles, got {short_repr(contact.direction)}')
+    if isinstance(contact, AsperityModelSettings) and surfaces.is_areal:
+        try:
+            contact.contact_model().for_surfaces()
+        except ValueError as error:
+            key, _, reason = str(error).partition(" ")
+            raise make_key_error(key, reason) from None
+    if (
+        isinstance(contact, HalfSpaceSettings)
+        and contact.hardness is not None
+        and not isinstance(surfaces, MeasuredSurfaceSettings)
+    ):
+        nominal_area = (
+            float(surfaces.extent) * PROFILE_WIDTH
+            if isinstance(surfaces, GeneratedProfileSettings)
+            else math.prod(surfaces.extents())
+        )
+        if not contact.loading_steps()[-1] < (max_load := float(contact.hardness) * nominal_area):
+            raise make_key_error(
+                "load", f"must be below hardness times area ({max_load:g} mN), got {contact.loading_steps()[-1]:g} mN"
+            )
+    return contact
+
+
+def _extend_loads(given_loads: Floats, margin: float, num_loads: int) -> Floats:
+    """Add loads (mN) from a geometric series that extends below and above the given loads."""
+    load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
+    # A load of the series is omitted if it nearly equals a given load.
+    is_new = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6
+    return np.unique(np.concatenate([given_loads, load_series[is_new]]))
+
+
+def _insert_intermediate_loads(given_loads: Floats) -> Floats:
+    """Insert loads (mN) until the ratio of successive loads is at most about `MAX_AREAL_LOAD_RATIO`."""
+    given_loads = np.unique(given_loads)
+    step_counts = np.ceil(np.log(given_loads[1:] / given_loads[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
+    loads_between = [
+        np.geomspace(low, high, count, endpoint=False)[1:]
+        for low, high, count in zip(given_loads[:-1], given_loads[1:], step_counts, strict=True)
+    ]
+    return np.concatenate([given_loads, *loads_between])
+
+
+def choose_load_steps(
+    loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
+) -> Floats:
+    """Return the given loads of a measured pair, and additional loads (mN) at which the contacts are computed.
+
+    All loads are below `max_load` (mN). For areas, `num_smaller` loads are below the given loads, and the ratio of
+    successive loads is at most `MAX_AREAL_LOAD_RATIO`.
+    """
+    given_loads = np.atleast_1d(float_array("loads", loads))
+    if not given_loads.size or not (given_loads > 0).all():
+        raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
+    if press == "lines" and mechanics == "asperities":
+        load_steps = _extend_loads(given_loads, ASPERITY_LOAD_MARGIN_FACTOR, NUM_ASPERITY_LOADS)
+    elif press == "lines":
+        load_steps = _extend_loads(given_loads, HALF_PLANE_LOAD_MARGIN_FACTOR, NUM_HALF_PLANE_LOADS)
+    else:
+        smaller_loads = given_loads.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
+        load_steps = np.unique(
+            np.concatenate(
+                [_insert_intermediate_loads(given_loads), smaller_loads, [given_loads.max() * MAX_AREAL_LOAD_RATIO]]
+            )
+        )
+    # The given loads are not rounded. The additional loads are rounded to six digits.
+    requested_loads = set(given_loads.tolist())
+    rounded = np.array([load if load in requested_loads else float(f"{load:.6g}") for load in load_steps.tolist()])
+    min_load, max_valid_load = VALID_QUANTITY_RANGES["force"]
+    rounded = rounded[(min_load <= rounded) & (rounded <= max_valid_load)]
+    return rounded if max_load is None else rounded[rounded < max_load]

@@ -1,0 +1,352 @@
+"""Parse and sample uncertain inputs, which are numbers, ranges, or values with a standard uncertainty.
+
+Distributions are propagated by sampling (JCGM 101, 2008). The range of a hardness, a modulus or a strength represents a
+log-normal distribution with 95 % of its probability within the range. The range of a coefficient, or a value with a
+standard uncertainty, represents a normal distribution truncated at 0. A range that starts at 0 represents a uniform
+distribution.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Field, ValidationInfo, field_validator
+
+from stiction._arguments import MAX_INPUT_NUMBER
+from stiction._checks import Floats, make_read_only
+from stiction._units import exact_quantity_text, quantity, short_repr
+from stiction.study.values import SettingsTable, as_tuple
+
+InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
+Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
+# With this number of samples, the budget fractions of two inputs with equal contributions differ by less than 0.01.
+NUM_INPUT_SAMPLES = 2**14
+MIN_RELATIVE_UNCERTAINTY = 1e-9  # smallest relative standard uncertainty that is accepted
+UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
+"""Pattern that matches a string with a range, an uncertainty or a hardness scale, but not a plain quantity."""
+
+_VICKERS_BY_ROCKWELL = {
+    20: 238,
+    25: 266,
+    30: 302,
+    35: 345,
+    40: 392,
+    45: 446,
+    50: 513,
+    55: 595,
+    60: 697,
+    65: 832,
+    68: 940,
+}
+"""Vickers hardness of steels as a function of Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
+
+# Relative half width of the range of a hardness converted from HRC. This range represents an error of 10 to 20 HV.
+ROCKWELL_CONVERSION_ERROR = 0.05
+_GPA_PER_VICKERS = 9.80665e-3 / 0.9272
+"""Mean pressure (GPa) at 1 HV, which is 1 kgf per mm² of indentation surface.
+
+The projected area is 0.9272 of this surface.
+"""
+
+_RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
+_PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
+# matches an uncertainty in per cent; the unit of the value may follow
+_PERCENT_PATTERN = re.compile(r"(.+?)\s*%\s*(.*)")
+_TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
+# matches a Vickers scale with its test load, as in "HV10" or "HV 0.5"
+_VICKERS_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")
+InputKind = Literal["", "pressure", "modulus", "hardness"]
+MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body
+# Maximum junction-growth coefficient α; α is 27 for a von Mises body with H equal to three times its yield strength.
+MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
+# Maximum creep exponent; at this exponent, the hardness falls to a third in each decade of time.
+MAX_CREEP_EXPONENT = 0.5
+
+
+@dataclass(frozen=True)
+class UncertainInput:
+    """Probability distribution of an uncertain input, in core units."""
+
+    value: float  # central value: the number, or the middle of the range (geometric mean for a log-normal distribution)
+    low: float  # lower limit of the 95 % interval, or of the uniform distribution
+    high: float  # upper limit of the 95 % interval, or of the uniform distribution
+    distribution: InputDistribution
+    text: str  # text of the input as written by the user
+    maximum: float = math.inf  # upper bound of the samples
+
+    @property
+    def is_exact(self) -> bool:
+        """True if the input is a number without uncertainty."""
+        return self.distribution == "exact"
+
+    @property
+    def short_text(self) -> str:
+        """Short text of the input: a number with up to six digits, or a range as the user wrote it."""
+        return f"{self.value:g}" if self.is_exact else self.text
+
+    def describes_same_hardness(self, text: str) -> bool:
+        """Return whether a string describes the same hardness distribution, possibly in another unit."""
+        try:
+            other_input = self if text == self.text else parse_uncertain_input("", text, "hardness")
+        except ValueError:
+            return False
+        return self.distribution == other_input.distribution and np.allclose(
+            [self.low, self.high], [other_input.low, other_input.high]
+        )
+
+    def quantile(self, probability: ArrayLike) -> Floats:
+        """Return the quantiles of the distribution at the given probabilities."""
+        values = np.asarray(probability, dtype=np.float64)
+        return np.minimum(self._compute_quantile(values), self.maximum)
+
+    def _compute_quantile(self, probability: Floats) -> Floats:
+        from scipy.special import ndtr, ndtri
+
+        if self.is_exact:
+            return np.full(probability.shape, self.value)
+        if self.distribution == "uniform":
+            return np.asarray(self.low + probability * (self.high - self.low))
+        if self.distribution == "log-normal":
+            return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
+        deviation = (self.high - self.low) / (2 * Z_95)
+        probability_below_zero = ndtr(
+            -self.value / deviation
+        )  # probability of values below 0; such values are excluded
+        return np.asarray(
+            np.maximum(
+                self.value + deviation * ndtri(probability_below_zero + probability * (1 - probability_below_zero)), 0.0
+            )
+        )
+
+
+def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
+    """Parse a number in core units, or a string such as "0.2±0.02", "20..80 MPa", "150 HV" or "150 ± 10 % HV".
+
+    Raises
+    ------
+    ValueError
+        If the input has another form, is negative, or is larger than `MAX_INPUT_NUMBER`.
+    """
+    if isinstance(source, UncertainInput):
+        return source
+    if not isinstance(source, str):
+        value = _parse_value(name, source, kind)
+        return UncertainInput(value, value, value, "exact", exact_quantity_text(value, "GPa") if kind else repr(value))
+    text = " ".join(source.split())
+    parsed = _parse_distribution(name, _VICKERS_TEST_LOAD_PATTERN.sub("HV", text) if kind == "hardness" else text, kind)
+    if not parsed.high <= MAX_INPUT_NUMBER:
+        raise ValueError(
+            f"{name} must be at most {MAX_INPUT_NUMBER:g}, including its uncertainty, got {short_repr(text)}"
+        )
+    if (
+        parsed.distribution == "normal"
+        and parsed.high - parsed.low < 2 * Z_95 * MIN_RELATIVE_UNCERTAINTY * parsed.value
+    ):
+        raise ValueError(f"{name} must be exact or have a larger uncertainty, got {short_repr(text)}")
+    return replace(parsed, text=text)
+
+
+def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput:
+    """Parse a distribution from a string whose words are separated by single spaces."""
+    is_rockwell = "HRC" in text and kind == "hardness"
+    if match := _RANGE_PATTERN.fullmatch(text):
+        is_uniform, first, last = match.groups()
+        low, high = (_parse_value(name, end, kind) for end in _complete_units(first, last))
+        if not 0 <= low < high:
+            raise ValueError(f"{name} must be a range from a smaller to a larger value, got {short_repr(text)}")
+        if kind in ("hardness", "modulus") and low == 0:
+            raise ValueError(f"{name} must be above 0, got {short_repr(text)}")
+        if is_rockwell:
+            return _convert_rockwell_hardness(low, high, text)
+        if is_uniform or low == 0:
+            return UncertainInput(0.5 * (low + high), low, high, "uniform", text)
+        if kind:
+            return UncertainInput(math.sqrt(low * high), low, high, "log-normal", text)
+        return UncertainInput(0.5 * (low + high), low, high, "normal", text)
+    if match := _PLUS_MINUS_PATTERN.fullmatch(text):
+        first, last = match.groups()
+        if percent_match := _PERCENT_PATTERN.fullmatch(last):
+            value = _parse_value(name, f"{first} {percent_match[2]}".strip(), kind)
+            deviation = value * _parse_value(name, percent_match[1], "") / 100
+            deviation = math.hypot(deviation, ROCKWELL_CONVERSION_ERROR * value / Z_95) if is_rockwell else deviation
+        elif is_rockwell:
+            central_value, standard_uncertainty = (
+                _parse_number(name, _TRAILING_UNIT_PATTERN.sub("", text_part).strip()) for text_part in (first, last)
+            )
+            limits = (central_value - Z_95 * standard_uncertainty, central_value + Z_95 * standard_uncertainty)
+            if not min(_VICKERS_BY_ROCKWELL) <= limits[0] <= limits[1] <= max(_VICKERS_BY_ROCKWELL):
+                hardness_limits = f"{min(_VICKERS_BY_ROCKWELL)} to {max(_VICKERS_BY_ROCKWELL)} HRC"
+                raise ValueError(
+                    f"{name} must be from {hardness_limits}, including its uncertainty, got {short_repr(text)}"
+                )
+            low, high = (_parse_value(name, f"{end:g} HRC", kind) for end in limits)
+            return _convert_rockwell_hardness(low, high, text)
+        else:
+            value, deviation = (_parse_value(name, text_part, kind) for text_part in _complete_units(first, last))
+        if not deviation > 0:
+            raise ValueError(f"{name} must have an uncertainty above 0, got {short_repr(text)}")
+        if kind in ("hardness", "modulus") and value < Z_95 * deviation:
+            raise ValueError(
+                f"{name} must be at least twice its standard uncertainty, got "
+                f"{short_repr(text)}; specify a very uncertain value as a range, low..high"
+            )
+        return UncertainInput(value, value - Z_95 * deviation, value + Z_95 * deviation, "normal", text)
+    value = _parse_value(name, text, kind)
+    if text.endswith("HRC"):
+        return _convert_rockwell_hardness(value, value, text)
+    return UncertainInput(value, value, value, "exact", text)
+
+
+def _convert_rockwell_hardness(low: float, high: float, text: str) -> UncertainInput:
+    """Return the distribution of a hardness given in HRC, widened to include the conversion error."""
+    half_width = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
+    value = math.sqrt(low * high)
+    return UncertainInput(value, value * math.exp(-half_width), value * math.exp(half_width), "log-normal", text)
+
+
+def _parse_number(name: str, text: str) -> float:
+    """Parse a number from 0 to `MAX_INPUT_NUMBER`."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise ValueError(f"{name} must be a number, got {short_repr(text)}") from None
+    if not 0 <= value <= MAX_INPUT_NUMBER:
+        raise ValueError(f"{name} must be finite and from 0 to {MAX_INPUT_NUMBER:g}, got {short_repr(text)}")
+    return value
+
+
+def _parse_value(name: str, source: Any, kind: str) -> float:
+    """Parse a nonnegative number, or a quantity with a unit if `kind` is given."""
+    if isinstance(source, str) and not kind:
+        return _parse_number(name, source)
+    unit_match = _TRAILING_UNIT_PATTERN.search(source) if kind == "hardness" and isinstance(source, str) else None
+    if unit_match and unit_match[0] in ("HV", "HRC"):
+        number = _parse_number(name, source[: unit_match.start()].strip())
+        if unit_match[0] == "HRC":
+            if not min(_VICKERS_BY_ROCKWELL) <= number <= max(_VICKERS_BY_ROCKWELL):
+                hardness_limits = f"{min(_VICKERS_BY_ROCKWELL)} to {max(_VICKERS_BY_ROCKWELL)} HRC"
+                raise ValueError(f"{name} must be from {hardness_limits}, got {short_repr(source)}")
+            number = math.exp(
+                float(np.interp(number, list(_VICKERS_BY_ROCKWELL), np.log(list(_VICKERS_BY_ROCKWELL.values()))))
+            )
+        return number * _GPA_PER_VICKERS
+    scale_hint = "; HV and HRC are also accepted" if kind == "hardness" else ""
+    kind = "pressure" if kind else ""
+    try:
+        value = float(quantity(source, kind)) if kind and isinstance(source, str) else float(source)
+    except (TypeError, ValueError, OverflowError) as error:
+        reason = (
+            f"{error}{scale_hint}"
+            if kind and isinstance(source, str)
+            else f"must be a number, got {short_repr(source)}"
+        )
+        raise ValueError(f"{name} {reason}") from None
+    if not (math.isfinite(value) and value >= 0):
+        raise ValueError(f"{name} must be finite and not negative, got {short_repr(source)}")
+    return value
+
+
+def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
+    """Add a missing unit to one of two strings by copying the unit of the other string."""
+    units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
+    if units[0] is None and units[1] is not None:
+        return f"{first_text} {units[1][0]}", last_text
+    if units[0] is not None and units[1] is None and units[0][0].strip() in ("HV", "HRC"):
+        return first_text, f"{last_text} {units[0][0]}"
+    return first_text, last_text
+
+
+@functools.lru_cache(maxsize=32)
+def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, seed: int = 0) -> Floats:
+    """Return points of a scrambled Sobol sequence in the unit cube, as an array of shape (count, dimensions).
+
+    `count` must be a power of two.
+    """
+    from scipy.stats import qmc
+
+    points = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(round(math.log2(count)))
+    return make_read_only(np.clip(points, 1e-9, 1 - 1e-9))
+
+
+def generate_stratified_points(dimensions: int) -> Floats:
+    """Return `NUM_INPUT_SAMPLES` points of a Sobol sequence, as an array of shape (NUM_INPUT_SAMPLES, dimensions)."""
+    return generate_sobol_points(dimensions, NUM_INPUT_SAMPLES, seed=2016)
+
+
+def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
+    """Draw `NUM_INPUT_SAMPLES` samples of each input."""
+    points = generate_stratified_points(len(inputs))
+    return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
+
+
+# ---- Table of uncertain inputs in a study ----------------------------------------------------------------------------
+
+INPUT_KINDS: dict[str, InputKind] = {
+    "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
+    "poisson": "", "creep": "", "junction_growth": "",
+}  # fmt: skip
+"""Kind of quantity of each input that may be a range."""
+
+
+def parse_study_input(name: str, source: Any) -> UncertainInput:
+    """Parse the study input with the given name, including its uncertainty.
+
+    The name is a key of `INPUT_KINDS`. Error messages do not include the name.
+    """
+    parsed = parse_uncertain_input("", source, INPUT_KINDS[name])
+    if name == "poisson":
+        if parsed.high > MAX_POISSON_RATIO:
+            allowed_range = f"from 0 to {MAX_POISSON_RATIO:g}, including its uncertainty"
+            raise ValueError(f"must be {allowed_range}, got {short_repr(source)}")
+        parsed = replace(parsed, maximum=MAX_POISSON_RATIO)
+    if name == "junction_growth" and parsed.high > MAX_JUNCTION_GROWTH_COEFFICIENT:
+        raise ValueError(f"must be from 0 to {MAX_JUNCTION_GROWTH_COEFFICIENT:g}, got {short_repr(source)}")
+    if name == "creep" and parsed.high > MAX_CREEP_EXPONENT:
+        raise ValueError(f"must be at most {MAX_CREEP_EXPONENT:g}, got {short_repr(source)}")
+    return parsed
+
+
+_InputText = Annotated[str, Field(min_length=1, max_length=80)]
+_BodyInputTexts = Annotated[tuple[_InputText, ...], as_tuple, Field(min_length=1, max_length=2)]
+
+
+class UncertainInputSettings(SettingsTable):
+    """Ranges and uncertainties of the study inputs. Contacts are computed with the central values of these inputs."""
+
+    mu0: _InputText | None = Field(
+        default=None, description="Molecular friction coefficient as a range, or as value ± standard uncertainty."
+    )
+    tau0: _InputText | None = Field(default=None, description="Adhesive shear strength.")
+    hardness: _InputText | None = Field(default=None, description="Hardness of the softer body.")
+    effective_modulus: _InputText | None = Field(default=None, description="E*.")
+    young: _BodyInputTexts | None = Field(default=None, description="Young's modulus of the upper and the lower body.")
+    poisson: _BodyInputTexts | None = Field(
+        default=None, description="Poisson's ratio of the upper and the lower body."
+    )
+    junction_growth: _InputText | None = Field(default=None, description="α of junction growth, p² + α s² = H².")
+    creep: _InputText | None = Field(
+        default=None, description="Exponent m of indentation creep: H = H(1 s) (t/1 s)^-m."
+    )
+    interface: str | None = Field(
+        default=None, min_length=1, max_length=4096,
+        description="Name or file of an interface, which defines μ0 and τ0 jointly; if the file is missing, the "
+        "ranges of μ0 and τ0 apply.",
+    )  # fmt: skip
+
+    @field_validator("*")
+    @classmethod
+    def _validate_inputs(cls, value: Any, info: ValidationInfo) -> Any:
+        texts = (value,) if isinstance(value, str) else value or ()
+        for text in texts if info.field_name != "interface" else ():
+            try:
+                parse_study_input(str(info.field_name), text)
+            except ValueError as error:
+                raise ValueError(str(error).strip()) from None
+        return value

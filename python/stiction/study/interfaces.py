@@ -1,0 +1,480 @@
+"""Strengths of interfaces: published, or read from the file of a calibration.
+
+An interface file has header lines that begin with "# ", and below them a table with one sample per row. The columns are
+mu0, tau0, hardness, junction growth, and the true area per load of the tests (A/F).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import io
+import math
+import tomllib
+import zlib
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property, lru_cache
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from stiction._checks import Floats, check_callable, check_choice, check_instance, parse_path, validate_number
+from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes, replace_file_atomically
+from stiction._text import printable_path, printable_text
+from stiction._units import short_repr
+from stiction.mechanics.model import SlidingRule
+from stiction.study.input_distributions import (
+    UncertainInput,
+    draw_input_samples,
+    parse_study_input,
+    parse_uncertain_input,
+)
+from stiction.study.study import Study
+
+if TYPE_CHECKING:
+    import pandas
+
+INTERFACE_FILE_HEADER = "# stiction interface"  # first line of an interface file
+INTERFACE_FILE_COLUMNS = (
+    "mu0",
+    "tau0 (GPa)",
+    "hardness (GPa)",
+    "junction growth",
+    "area per load of the tests (1/GPa)",
+)
+MAX_INTERFACE_BYTES = 50_000_000  # maximum size of an interface file in bytes
+_NUMERIC_HEADER_ENTRIES = ("area_per_load", "variation")
+
+EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
+"""Probabilities of the residuals: below the first, a sliding rule is excluded; below the second, errors are scaled."""
+
+# A lower limit is set to the bound if its distance from the bound is below this fraction of the interval width.
+BOUND_TOLERANCE = 0.01
+INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the true value
+SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
+
+HARDNESS_HEADER_ENTRY = "hardness of the draws"
+"""Name of the entry of `Interface.about` that contains the hardness range of all tests."""
+
+GROWTH_HEADER_ENTRY = "junction growth of the draws"
+"""Name of the entry of `Interface.about` that contains α of the tests.
+
+The entry is missing if no test depends on α, or if α differs between tests.
+"""
+
+
+ValueWithLimits = tuple[float, float, float]  # value, lower limit and upper limit of the 95 % interval
+
+
+@dataclass(frozen=True)
+class StrengthFit:
+    """Joint distribution of mu0 and tau0 fitted with one sliding rule, and the quality of the fit."""
+
+    sliding: SlidingRule
+    chi_squared: float  # chi-squared of the best fit; without given errors, it has no meaning
+    freedom: int  # number of tests with sliding minus number of fitted parameters
+    probability: float  # probability of a larger chi_squared; NaN if there are no errors or no degrees of freedom
+    scale: float  # factor by which the errors were multiplied
+    trend: float  # p-value of the trend of the residuals with the load
+    mu0: Floats  # samples of mu0
+    tau0: Floats  # samples of tau0 (GPa), paired with `mu0`
+    hardness: Floats  # samples of the hardness (GPa), paired with `mu0`; NaN if the hardness differs between tests
+    junction_growth: Floats  # samples of α, paired with `mu0`; NaN if α differs between tests or has no effect
+    area_per_load: Floats  # samples of A/F (1/GPa) at the onset of sliding in the tests; NaN if unknown
+    scores: Mapping[Hashable, Floats] = field(default_factory=dict)  # normal scores of the nuisance parameters
+
+
+@dataclass(frozen=True)
+class InterfaceStrength:
+    """Strength of an interface, expressed as a joint distribution of mu0 and tau0.
+
+    Attributes
+    ----------
+    fits : tuple of StrengthFit
+        Fits for the requested sliding rules, in order of preference.
+    area_per_load : float, 1/GPa
+        True area per load (A/F) of the tests, at which mu0 + tau0 A/F is identified.
+    variation : float
+        Standard deviation of A/F among the tests, divided by the mean.
+    separated : bool
+        True if the tests determine mu0 and tau0 separately, rather than only the sum mu0 + tau0 A/F.
+    advice : tuple of (str, float, float)
+        Further tests that would separate mu0 and tau0, each with the expected standard errors of mu0 and tau0 (GPa)
+        after these tests.
+    tests : tuple of (float, float, float, bool)
+        For each test: A/F (1/GPa), coefficient, standard uncertainty of the coefficient (NaN if not given), and True if
+        the pair slid.
+    about : mapping of str to str
+        Kind ("measured", "lumped" or "bound"), materials, conditions and source.
+    """
+
+    fits: tuple[StrengthFit, ...]
+    area_per_load: float
+    variation: float
+    separated: bool
+    advice: tuple[tuple[str, float, float], ...] = ()
+    tests: tuple[tuple[float, float, float, bool], ...] = ()
+    about: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, path: str | Path) -> Self:
+        """Read the strength of an interface from a file written by `write_interface`."""
+        check_instance("path", path, (str, Path), "a path")
+        try:
+            lines = (
+                read_file_bytes(parse_path("path", path), MAX_INTERFACE_BYTES, INTERFACE_FILE_HEADER.encode())
+                .decode("utf-8")
+                .splitlines()
+            )
+        except UnreadableFileError as error:
+            raise ValueError(f"{printable_path(path)} is not an interface file: {error}") from None
+        except OSError as error:
+            raise ValueError(
+                f"{printable_path(path)} cannot be read as an interface: {describe_os_error(error)}"
+            ) from None
+        except UnicodeDecodeError:
+            raise ValueError(
+                f"{printable_path(path)} is not an interface file, because it is not a text file"
+            ) from None
+        header = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
+        rows = [line for line in lines if line and not line.startswith("#")]
+        try:
+            if lines[0] != INTERFACE_FILE_HEADER or tuple(next(csv.reader(rows))) != INTERFACE_FILE_COLUMNS:
+                raise ValueError
+            table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
+            area_per_load, variation = (float(header.pop(name)) for name in _NUMERIC_HEADER_ENTRIES)
+            sliding, separated = header.pop("sliding"), header.pop("separated") == "yes"
+            check_choice("sliding", sliding, SlidingRule)
+            parse_study_input("junction_growth", header.get(GROWTH_HEADER_ENTRY, "0"))
+        except (ValueError, KeyError, csv.Error, StopIteration):
+            reason = "an entry of the header is missing or unknown, or a row does not have five numbers"
+            raise ValueError(f"{printable_path(path)} is a damaged interface file ({reason})") from None
+        if (
+            table.ndim != 2
+            or table.shape[1] != len(INTERFACE_FILE_COLUMNS)
+            or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all()
+        ):
+            raise ValueError(f"{printable_path(path)} is a damaged interface file (mu0 and tau0 must be at least 0)")
+        fit = _build_strength_fit(sliding, *table.T)
+        return cls((fit,), area_per_load, variation, separated, about=header)
+
+    @classmethod
+    def named(cls, name_or_path: str | Path) -> Self:
+        """Return a published strength, or read one from a file. A `ValueError` names the published interfaces."""
+        check_instance("interface", name_or_path, (str, Path), "a name or a path")
+        published_entry = interfaces().get(str(name_or_path))
+        if published_entry is None:
+            if Path(name_or_path).is_file():
+                return cls.read(name_or_path)
+            known_names = "; ".join(interfaces())
+            raise ValueError(f"interface must be a file or one of {known_names}, got {str(name_or_path)!r}")
+        ranges: dict[str, UncertainInput] = {
+            "mu0": parse_uncertain_input("mu0", published_entry["mu0"]),
+            "tau0": parse_uncertain_input("tau0", published_entry["tau0"], "pressure"),
+        }
+        samples = draw_input_samples(ranges)
+        unknown_samples = np.full(samples["mu0"].size, math.nan)
+        fit = _build_strength_fit(
+            "all", samples["mu0"], samples["tau0"], unknown_samples, unknown_samples, unknown_samples
+        )
+        description = {key: text for key, text in published_entry.items() if key not in ranges}
+        return cls((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
+
+    def __repr__(self) -> str:
+        """Describe the interface by the sum mu0 + tau0 A/F, and by mu0 and tau0 if the tests can separate them."""
+        entries = [("mu0 + tau0 A/F", self.identified, "")]
+        if self.separated:
+            entries += [("mu0", self.mu0, ""), ("tau0", self.tau0, " GPa")]
+        rows = [
+            f"  {name:<14}  {value:.4g} [{low:.4g}, {high:.4g}]{unit}"
+            for name, (value, low, high), unit in entries
+            if math.isfinite(value)
+        ]
+        return "\n".join(["Interface", *rows, *(f"  {key:<14}  {text}" for key, text in self.about.items())])
+
+    @property
+    def has_unknown_range(self) -> bool:
+        """True if the source has a single mu0 and a single tau0, without their ranges."""
+        return bool(np.ptp(self.fits[0].mu0) == np.ptp(self.fits[0].tau0) == 0)
+
+    @property
+    def identified(self) -> ValueWithLimits:
+        """Sum mu0 + tau0 A/F with its 95 % interval, evaluated at the A/F of the tests."""
+        area_per_load = self.fits[0].area_per_load
+        if not np.isfinite(area_per_load).all():
+            return self.at(self.area_per_load)
+        return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
+
+    @property
+    def mu0(self) -> ValueWithLimits:
+        """Molecular friction coefficient mu0 with its interval, or NaN if the tests do not separate mu0 and tau0."""
+        return self.strength_intervals[0] if self.separated else (math.nan,) * 3
+
+    @property
+    def tau0(self) -> ValueWithLimits:
+        """Adhesive shear strength tau0 (GPa) with its interval, or NaN if the tests do not separate mu0 and tau0."""
+        return self.strength_intervals[1] if self.separated else (math.nan,) * 3
+
+    @cached_property
+    def strength_intervals(self) -> tuple[ValueWithLimits, ValueWithLimits]:
+        """Intervals of mu0 and tau0 (GPa), computed even if the tests do not separate mu0 and tau0."""
+        return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
+
+    @cached_property
+    def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
+        """Pairs of mu0 and tau0 samples (GPa). In each pair, a parameter whose interval includes 0 is set to 0.
+
+        The shift does not change the sum mu0 + tau0 A/F at the A/F of the tests.
+        """
+        fit = self.fits[0]
+        area_per_load = fit.area_per_load
+        are_both_fitted = np.isfinite(area_per_load).all() and np.ptp(fit.mu0) > 0 and np.ptp(fit.tau0) > 0
+        zeros = np.zeros(fit.mu0.size)
+        strengths = []
+        if are_both_fitted and compute_credible_interval(fit.mu0, 0.0)[1] == 0:
+            strengths.append((zeros, fit.tau0 + fit.mu0 / area_per_load))
+        if are_both_fitted and compute_credible_interval(fit.tau0, 0.0)[1] == 0:
+            strengths.append((fit.mu0 + fit.tau0 * area_per_load, zeros))
+        return tuple(strengths)
+
+    def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
+        """Return the median and the 95 % interval of a coefficient, given as a function of mu0 and tau0 (GPa).
+
+        The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
+        """
+        check_callable("coefficient", coefficient)
+        fit = self.fits[0]
+        value, low, high = compute_credible_interval(coefficient(fit.mu0, fit.tau0), 0.0)
+        for strength in self.samples_at_bounds:
+            _, low_at_bound, high_at_bound = compute_credible_interval(coefficient(*strength), 0.0)
+            low, high = min(low, low_at_bound), max(high, high_at_bound)
+        return value, low, high
+
+    def at(self, area_per_load: float) -> ValueWithLimits:
+        """Return the sum mu0 + tau0 A/F with its 95 % interval, evaluated at a given A/F (1/GPa)."""
+        area_per_load = validate_number("area_per_load", area_per_load)
+        if area_per_load < 0:
+            raise ValueError(f"area_per_load must be at least 0, got {area_per_load:g}")
+        return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
+
+    @property
+    def excluded(self) -> tuple[SlidingRule, ...]:
+        """Sliding rules that the tests exclude. The tuple is empty if no sliding rule fits the tests."""
+        accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_P_VALUE_LIMIT]
+        return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_P_VALUE_LIMIT and accepted_rules)
+
+    @cached_property
+    def draws(self) -> pandas.DataFrame:
+        """Joint samples of mu0, tau0 (GPa) and hardness (GPa), with one sample per row.
+
+        The hardness is NaN unless all tests share its range.
+        """
+        import pandas
+
+        fit = self.fits[0]
+        return pandas.DataFrame({"mu0": fit.mu0, "tau0": fit.tau0, "hardness": fit.hardness})
+
+    @property
+    def junction_growth(self) -> UncertainInput | None:
+        """Junction growth α of the tests, or None if α differs between tests or does not affect them."""
+        if GROWTH_HEADER_ENTRY not in self.about:
+            return None
+        median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
+        return replace(parse_study_input("junction_growth", self.about[GROWTH_HEADER_ENTRY]), value=median)
+
+    def has_equal_junction_growth(self, growth: UncertainInput | None) -> bool:
+        """Return whether the junction growth α of the tests has the distribution `junction_growth` (None for α = 0)."""
+        test_growth = self.junction_growth
+        if test_growth is None or growth is None:
+            return test_growth is not None and test_growth.high == 0
+        return test_growth.distribution == growth.distribution and np.allclose(
+            [test_growth.low, test_growth.high], [growth.low, growth.high]
+        )
+
+
+def compute_credible_interval(values: Floats, bound: float = -math.inf) -> ValueWithLimits:
+    """Return the median of the samples, and the limits of the interval that contains 95 % of them.
+
+    The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
+    shortest interval is returned.
+    """
+    sorted_values = np.sort(values)
+    num_inside = math.ceil(INTERVAL_COVERAGE * len(sorted_values)) - 1
+    start_index = int((sorted_values[num_inside:] - sorted_values[: len(sorted_values) - num_inside]).argmin())
+    if sorted_values[start_index] - bound < BOUND_TOLERANCE * (
+        sorted_values[start_index + num_inside] - sorted_values[start_index]
+    ):
+        low, high = bound, float(sorted_values[num_inside])
+    else:
+        low, high = (
+            float(end) for end in np.quantile(sorted_values, [(1 - INTERVAL_COVERAGE) / 2, (1 + INTERVAL_COVERAGE) / 2])
+        )
+    return float(np.median(sorted_values)), low, high
+
+
+# ---- Files -----------------------------------------------------------------------------------------------------------
+
+
+def write_interface(interface: InterfaceStrength, path: str | Path, about: Mapping[str, str] | None = None) -> None:
+    """Write an interface as a text file with a header and one sample per row.
+
+    Parameters
+    ----------
+    interface : InterfaceStrength
+        InterfaceStrength to write.
+    path : path
+        Path of the file. An existing file is replaced only if it is an interface file.
+    about : mapping of str to str, optional
+        Additional entries of the header, such as materials, conditions and operator.
+
+    Raises
+    ------
+    ValueError
+        If the path is a file of another kind, or if the file cannot be written.
+
+    See Also
+    --------
+    read_interface : Inverse function.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from stiction import interface, read_interface, write_interface
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "film.csv"
+    ...     write_interface(interface("MoS2 on bearing steel, dry air"), path, {"operator": "A. B."})
+    ...     InterfaceStrength.read(path).about["operator"]
+    'A. B.'
+    """
+    check_instance("interface", interface, InterfaceStrength, "an Interface from calibrate()")
+    content = _format_interface(interface, about or {})
+    with replace_file_atomically(parse_path("path", path), INTERFACE_FILE_HEADER.encode(), ValueError) as file:
+        file.write_bytes(content)
+
+
+def store_interface(interface: InterfaceStrength, folder: Path) -> Path:
+    """Write an interface to a folder for a study in this folder, and return the path of the file.
+
+    Files of other interfaces in the folder belong to other studies and are kept.
+    """
+    content = _format_interface(interface, {})
+    path = folder / "interface.csv"
+    folder.mkdir(parents=True, exist_ok=True)
+    if path.exists() and path.read_bytes() != content:
+        path = folder / f"interface-{zlib.crc32(content):08x}.csv"
+    write_interface(interface, path)
+    return path
+
+
+def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) -> bytes:
+    header = {
+        "sliding": interface.fits[0].sliding,
+        "area_per_load": repr(interface.area_per_load),
+        "variation": repr(interface.variation),
+        "separated": "yes" if interface.separated else "no",
+    }
+    for key, value in {**interface.about, **about}.items():
+        text = " ".join(str(value).split())
+        if not key.strip() or key in header or ": " in f"{key} " or key != printable_text(key):
+            raise ValueError(f"about must have names of other entries as keys, got {short_repr(key)}")
+        header[key] = printable_text(text, len(text))
+    file_text = io.StringIO()
+    file_text.write(
+        "\n".join(
+            [
+                INTERFACE_FILE_HEADER,
+                *(f"# {key}: {value}" for key, value in header.items()),
+                ",".join(INTERFACE_FILE_COLUMNS),
+            ]
+        )
+        + "\n"
+    )
+    fit = interface.fits[0]
+    columns = [fit.mu0, fit.tau0, fit.hardness, fit.junction_growth, fit.area_per_load]
+    np.savetxt(file_text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
+    return file_text.getvalue().encode()
+
+
+def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> StrengthFit:
+    return StrengthFit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, *more)
+
+
+@cache
+def interfaces() -> dict[str, dict[str, str]]:
+    """Return the published interfaces by name. Each entry is a dict with keys such as kind, mu0 and tau0.
+
+    Returns
+    -------
+    entries : dict of str to dict of str to str
+        Entries by name, such as kind, mu0 and tau0 with their units, conditions, motion and source.
+
+    See Also
+    --------
+    interface : Single interface by its name.
+
+    Examples
+    --------
+    >>> from stiction import interfaces
+    >>> interfaces()["MoS2 on bearing steel, dry air"]["kind"]
+    'measured'
+    """
+    text = (resources.files("stiction.study") / "interfaces.toml").read_text(encoding="utf-8")
+    return {str(name): table for name, table in tomllib.loads(text).items()}
+
+
+def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
+    """Read one interface file, or all interface files in a folder, and return the entries by file name.
+
+    Other files in the folder are ignored.
+    """
+    entries, path = {}, Path(path)
+    is_single_file = path.is_file()
+    try:
+        files = (
+            [path] if is_single_file else sorted(folder_item for folder_item in path.iterdir() if folder_item.is_file())
+        )
+    except OSError as error:
+        raise ValueError(f"{printable_path(path)} cannot be listed: {describe_os_error(error)}") from None
+    for file in files:
+        with contextlib.nullcontext() if is_single_file else contextlib.suppress(ValueError):
+            interface_in_file = InterfaceStrength.read(file)
+            (_, *mu0), (_, *tau0) = interface_in_file.strength_intervals
+            entries[file.name] = {"kind": "measured", **interface_in_file.about} | {
+                "mu0": f"{mu0[0]:.3g}..{mu0[1]:.3g}", "tau0": f"{1e3 * tau0[0]:.3g}..{1e3 * tau0[1]:.3g} MPa",
+                "area_per_load": f"{interface_in_file.area_per_load:.3g} /GPa",
+            }  # fmt: skip
+    return entries
+
+
+def find_interface(study: Study) -> InterfaceStrength | None:
+    """Return the interface of a study. Return None if no interface is given, or if its file is missing or changed."""
+    interface_name = study.known.interface
+    if interface_name is None:
+        return None
+    try:
+        study_interface = _read_cached_interface(
+            interface_name, 0 if interface_name in interfaces() else Path(interface_name).stat().st_mtime_ns
+        )
+    except (ValueError, OSError):
+        return None
+    mu0, tau0 = round_median_strength(study_interface)
+    return (
+        study_interface
+        if study.friction.mu0 == (mu0,) and [float(strength) for strength in study.friction.tau0] == [tau0]
+        else None
+    )
+
+
+@lru_cache(maxsize=8)
+def _read_cached_interface(text: str, _changed: int) -> InterfaceStrength:
+    return InterfaceStrength.named(text)
+
+
+def round_median_strength(strength: InterfaceStrength) -> tuple[float, float]:
+    """Return the medians of mu0 and tau0 (GPa) rounded to four digits."""
+    mu0, tau0 = (float(f"{np.median(samples):.4g}") for samples in (strength.fits[0].mu0, strength.fits[0].tau0))
+    return mu0, tau0

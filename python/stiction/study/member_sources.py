@@ -1,0 +1,244 @@
+"""Members of measured surfaces: pairs of lines, of pieces of maps and of surrogates at relative positions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any, Protocol
+
+import numpy as np
+
+from stiction.mechanics.model import PROFILE_WIDTH
+from stiction.mechanics.quantities import MAX_STORED_VALUE
+from stiction.study.measured_bodies import BodyPair, MeasuredBody
+from stiction.study.stored_values import POSITIVE_STORED_VALUE, AttributeSpec
+from stiction.surfaces.pairing import (
+    SIDES,
+    IsotropicSurfacePairs,
+    LinePairs,
+    MapPairs,
+    SpectralSurfacePairs,
+    piece_below_slider,
+    quasi_random_point,
+)
+from stiction.surfaces.preparation import SurfaceTrend, flipped, levelled, rotated
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
+
+
+@dataclass(frozen=True)
+class EnsembleMember:
+    """Two measured bodies that form a member, with their shift (µm), line index and surrogate flag."""
+
+    pair: BodyPair
+    x: float
+    y: float
+    line: int = 0
+    surrogate: bool = False
+
+
+@dataclass(frozen=True)
+class SharedMemberProperties:
+    """Properties that all members of a study have in common.
+
+    Lengths are in µm, one per axis: (x,) for profiles, (y, x) for surfaces.
+    """
+
+    upper: MeasuredBody
+    lower: MeasuredBody
+    area: float
+    shape: Sequence[int]
+    spacing: Sequence[float]
+    used_fractions: Sequence[float]
+    scans: Sequence[Any]  # scans before they are divided into members
+
+
+BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
+    **{side: AttributeSpec(dtype=str) for side in SIDES},  # history of the body
+    "shape": AttributeSpec(dtype=int, sizes=(1, 2), bounds=(1, MAX_STORED_VALUE)),
+    "spacing_um": AttributeSpec(sizes=(1, 2), bounds=POSITIVE_STORED_VALUE),
+    "fraction_used": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE)),
+    **{
+        f"{side}_{name}_um": AttributeSpec(sizes=(1, 2), bounds=POSITIVE_STORED_VALUE)
+        for side in SIDES
+        for name in ("spacing", "extent")
+    },
+    # fraction of interpolated points, and area (µm²) or length (µm) of the largest gap
+    **{f"{side}_filled": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
+    # fraction of the points that are missing between two measured points
+    **{f"{side}_pierced": AttributeSpec(sizes=(1,), bounds=(0, 1), is_required=False) for side in SIDES},
+    # ratio of the rms slopes of a map across and along its lay, if both maps have a lay
+    **{f"{side}_lay": AttributeSpec(sizes=(1,), bounds=(1, MAX_STORED_VALUE), is_required=False) for side in SIDES},
+    # change of ln(rms slope) along a single scan, and fraction of the mean square slope of the gap that it contributes
+    **{f"{side}_drift": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
+}
+"""Attributes of a result that describe measured bodies. A value for each axis is in the order of the array axes."""
+
+
+@dataclass(frozen=True)
+class BodyAttributes:
+    """Metadata that a result stores for measured bodies. All fields are empty for generated bodies."""
+
+    nominal_area: float | None = None  # nominal area of each member (µm²)
+    attributes: dict[str, Any] = field(default_factory=dict)  # values by name, as in `BODY_ATTRIBUTE_SPECS`
+
+    @classmethod
+    def from_values(cls, nominal_area: float, values: Mapping[str, Any]) -> BodyAttributes:
+        """Convert values of all body attributes, or of all but the optional ones, to the types that a result stores."""
+        return cls(nominal_area, {name: BODY_ATTRIBUTE_SPECS[name].encode(value) for name, value in values.items()})
+
+
+class MemberSource(Protocol):
+    """Members of a study of two bodies. Each member index identifies one pair of bodies."""
+
+    def member(self, index: int) -> EnsembleMember:
+        """Return the member with the given index.
+
+        Raises a `ValueError` if there are fewer members.
+        """
+
+    def find_shared_properties(self) -> SharedMemberProperties:
+        """Return the properties that all members have in common."""
+
+
+@dataclass(frozen=True, eq=False)
+class LineMemberSource:
+    """Members of a study that presses profiles or lines of height maps."""
+
+    pairs: LinePairs
+    scans: tuple[MeasuredBody, MeasuredBody]
+    # number of relative positions of each pair of lines, if there are several pairs
+    offsets: int = 1
+    # relative positions (µm) of each pair, or None for a quasi-random sequence
+    positions: tuple[float, ...] | None = None
+
+    def member(self, index: int) -> EnsembleMember:
+        """Return a member, which consists of a slider and the section of the counterface below the slider."""
+        pairs, num_offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
+        line, offset_index = divmod(index, num_offsets) if pairs.has_several_pairs else (0, index)
+        max_pair_count = pairs.max_pair_count()
+        if max_pair_count is not None and line >= max_pair_count:
+            raise ValueError(
+                f"the surfaces have {max_pair_count} pairs of lines, but member {index} needs pair {line + 1}"
+            )
+        slider, counterface = pairs.pair(line)
+        max_steps = len(counterface) - len(slider)
+        if self.positions is not None:
+            if offset_index >= num_offsets:
+                raise ValueError(
+                    f"surfaces.positions has {num_offsets} positions, "
+                    f"but member {index} needs position {offset_index + 1}"
+                )
+            return self._member_at(slider, counterface, round(self.positions[offset_index] / slider.spacing), line)
+        if max_steps == 0 and offset_index > 0:
+            raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
+        # Offset 0 is excluded for a single pair, because the two lines may be identical.
+        is_unshifted = pairs.has_several_pairs and num_offsets == 1 and pairs.travel is None
+        if is_unshifted or max_steps == 0:
+            offset_steps = 0
+        elif num_offsets == 1 and pairs.travel is not None and offset_index == 0:
+            offset_steps = max_steps  # a single relative position is placed at the end of the travel
+        else:
+            offset_steps = 1 + min(int(quasi_random_point(offset_index + 1, 1)[0] * max_steps), max_steps - 1)
+        return self._member_at(slider, counterface, offset_steps, line)
+
+    def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:
+        """Return the member whose slider starts `steps` points after the start of the counterface."""
+        offset = steps * slider.spacing
+        pair = slider, piece_below_slider(counterface, offset, slider)
+        return EnsembleMember(
+            pair, offset, self.pairs.position_across_lines(line), line=line, surrogate=self.pairs.surrogates != "none"
+        )
+
+    def find_shared_properties(self) -> SharedMemberProperties:
+        """Return the properties that all members have in common."""
+        slider, counterface = self.pairs.pair(0)
+        return _find_shared_line_properties(slider, counterface, len(slider) / len(counterface), self.scans)
+
+
+def _find_shared_line_properties(
+    slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
+) -> SharedMemberProperties:
+    """Return the properties shared by all members of a study of lines.
+
+    `used_fraction` is the fraction of the upper scan that the slider covers.
+    """
+    return SharedMemberProperties(
+        slider, counterface, slider.extent * PROFILE_WIDTH, [len(slider)], [slider.spacing],
+        [used_fraction, len(slider) / len(counterface)], scans,
+    )  # fmt: skip
+
+
+def build_map_pairs(
+    upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
+    shifts: tuple[tuple[float, float], ...] | None = None,
+) -> MapPairs:  # fmt: skip
+    """Level two maps, and cut them into pieces that form pairs.
+
+    The upper map is flipped, and rotated by an angle in degrees.
+    """
+    levelled_upper = levelled(upper, level)
+    return MapPairs(
+        flipped(rotated(levelled_upper, rotation) if rotation else levelled_upper),
+        levelled(lower, level),
+        level,
+        seed,
+        shifts,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class MapMemberSource:
+    """Members of a study that presses height maps or surrogates of scans."""
+
+    pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
+    scans: tuple[MeasuredBody, MeasuredBody]
+    # number of pairs of surrogates (the first members); None if all members are surrogates
+    surrogates: int | None = None
+
+    def member(self, index: int) -> EnsembleMember:
+        """Return a member, which is a pair of surrogates or a pair of overlapping map pieces."""
+        pairs, num_surrogates = self.pairs, self.surrogates
+        if num_surrogates is None or index < num_surrogates:
+            return EnsembleMember(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
+        assert isinstance(pairs, MapPairs)
+        shift_index = index - num_surrogates
+        if shift_index >= pairs.max_pair_count():
+            raise ValueError(
+                f"the maps have {pairs.max_pair_count()} relative positions, but member {index} needs position "
+                f"{shift_index + 1}"
+            )
+        return EnsembleMember(pairs.pair(shift_index), *pairs.map_shift(shift_index))
+
+    def find_shared_properties(self) -> SharedMemberProperties:
+        """Return the properties that all members have in common."""
+        pairs = self.pairs
+        scans: Sequence[Any] = self.scans
+        if isinstance(pairs, SpectralSurfacePairs):  # a scan resolves wavelengths of at least two points
+            wavelengths = (max(body.shortest, pairs.finest_spacing) for body in (pairs.upper, pairs.lower))
+            scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side_length) for shortest in wavelengths]
+        return SharedMemberProperties(
+            pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used_fractions, scans
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class GapMemberSource:
+    """Source of the only member in a study of a measured gap: a flat face and a rough face, separated by the gap."""
+
+    flat: Surface
+    rough: Surface
+
+    def member(self, index: int) -> EnsembleMember:
+        """Return the ensemble member that consists of the flat face and the rough face."""
+        if index > 0:
+            raise ValueError(f"a gap has only member 0, got member {index}")
+        return EnsembleMember((self.flat, self.rough), 0.0, 0.0)
+
+    def find_shared_properties(self) -> SharedMemberProperties:
+        """Return the properties that all members have in common."""
+        faces = self.flat, self.rough
+        return SharedMemberProperties(
+            *faces, float(np.prod(self.rough.extent)), self.rough.heights.shape, self.rough.spacing, [1.0, 1.0], faces
+        )  # fmt: skip

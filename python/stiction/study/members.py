@@ -1,0 +1,346 @@
+"""Members of a study, which are pairs of generated or measured bodies.
+
+A member is a generated pair, two lines or two maps at a relative position, or a pair of surrogates. The study and the
+number of the member determine the member completely.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from stiction._caching import cached_property
+from stiction._checks import Floats, check_instance
+from stiction.study.generated_surfaces import SelfAffineSettings
+from stiction.study.measured_surfaces import MeasuredSurfaceSettings
+from stiction.study.member_sources import BodyAttributes, EnsembleMember, MemberSource
+from stiction.study.study import Study
+from stiction.surfaces import fractal
+from stiction.surfaces.missing_data import compute_pierced_fraction
+from stiction.surfaces.pairing import SIDES
+from stiction.surfaces.profile import Profile, Side, combine_missing_masks, scale_profile
+from stiction.surfaces.scan_defects import (
+    MIN_LAY_RATIO,
+    compute_lay_ratio,
+    compute_mean_square_slope,
+    estimate_roughness_drift,
+)
+from stiction.surfaces.self_affine import self_affine_surface
+from stiction.surfaces.surface import Surface
+
+# maximum total size (bytes) of the profiles of one body that are generated in a batch
+MAX_BATCH_BYTES = 64_000_000
+MAX_CACHED_PAIRS = 16  # number of pairs of filtered and levelled scans in the cache
+NUM_AVERAGED_MEMBERS = 16  # number of members over which the fraction of measured points is averaged
+# assumed number of grid points of missing files, for profiles (False) and for maps (True)
+TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
+
+# ---- Generated bodies ------------------------------------------------------------------------------------------------
+
+
+def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
+    """Generate the random phases (rad) in Eq. 1 for one body. Rows are directions, and columns are frequencies."""
+    surfaces: Any = study.surfaces
+    return fractal.random_phases(
+        study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
+        frequencies=surfaces.frequencies,
+    )  # fmt: skip
+
+
+def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
+    """Return the arguments of Eq. 1 that a study specifies. Phases and grid are not included."""
+    return {
+        "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
+        "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
+    }  # fmt: skip
+
+
+def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
+    """Compute unscaled profiles of a body for several fractal dimensions, and write each to a row of `heights`.
+
+    Returns the mean, the minimum and the maximum of each profile (k, 3).
+    """
+    surfaces: Any = study.surfaces
+    phases = generate_phases(study, repetition, side)
+    return fractal.fill_profile_family(
+        heights, phases, dimensions, extent=float(surfaces.extent), **_get_weierstrass_arguments(surfaces)
+    )
+
+
+def generate_unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
+    """Generate a profile of given fractal dimension without scaling it to an amplitude."""
+    surfaces: Any = study.surfaces
+    heights = np.empty((1, surfaces.points))
+    fill_profile_family(study, heights, np.array([dimension]), repetition, side)
+    return Profile(heights[0], spacing=surfaces.spacing)
+
+
+def generate_profile_pairs(
+    study: Study, repetition: int, dimensions: Floats, amplitude: float
+) -> Iterator[tuple[Profile, Profile]]:
+    """Yield a pair of profiles for each fractal dimension.
+
+    The computing time is nearly independent of the number of dimensions.
+    """
+    surfaces: Any = study.surfaces
+    batch_size = max(1, MAX_BATCH_BYTES // (8 * surfaces.points))
+    for batch_start in range(0, dimensions.size, batch_size):
+        batch_dimensions = dimensions[batch_start : batch_start + batch_size]
+        body_heights = [np.empty((batch_dimensions.size, surfaces.points)) for _ in SIDES]
+        for side, heights in zip(SIDES, body_heights, strict=True):
+            fill_profile_family(study, heights, batch_dimensions, repetition, side)
+        for pair in zip(*body_heights, strict=True):
+            upper, lower = (
+                scale_profile(heights, surfaces.spacing, amplitude, surfaces.amplitude_measure, np.empty_like(heights))
+                for heights in pair
+            )
+            yield upper, lower
+
+
+def generate_unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
+    """Generate a surface of given fractal dimension without scaling it to an amplitude."""
+    surfaces: Any = study.surfaces
+    if isinstance(surfaces, SelfAffineSettings):
+        longest_wavelength, shortest_wavelength = surfaces.longest_wavelength, surfaces.shortest_wavelength
+        return self_affine_surface(
+            study.ensemble.seed,
+            hurst_exponent=fractal.hurst_from_fractal_dimension(dimension, convention="classical"), rms=1.0,
+            shape=surfaces.shape, spacing=surfaces.spacings(),
+            longest_wavelength=None if longest_wavelength is None else float(longest_wavelength),
+            shortest_wavelength=None if shortest_wavelength is None else float(shortest_wavelength),
+            repetition=repetition, side=side,
+        )  # fmt: skip
+    phases = generate_phases(study, repetition, side)
+    return fractal.weierstrass_mandelbrot_surface(
+        phases, dimension, shape=surfaces.shape, extent=surfaces.extents(), **_get_weierstrass_arguments(surfaces)
+    )
+
+
+def scale_surface_to_amplitude(study: Study, surface: Surface, amplitude: float) -> Surface:
+    """Scale a surface to an amplitude. The study specifies how amplitudes are measured."""
+    surfaces: Any = study.surfaces
+    return surface.with_amplitude(amplitude, surfaces.amplitude_measure)
+
+
+def pair_of(
+    study: Study, repetition: int, *, fractal_dimension: float, amplitude: float
+) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
+    """Generate a pair of surfaces of a study. The surfaces are identical to those that `run` generates.
+
+    Parameters
+    ----------
+    study : Study
+    repetition : int
+        Number of the pair, at least 0. It may exceed the number of repetitions of the study.
+    fractal_dimension : float
+        At least 1 and below 2, in the convention of the study.
+    amplitude : float, µm
+        Above 0, in the amplitude measure of the study.
+
+    Returns
+    -------
+    upper, lower : Profile or Surface
+        Profiles or surfaces, according to `surfaces.kind`.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range, if the profiles of the study cannot be computed, or if its bodies are measured.
+
+    Examples
+    --------
+    >>> from stiction import Study, pair_of, press
+    >>> study = Study.named("figure6").with_changes({"surfaces.points": 2000, "surfaces.extent": "1 um"})
+    >>> upper, lower = pair_of(study, 7, fractal_dimension=1.3, amplitude=0.1)
+    >>> press(upper, lower, [0.01, 0.02]).contact_count.shape
+    (2,)
+    """
+    check_instance("study", study, Study, "a Study")
+    if study.is_measured:
+        raise ValueError(
+            "pair_of requires a study of generated bodies, because measured bodies have no fractal dimension"
+        )
+    if study.is_areal:
+        upper, lower = (
+            scale_surface_to_amplitude(
+                study, generate_unscaled_surface(study, repetition, side, fractal_dimension), amplitude
+            )
+            for side in SIDES
+        )
+        return upper, lower
+    return next(generate_profile_pairs(study, repetition, np.array([fractal_dimension]), amplitude))
+
+
+# ---- Measured bodies -------------------------------------------------------------------------------------------------
+
+
+def _get_grid_properties(body: Any) -> tuple[Any, ...]:
+    """Return the type, shape and spacing of a scan, for comparison with other scans.
+
+    The spacing is rounded, because positions in a file are subject to round-off.
+    """
+    spacing_texts = [f"{step:.5g}" for step in np.atleast_1d(getattr(body, "spacing", 0.0))]
+    return type(body), np.shape(getattr(body, "heights", body)), *spacing_texts
+
+
+class PreparedBodies:
+    """Measured bodies of a study, and the members formed from them.
+
+    Each file is read only once. The constructor raises a `ValueError` if a file has changed.
+    """
+
+    def __init__(self, surfaces: MeasuredSurfaceSettings, seed: int) -> None:
+        self._surfaces, self._seed = surfaces, seed
+        self._parts = [[scan.read() for scan in getattr(surfaces, side).scans] for side in SIDES]
+        for side, scans in zip(SIDES, self._parts, strict=True):
+            if len(scans) > 1 and len({_get_grid_properties(scan) for scan in scans}) > 1:
+                raise ValueError(
+                    f"surfaces.{side}: the scans of a part must have the same number of points and the same spacing"
+                )
+            heights = [scan.heights.tobytes() for scan in scans if isinstance(scan, Profile | Surface)]
+            if len(set(heights)) < len(heights):
+                raise ValueError(f"surfaces.{side}: two scans of a part are identical; give each scan only once")
+        if surfaces.first_scan_member_index and math.prod(surfaces.scan_counts) > 1:
+            raise ValueError("surfaces.surrogates: must be 0 if a part has several scans")
+        self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_member_source)
+
+    def _prepare_member_source(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
+        """Low-pass filter two scans at a cutoff (µm, 0 for no filter), and form members from the filtered scans.
+
+        Raises a `ValueError` if the scans have no members.
+        """
+        surfaces, indices = self._surfaces, (upper, lower)
+        scan_pair = self._parts[0][upper], self._parts[1][lower]
+        files = (getattr(surfaces, side).scans[index] for side, index in zip(SIDES, indices, strict=True))
+        upper_cutoff, lower_cutoff = (file.limit_cut_off(wavelength) for file in files)
+        return surfaces.build_member_source(scan_pair, (upper_cutoff, lower_cutoff), self._seed)
+
+    def member(self, index: int, wavelength: float) -> EnsembleMember:
+        """Return the member with a given index. Its scans are filtered at a cutoff (µm, 0 for no filter)."""
+        surfaces = self._surfaces
+        # Members are numbered from 0 for each pair of scans.
+        # Surrogates use the index in the study as their random seed.
+        has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
+        index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
+        return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)
+
+    def attributes(self) -> BodyAttributes:
+        """Return the body attributes that a result stores, namely nominal area, history, grid and missing data."""
+        properties = self.members(self._surfaces.reported_cut_off()).find_shared_properties()
+        attributes: dict[str, Any] = {
+            side: "\n".join(body.history)
+            for side, body in zip(SIDES, (properties.upper, properties.lower), strict=True)
+        }
+        attributes |= {
+            "shape": properties.shape,
+            "spacing_um": properties.spacing,
+            "fraction_used": properties.used_fractions,
+        }
+        for side, scan in zip(SIDES, properties.scans, strict=True):
+            attributes[f"{side}_spacing_um"] = scan.spacing
+            attributes[f"{side}_extent_um"] = scan.extent
+            if (interpolated := getattr(self._surfaces, side).find_interpolated_fraction_and_gap()).any():
+                attributes[f"{side}_filled"] = interpolated
+        attributes |= self._drift_attributes | self._lay_attributes
+        for side, scans in zip(SIDES, self._parts, strict=True):
+            masks = [mask for scan in scans if (mask := getattr(scan, "missing", None)) is not None]
+            if pierced := sum(map(compute_pierced_fraction, masks)) / len(scans):
+                attributes[f"{side}_pierced"] = pierced
+        return BodyAttributes.from_values(float(properties.area) * self._find_measured_fraction(), attributes)
+
+    @cached_property
+    def _pressed_bodies(self) -> list[Profile | Surface]:
+        """Both filtered scans from which pairs are formed. The list is empty for a gap, and for spectra."""
+        pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
+        candidates = [getattr(pairs, side, None) for side in SIDES]
+        bodies = [body for body in candidates if isinstance(body, Profile | Surface)]
+        return bodies if len(bodies) == len(SIDES) else []
+
+    @cached_property
+    def _lay_attributes(self) -> dict[str, Any]:
+        """Ratios of the rms slopes across and along the lay of both maps, if maps are pressed and both have a lay."""
+        maps = [body for body in self._pressed_bodies if isinstance(body, Surface)]
+        if self._surfaces.press != "areas" or len(maps) < len(SIDES):
+            return {}
+        ratios = {f"{side}_lay": compute_lay_ratio(body) for side, body in zip(SIDES, maps, strict=True)}
+        return ratios if min(ratios.values()) > MIN_LAY_RATIO else {}
+
+    @cached_property
+    def _drift_attributes(self) -> dict[str, Any]:
+        """Drift of the roughness along each body that has a single scan, if there is any.
+
+        Each attribute contains the drift, and the fraction of the mean square slope of the gap due to the body.
+        """
+        bodies = self._pressed_bodies
+        if not bodies:
+            return {}
+        mean_squares = np.array([compute_mean_square_slope(body) for body in bodies])
+        fractions = mean_squares / (mean_squares.sum() or 1.0)
+        return {
+            f"{side}_drift": np.array([drift, fraction])
+            for side, body, fraction, count in zip(SIDES, bodies, fractions, self._surfaces.scan_counts, strict=True)
+            if count == 1 and (drift := estimate_roughness_drift(body)) > 0
+        }
+
+    def _find_measured_fraction(self) -> float:
+        """Return the area fraction in which both bodies were measured, averaged over the first members."""
+        if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
+            return 1.0
+        fractions = []
+        with contextlib.suppress(ValueError, IndexError):  # a study may have fewer members than NUM_AVERAGED_MEMBERS
+            for index in range(NUM_AVERAGED_MEMBERS):
+                missing = combine_missing_masks(*self.member(index, self._surfaces.reported_cut_off()).pair)
+                fractions.append(1.0 if missing is None else 1 - float(missing.mean()))
+        return float(np.mean(fractions)) if fractions else 1.0
+
+
+def count_grid_points(study: Study) -> int:
+    """Return the number of grid points of a member. If the scan files are missing, return a typical number."""
+    settings: Any = study.surfaces
+    if not study.is_measured:
+        return math.prod(settings.shape) if study.is_areal else int(settings.points)
+    with contextlib.suppress(ValueError, OSError):
+        return int(np.prod(find_body_attributes(study).attributes["shape"]))
+    return TYPICAL_SCAN_POINTS[study.is_areal]
+
+
+def get_first_pair(study: Study) -> Any:
+    """Return both bodies of the first member. They belong to the first cutoff or, if generated, to the first cell.
+
+    Raises a `ValueError` if files are missing.
+    """
+    cell = {name: float(values[0]) for name, values in study.surfaces.cell_coordinates().items()}
+    return load_bodies(study).member(0, cell["cut_off"]).pair if study.is_measured else pair_of(study, 0, **cell)
+
+
+def load_bodies(study: Study) -> PreparedBodies:
+    """Load the measured bodies of a study.
+
+    The bodies are cached, and are read again only if a file changes.
+    """
+    surfaces = study.surfaces
+    assert isinstance(surfaces, MeasuredSurfaceSettings)
+    stamps = tuple(scan.file_stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
+    return _load_cached_bodies(surfaces, study.ensemble.seed, stamps)
+
+
+@functools.lru_cache(maxsize=4)
+def _load_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object) -> PreparedBodies:
+    return PreparedBodies(surfaces, seed)
+
+
+def check_last_member(study: Study) -> None:
+    """Raise a `ValueError` if measured bodies have fewer members than the study has repetitions."""
+    if study.is_measured:
+        cutoff = float(study.surfaces.cell_coordinates()["cut_off"][0])
+        load_bodies(study).member(study.ensemble.repetitions - 1, cutoff)
+
+
+def find_body_attributes(study: Study) -> BodyAttributes:
+    """Return the attributes of the bodies in a study. Generated bodies have none."""
+    return load_bodies(study).attributes() if study.is_measured else BodyAttributes()

@@ -1,0 +1,850 @@
+"""Convert the options of a measured pair to a study of this pair."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+
+from stiction._arguments import (
+    parse_coefficients,
+    parse_load,
+    parse_numbers,
+    parse_quantities,
+    parse_quantity,
+    reject_decimal_commas,
+    split_values,
+    validate_nonnegative_values,
+)
+from stiction._checks import Floats
+from stiction._errors import ArgumentError
+from stiction._text import MAX_WORD_LENGTH
+from stiction._units import Quantity, exact_quantity_text, quantity, short_repr
+from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
+from stiction.mechanics.law import JacksonGreen
+from stiction.mechanics.materials import material, softest_material
+from stiction.mechanics.model import PROFILE_WIDTH
+from stiction.study.contact_tables import choose_load_steps
+from stiction.study.elasticity import PairElasticity, determine_elasticity
+from stiction.study.input_distributions import INPUT_KINDS, UNCERTAINTY_PATTERN, UncertainInput, parse_study_input
+from stiction.study.interfaces import InterfaceStrength, interfaces, round_median_strength
+from stiction.study.measured_bodies import MACHINING_PROCESSES, MeasuredBody, MeasuredBodySettings
+from stiction.study.measured_surfaces import DEFAULT_NUM_SHIFTS, DEFAULT_NUM_SURROGATES
+from stiction.study.member_sources import BodyAttributes
+from stiction.study.members import find_body_attributes
+from stiction.study.pair_options import (
+    CONTACT_MODEL_NAMES,
+    OPTION_CHECK_ORDER,
+    PAIR_OPTIONS,
+    READING_OPTION_NAMES,
+    Mechanics,
+    OptionKind,
+    PairOptions,
+    split_option_text,
+    validate_option_values,
+)
+from stiction.study.study import DEFAULT_SEED, Study
+from stiction.study.values import StudyError, validate_table
+from stiction.surfaces.hidden_noise import HiddenNoise
+from stiction.surfaces.joined_spectrum import JoinedSpectrum
+from stiction.surfaces.pairing import DEFAULT_NUM_LINE_PAIRS, SIDES, SurrogateBodies
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.scale import InstrumentLimit
+from stiction.surfaces.scan_defects import find_scan_defects
+from stiction.surfaces.surface import Surface, as_body
+
+# default number of positions of a pair of profiles (a few seconds of computing time)
+DEFAULT_NUM_POSITIONS = 64
+# number of additional loads for adhesive contacts, spread across the two decades below the requested loads
+NUM_ADHESION_LOADS = 4
+ZERO_LOAD_REPLACEMENT = 1e-3  # load that replaces a load of zero, as a fraction of the attraction on a grid cell
+DEFAULT_CONTACT_LAW = "hertz-sphere"  # default contact law of the asperity model
+HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
+
+GAP_REMARK = (
+    "A gap map does not contain the slopes of the two faces. Each face is assumed to have half of the slopes. "
+    "Closure, stiffness and area do not depend on this assumption."
+)
+
+
+class MeasuredPair:
+    """Pair of measured bodies, with contact options converted to core units (µm, mN, GPa).
+
+    Invalid options raise an `ArgumentError`.
+    """
+
+    def __init__(self, options: PairOptions, *, reads_scans: bool = True) -> None:
+        self.options = options
+        num_bodies = (options.upper is not None) + (options.lower is not None)
+        if num_bodies != (2 if options.gap is None else 0):
+            hint = "; {upper_material} and {lower_material} are materials; the first two arguments are the files"
+            hint = "" if options.upper_material is None and options.lower_material is None else hint
+            raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{hint}")
+        if options.mu0 is None and options.interface is None:
+            raise ArgumentError("give {mu0} or {interface}")
+        for name in OPTION_CHECK_ORDER if reads_scans else ():
+            if (value := options.option_value(name)) is None:
+                continue
+            for condition in PAIR_OPTIONS[name].applies:
+                if not condition.holds(self):
+                    value_text = "" if value is True else f" {value}"
+                    raise ArgumentError(
+                        f"{{{name}}} {condition.message}, got {{{name}}}{{value_text}}", value_text=value_text
+                    )
+
+    @classmethod
+    def from_values(cls, **values: object) -> MeasuredPair:
+        """Validate the values of options, and create a pair from them.
+
+        The keywords are field names of `PairOptions`.
+        """
+        return cls(validate_option_values(values))
+
+    @classmethod
+    def check_entries(cls, **values: object) -> None:
+        """Parse the values of options as `from_values` does, but without reading the scans.
+
+        Raises an `ArgumentError` for the first invalid value. Conditions that depend on the scans are not checked.
+        """
+        pair = cls(validate_option_values(values), reads_scans=False)
+        _ = pair.files, pair._given_loads, pair._strengths, pair.elasticity, pair._hardness
+        _ = pair._adhesion_entries, pair._junction_growth
+        for name in ("cutoff", "width", "wait"):
+            if (value := pair.options.option_value(name)) not in (None, "none"):
+                pair._parse_quantities(name, value)
+        if pair.options.direction is not None:
+            parse_numbers("direction", pair.options.direction, integers=True)
+
+    def _find_quantity_kind(self, name: str) -> OptionKind:
+        kind = PAIR_OPTIONS[name].kind
+        assert kind is not None, f"{name} is declared without a kind of quantity"
+        return kind
+
+    def _parse_quantity(self, name: str, value: object) -> Quantity:
+        """Parse the value of an option as a quantity of the required kind."""
+        return parse_quantity(name, value, self._find_quantity_kind(name))
+
+    def _parse_quantities(self, name: str, values: object) -> list[Quantity]:
+        return parse_quantities(name, values, self._find_quantity_kind(name))
+
+    # ---- Bodies ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def files(self) -> tuple[MeasuredBodySettings, MeasuredBodySettings]:
+        """Study entries for the files of both bodies, including the reading options."""
+        entries = []
+        for index, side in enumerate(SIDES):
+            scans = self.options.option_value(side) if self.options.gap is None else self.options.gap
+            name = side if self.options.gap is None else "gap"
+            first_scan, *other_scans = (self._build_file_entry(side, index, scan) for scan in _list_scans(name, scans))
+            entries.append(first_scan.model_copy(update={"others": tuple(other_scans) or None}))
+        return entries[0], entries[1]
+
+    def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredBodySettings:
+        """Create the study entry for a body. The body is a file with reading options, or an object in memory."""
+        options = self.options
+        properties: dict[str, Any] = {}
+        if options.tip is not None:
+            tip_radii = self._parse_quantities("tip", options.tip)
+            properties["tip"] = tip_radii[index % len(tip_radii)]
+        processes = split_values(options.texture or ())
+        if processes and (process := processes[index % len(processes)]) != "":
+            properties["texture"] = self._validate_machining_process(process)
+        is_array = isinstance(body, np.ndarray)
+        if not isinstance(body, (str, Path)):
+            for name in READING_OPTION_NAMES:
+                if is_array and name in ("unit", "spacing"):
+                    continue
+                if options.option_value(name) not in (None, "error", "keep"):
+                    raise ArgumentError(
+                        f"{{{name}}} must not be given for a body in memory, got {{{name}}}; "
+                        "if the option is for the other file, read that file into memory first"
+                    )
+            body = self._build_body_from_array(side, index, body) if is_array else body
+            return MeasuredBodySettings.from_body(body, side).model_copy(update=properties)
+        settings = properties | {"file": str(body)}
+        for name in READING_OPTION_NAMES:
+            if (value := self._select_option_value(name, index)) in (None, ""):
+                continue
+            text = (
+                value
+                if isinstance(value, str)
+                else exact_quantity_text(value, "um")
+                if name == "spacing"
+                else str(value)
+            )
+            settings[name] = split_option_text(name, text)
+        try:
+            return validate_table(MeasuredBodySettings, settings, f"pair: {side}")
+        except StudyError as error:
+            key, reason = error.faults[0]
+            if key not in PAIR_OPTIONS:
+                raise
+            raise ArgumentError(f"{{{key}}} of {{{side}}} {{why}}", why=reason) from None
+
+    def _select_option_value(self, name: str, index: int) -> Any:
+        """Return the value of an option for one body. A single value applies to both bodies."""
+        option_values = self.options.option_value(name)
+        values = option_values if isinstance(option_values, list) else [option_values]
+        if len(values) > 2:
+            raise ArgumentError(
+                f"{{{name}}} must be given once for both files, or once for each file, got {len(values)} values"
+            )
+        return values[index % len(values)] if values else None
+
+    def _validate_machining_process(self, name: Any) -> Any:
+        if name not in MACHINING_PROCESSES:
+            raise ArgumentError(
+                f"{{texture}} must be {', '.join(MACHINING_PROCESSES)} or two of these processes, got {{got}}",
+                got=repr(name),
+            )
+        return name
+
+    def _build_body_from_array(self, side: str, index: int, heights: Any) -> MeasuredBody:
+        """Convert an array of heights to a body, using the given spacing and unit."""
+        spacing: Any = self._select_option_value("spacing", index)
+        unit: Any = self._select_option_value("unit", index) or "um"
+        if spacing is None:
+            raise ArgumentError(
+                f"{{spacing}} must be given for an array, got {{{side}}} without a spacing; "
+                'give spacing="0.1 um", and {unit} if the heights are not in um'
+            )
+        try:
+            return as_body(side, heights, spacing=_split_at_commas(spacing), unit=_split_at_commas(unit))  # type: ignore[no-any-return]
+        except ValueError as error:
+            raise ArgumentError(f"{{{side}}}{{why}}", why=str(error).removeprefix(side)) from None
+
+    @cached_property
+    def bodies(self) -> tuple[MeasuredBody, MeasuredBody]:
+        """First scan of the slider and first scan of the counterface."""
+        upper, lower = (file.read() for file in self.files)
+        return upper, lower
+
+    @property
+    def are_maps(self) -> bool:
+        """True if both bodies are height maps."""
+        return all(isinstance(body, Surface) for body in self.bodies)
+
+    @property
+    def are_profiles(self) -> bool:
+        """True if both bodies are profiles."""
+        return all(isinstance(body, Profile) for body in self.bodies)
+
+    @property
+    def has_spectrum(self) -> bool:
+        """True if at least one body is given as a spectrum that joins several scans."""
+        return any(isinstance(body, JoinedSpectrum) for body in self.bodies)
+
+    @property
+    def scan_counts(self) -> tuple[int, int]:
+        """Number of scans of each body, as a pair (upper, lower)."""
+        upper, lower = self.files
+        return len(upper.scans), len(lower.scans)
+
+    # ---- Contact model -----------------------------------------------------------------------------------------------
+
+    @property
+    def has_masked_points(self) -> bool:
+        """True if at least one body has masked points."""
+        return any(getattr(body, "missing", None) is not None for body in self.bodies)
+
+    @property
+    def press_mode(self) -> str:
+        """Kind of members that the contact model presses together: "areas", "lines" or "surrogates"."""
+        if self.has_spectrum or self.options.lay == "isotropic":
+            return "surrogates"
+        return "areas" if self.are_maps and self.options.lines is None else "lines"
+
+    @property
+    def contact_models(self) -> tuple[Mechanics, ...]:
+        """Contact models to compute. The first model is used for the result."""
+        default: Mechanics = (
+            "half-space"
+            if self.press_mode != "lines" or self.has_masked_points or self._uses_plastic_lines
+            else "asperities"
+        )
+        if self.options.check:
+            return default, CONTACT_MODEL_NAMES[1 - CONTACT_MODEL_NAMES.index(default)]
+        return (self.options.mechanics or default,)
+
+    @property
+    def _uses_plastic_lines(self) -> bool:
+        """True if both bodies are profiles, the softer material has a hardness, and no asperity option is given."""
+        asperity_options = (
+            self.options.law,
+            self.options.yield_strength,
+            self.options.detection,
+            self.options.curvature,
+        )
+        if not self.are_profiles or any(option is not None for option in asperity_options):
+            return False
+        return self.elasticity.hardness is not None
+
+    @property
+    def contact_law(self) -> str:
+        """Name of the contact law used by the asperity model."""
+        return self.options.law or ("hertz-cylinder" if self.options.lay == "grooves" else DEFAULT_CONTACT_LAW)
+
+    @property
+    def has_surrogates(self) -> bool:
+        """True if the study generates surrogates, i.e. random surfaces that have the measured spectra."""
+        return self.press_mode == "surrogates" or self.options.surrogates not in (None, "none")
+
+    @cached_property
+    def elasticity(self) -> PairElasticity:
+        """Elasticity of both bodies. Uncertain inputs enter with their central values."""
+        modulus, young, poisson = (
+            self._get_central_option_value(name) for name in ("effective_modulus", "young", "poisson")
+        )
+        return determine_elasticity(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
+
+    @cached_property
+    def uncertain_inputs(self) -> dict[str, list[UncertainInput]]:
+        """Inputs that are given as a range or with an uncertainty, by name."""
+        inputs: dict[str, list[UncertainInput]] = {}
+        for name in INPUT_KINDS:
+            texts = [text for text in split_values(self.options.option_value(name)) if text is not None]
+            if not any(isinstance(text, str) and UNCERTAINTY_PATTERN.search(text) for text in texts):
+                continue
+            if len(texts) > (2 if name in ("young", "poisson") else 1):
+                reject_decimal_commas(name, self.options.option_value(name))
+                raise ArgumentError(
+                    f"{{{name}}} must not be a list if it contains a range, got {{got}}", got=repr(texts)
+                )
+            inputs[name] = self._parse_inputs(name)
+        return inputs
+
+    def _parse_inputs(self, name: str) -> list[UncertainInput]:
+        try:
+            return [
+                parse_study_input(name, text)
+                for text in split_values(self.options.option_value(name))
+                if text is not None
+            ]
+        except ValueError as error:
+            raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
+
+    @cached_property
+    def given_interface(self) -> InterfaceStrength | None:
+        """Joint distribution of mu0 and tau0 defined by the interface, or None if no interface is given."""
+        if self.options.interface is None:
+            return None
+        if not isinstance(self.options.interface, (str, Path)):
+            raise ArgumentError("{interface} must be a name, or a file written by write_interface")
+        try:
+            return InterfaceStrength.named(self.options.interface)
+        except ValueError as error:
+            raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
+
+    def _get_central_option_value(self, name: str) -> Any:
+        """Return the value of an option. Uncertain inputs are replaced by central values rounded to four digits."""
+        if name in ("mu0", "tau0") and self.given_interface is not None:
+            return round_median_strength(self.given_interface)[name == "tau0"]
+        if name == "tau0" and self.options.tau0 is None:
+            return 0.0
+        if name not in self.uncertain_inputs:
+            return self.options.option_value(name)
+        central_values = [float(f"{item.value:.4g}") for item in self.uncertain_inputs[name]]
+        return central_values if len(central_values) > 1 else central_values[0]
+
+    @property
+    def _uncertain_inputs_table(self) -> dict[str, Any]:
+        """Table `known` of the study. It contains the uncertain inputs and, if any modulus is uncertain, all moduli."""
+        names = set(self.uncertain_inputs) | {
+            name for name in ("hardness", "creep") if self.options.option_value(name) is not None
+        }
+        if names & {"young", "poisson"} and self.options.young is not None and self.options.poisson is not None:
+            names |= {"young", "poisson"}
+        settings: dict[str, Any] = {}
+        for name in sorted(names):
+            inputs = self.uncertain_inputs.get(name) or self._parse_inputs(name)
+            settings[name] = [item.text for item in inputs] if name in ("young", "poisson") else inputs[0].text
+        if (
+            self.contact_models[0] == "half-space"
+            and (growth := self._junction_growth) is not None
+            and not growth.is_exact
+        ):
+            settings["junction_growth"] = growth.text
+        if self.given_interface is not None:
+            name = str(self.options.interface)
+            settings["interface"] = name if name in interfaces() else str(Path(name).resolve())
+            mu0, tau0 = self.given_interface.strength_intervals
+            for name, interval, scale, unit in (("mu0", mu0, 1.0, ""), ("tau0", tau0, 1e3, " MPa")):
+                low, high = (f"{scale * end:.4g}" for end in interval[1:])
+                settings |= {name: f"{low}..{high}{unit}"} if float(low) < float(high) else {}
+        return settings
+
+    @cached_property
+    def loads(self) -> list[Quantity]:
+        """Requested loads (mN) in ascending order. Pressures are converted with the nominal area."""
+        area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
+        width_factor = 1.0 if self.options.width is None else PROFILE_WIDTH / self._profile_width
+        # Products are rounded, so that the last digits of the loads contain no round-off.
+        forces = {
+            float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
+            for load, per_area in self._given_loads
+        }
+        # Zero load is replaced by a small fraction of the attraction on a grid cell.
+        # This attraction is a lower bound on the pull-off force.
+        if 0.0 in forces:
+            forces = {
+                force or float(f"{ZERO_LOAD_REPLACEMENT * self._max_cell_adhesion_force:.3g}") for force in forces
+            }
+        return [quantity(exact_quantity_text(force, "mN"), "force") for force in sorted(forces)]
+
+    @property
+    def _has_zero_load(self) -> bool:
+        return not all(load > 0 for load, _ in self._given_loads)
+
+    @property
+    def _max_cell_adhesion_force(self) -> float:
+        """Largest adhesive force (mN) on a grid cell, i.e. w/ρ times cell area (w: work, ρ: range of adhesion)."""
+        num_points = int(np.prod(self._body_attributes.attributes["shape"]))
+        spacings = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
+        work_of_adhesion, study_range = (
+            float(self._adhesion_entries.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range")
+        )
+        min_range = min_resolved_adhesion_range(
+            work_of_adhesion, float(spacings.max()), self.elasticity.effective_modulus
+        )
+        return (
+            work_of_adhesion / max(study_range or DEFAULT_ADHESION_RANGE, min_range) * self._nominal_area / num_points
+        )
+
+    @property
+    def _profile_width(self) -> float:
+        """Width (µm) over which a force on two profiles is distributed."""
+        width = self._parse_quantity("width", self.options.width)
+        if not width > 0:
+            raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
+        if all(per_area for _, per_area in self._given_loads):
+            raise ArgumentError(
+                "{width} applies only if the {load} is a force, got {load} {got}", got=repr(self.options.load)
+            )
+        return float(width)
+
+    @cached_property
+    def _given_loads(self) -> list[tuple[Quantity, bool]]:
+        """Loads as given by the user: (value in mN, False) for a force, or (value in GPa, True) for a pressure."""
+        if not (loads := split_values(self.options.load)):
+            raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
+        reject_decimal_commas("load", self.options.load)
+        return [
+            parse_load("load", load, or_zero=bool(self._adhesion_entries.get("work_of_adhesion"))) for load in loads
+        ]
+
+    # ---- Studies -----------------------------------------------------------------------------------------------------
+
+    @property
+    def study(self) -> Study:
+        """Study from which the result is computed."""
+        return self.studies[0]
+
+    @cached_property
+    def studies(self) -> list[Study]:
+        """Studies to compute: for the result and, if a check was requested, another with the other contact model."""
+        contact_tables = [self._build_contact_table(mechanics) for mechanics in self.contact_models]
+        load_texts = [exact_quantity_text(load, "mN") for load in self._choose_load_steps(contact_tables).tolist()]
+        return [self._build_study(contact | {"load": load_texts}) for contact in contact_tables]
+
+    @property
+    def preview_study(self) -> Study | None:
+        """Study that uses the asperity model to preview the pair.
+
+        None if lines are pressed, if points are masked, or if the result itself uses the asperity model.
+        """
+        if self.press_mode == "lines" or self.contact_models[0] == "asperities" or self.has_masked_points:
+            return None
+        return self._build_study(self._build_contact_table("asperities") | {"load": self.loads})
+
+    @property
+    def remarks(self) -> list[str]:
+        """Remarks to print about the materials and, if the pair is given as a gap, about the gap map."""
+        elasticity, remarks = self.elasticity, []
+        if elasticity.source and self.options.hardness is None:
+            remarks.append(f"{elasticity.source}, {elasticity.hardness_source}")
+        elif elasticity.source:
+            remarks.append(f"{elasticity.source}; the hardness was set by --hardness")
+        remarks += [elasticity.alias_note] if elasticity.alias_note else []
+        if self.options.gap is not None:
+            remarks.append(GAP_REMARK)
+        return remarks
+
+    @property
+    def _strengths(self) -> dict[str, Any]:
+        """Values of mu0 and tau0 in ascending order."""
+        strengths = validate_nonnegative_values(
+            "tau0", self._parse_quantities("tau0", self._get_central_option_value("tau0")), self.options.tau0
+        )
+        coefficients = parse_coefficients("mu0", self._get_central_option_value("mu0"))
+        return {"mu0": sorted(set(coefficients)), "tau0": _sort_unique(strengths)}
+
+    def _build_study(self, contact: dict[str, Any]) -> Study:
+        friction = self._strengths | {"load": self.loads}
+        if self.options.wait is not None and contact["mechanics"] == "half-space":
+            if self._hardness is None:
+                raise ArgumentError("{wait} needs {hardness}, because elastic contacts do not creep")
+            friction["wait"] = _sort_unique(self._parse_quantities("wait", self.options.wait))
+        tables = {
+            "surfaces": self._build_surfaces_table(), "contact": contact, "friction": friction,
+            "ensemble": self._build_ensemble_table(),
+            "known": self._uncertain_inputs_table,
+        }  # fmt: skip
+        return _validate_study(tables).with_checksums()
+
+    def _build_surfaces_table(self) -> dict[str, Any]:
+        press, level = self.press_mode, self.options.level
+        table: dict[str, Any] = {"kind": "measured", "press": press, "upper": self.files[0], "lower": self.files[1]}
+        if self.options.cutoff == "none":
+            table["vouched"] = True
+        elif self.options.cutoff is None:
+            table |= self._filter_settings
+        else:
+            table["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
+        if level is None and self.options.gap is not None and self.options.tilt == "fixed":
+            level = "mean"  # Subtracting only the mean preserves the measured tilt between the faces.
+        if level is not None:
+            table["level"] = "plane" if press == "surrogates" and level == "line" else level
+        if press == "areas":
+            table |= {"rotate": float(self.options.rotate or 0.0), "surrogates": self._parse_num_surrogates(0)}
+            table |= {} if self.options.gap is None else {"gap": True}
+        if (positions := self._listed_positions) is not None:
+            table["positions"] = positions
+        if press == "lines":
+            surrogate_choice = "none" if self.options.surrogates is None else str(self.options.surrogates)
+            if surrogate_choice not in get_args(SurrogateBodies):
+                allowed = ", ".join(get_args(SurrogateBodies))
+                raise ArgumentError(
+                    f"{{surrogates}} must be one of {allowed} for pairs of lines, got {{got}}",
+                    got=repr(surrogate_choice),
+                )
+            table |= {"along": self.options.along or "x", "replace": surrogate_choice}
+            table |= {"offsets": self._count_positions()[1]} if self._listed_positions is None else {}
+            if self.options.travel is not None:
+                table["travel"] = self._parse_quantity("travel", self.options.travel)
+        return table
+
+    @cached_property
+    def _filter_settings(self) -> dict[str, Any]:
+        """Entries of the table `[surfaces]` for filtering out wavelengths that may be noise.
+
+        The study then has two cutoffs: unfiltered, and with each scan filtered at its own cutoff. The filtered scans
+        come first and give the quoted result if the spectrum of one scan ends in the noise floor of an instrument, and
+        if wavelengths in the other scans may be noise as well. The dictionary is empty if no scan needs a filter.
+        """
+        limits_by_file = [[_find_noise_wavelengths(scan) for scan in file.scans] for file in self.files]
+        present_limits = [limit for file_limits in limits_by_file for limit in file_limits if limit is not None]
+        extents = [float(np.min(body.extent)) for file in self.files for body in file.bodies]
+        longest_cutoff = max((limit.cut_off for limit in present_limits), default=0.0)
+        if not 0 < longest_cutoff < min(extents, default=0.0) / 4:
+            return {}
+        filtered_files = []
+        for file, file_limits in zip(self.files, limits_by_file, strict=True):
+            first_file, *other_files = (
+                scan.model_copy(update={"max_cut_off": _to_length_quantity(0.0 if limit is None else limit.cut_off)})
+                for scan, limit in zip(file.scans, file_limits, strict=True)
+            )
+            filtered_files.append(first_file.model_copy(update={"others": tuple(other_files) or None}))
+        instrument_limits = [limit for limit in present_limits if isinstance(limit, InstrumentLimit)]
+        are_noise_floors = bool(instrument_limits) and all(limit.origin == "instrument" for limit in instrument_limits)
+        cut_offs = ["0 um", exact_quantity_text(longest_cutoff, "um")]
+        return {
+            "cut_off": cut_offs[::-1] if are_noise_floors else cut_offs, "both_readings": True,
+            **dict(zip(SIDES, filtered_files, strict=True)),
+        }  # fmt: skip
+
+    def _build_ensemble_table(self) -> dict[str, Any]:
+        if self.press_mode == "lines":
+            num_lines, num_offsets = self._count_positions()
+            num_members = num_lines * num_offsets
+        elif self.press_mode == "surrogates":
+            num_members = self._parse_num_surrogates(DEFAULT_NUM_SURROGATES)
+        else:
+            num_shifts = 1 if self.options.gap is not None else self.options.shifts or DEFAULT_NUM_SHIFTS
+            positions = self._listed_positions
+            num_members = (num_shifts if positions is None else len(positions)) + self._parse_num_surrogates(0)
+        # All pairs of scans have the same number of members, so the number of members is rounded up.
+        num_scan_pairs = 1 if self.options.gap is not None else math.prod(len(file.scans) for file in self.files)
+        if self._listed_positions is not None:
+            num_members *= num_scan_pairs
+        return {
+            "repetitions": -(-num_members // num_scan_pairs) * num_scan_pairs,
+            "seed": DEFAULT_SEED if self.options.seed is None else self.options.seed,
+        }
+
+    @cached_property
+    def _listed_positions(self) -> list[Any] | None:
+        """Positions (µm) of the slider on the counterface, or None if no positions are given.
+
+        Positions on maps are pairs (x, y).
+        """
+        if self.options.positions is None:
+            return None
+        lengths = self._parse_quantities("positions", self.options.positions)
+        if self.press_mode == "lines":
+            return list(validate_nonnegative_values("positions", lengths, self.options.positions))
+        if len(lengths) % 2:
+            raise ArgumentError(
+                "{positions} must be pairs of x and y for maps, got {got} values", got=str(len(lengths))
+            )
+        return [list(pair) for pair in zip(lengths[::2], lengths[1::2], strict=True)]
+
+    def _count_positions(self) -> tuple[int, int]:
+        """Return the number of line pairs, and the number of relative positions for each line pair."""
+        num_lines, num_offsets = self.options.lines or DEFAULT_NUM_LINE_PAIRS, self.options.offsets
+        if self.are_profiles and not self.has_surrogates:
+            positions = self._listed_positions
+            return 1, len(
+                positions
+            ) if positions is not None else DEFAULT_NUM_POSITIONS if num_offsets is None else num_offsets
+        if not self.has_surrogates:
+            axis = 1 if self.options.along == "y" else 0
+            num_lines = min(num_lines, *(scan.heights.shape[axis] for scan in self.bodies if isinstance(scan, Surface)))
+        if self._listed_positions is not None:
+            num_offsets = len(self._listed_positions)
+        elif (num_offsets or 1) > 1 and self.options.travel is None:
+            raise ArgumentError(
+                f"{{offsets}} {num_offsets} needs {{travel}} LENGTH, by which the slider is shorter than the "
+                "counterface"
+            )
+        return num_lines, num_offsets or 1
+
+    def _parse_num_surrogates(self, default: int) -> int:
+        text = "none" if self.options.surrogates is None else str(self.options.surrogates)
+        if text == "none":
+            return default
+        if not text.isdecimal() or len(text) > MAX_WORD_LENGTH or not int(text):
+            raise ArgumentError("{surrogates} must be a whole number of at least 1, got {got}", got=short_repr(text))
+        return int(text)
+
+    def _build_contact_table(self, mechanics: str) -> dict[str, Any]:
+        elasticity = self.elasticity
+        table: dict[str, Any] = {
+            "mechanics": mechanics, "effective_modulus": exact_quantity_text(elasticity.effective_modulus, "GPa"),
+        }  # fmt: skip
+        for name, value in (("materials", elasticity.materials), ("poisson_ratio", elasticity.poisson_ratios)):
+            if value is not None:
+                table[name] = list(value)
+        if self.options.direction is not None:
+            table["direction"] = parse_numbers("direction", self.options.direction, integers=True)
+        if mechanics == "half-space":
+            table["compliance_share"] = elasticity.compliance_share
+            table |= {} if self.options.tilt is None else {"tilt": self.options.tilt}
+            if (hardness := self._hardness) is not None:
+                table["hardness"] = hardness
+            if (growth := self._junction_growth) is not None:
+                table["junction_growth"] = growth.value
+            elif self.options.junction_growth is not None:
+                table["junction_growth"] = 0.0
+            table |= self._adhesion_entries
+        else:
+            table |= {"law": self._build_contact_law_entry(), "detection": self.options.detection or "gap-minimum"}
+            if self.options.curvature is not None:
+                table["curvature"] = self.options.curvature
+        return table
+
+    @property
+    def _adhesion_entries(self) -> dict[str, Quantity]:
+        """Entries of the contact table that describe adhesion, i.e. work of adhesion and range of adhesion.
+
+        Each must be a single value, because the contacts are computed for a single value.
+        """
+        quantities = {}
+        for name in ("work_of_adhesion", "adhesion_range"):
+            if (value := self.options.option_value(name)) is None:
+                continue
+            if isinstance(value, str) and UNCERTAINTY_PATTERN.search(value):
+                message = f"{{{name}}} must be one value, got {{got}}; compute both limits of a range separately"
+                raise ArgumentError(message, got=repr(value))
+            quantities[name] = self._parse_quantity(name, value)
+            validate_nonnegative_values(name, [quantities[name]], value)
+        return quantities
+
+    @property
+    def _junction_growth(self) -> UncertainInput | None:
+        """Junction growth α, or None if contacts do not grow.
+
+        The default is the value for the interface or, without an interface, for the softer material.
+        """
+        alpha_text = self.options.junction_growth
+        if alpha_text is None:
+            can_grow = self._hardness is not None and not self._adhesion_entries.get("work_of_adhesion")
+            interface_growth = (
+                self.given_interface.junction_growth if can_grow and self.given_interface is not None else None
+            )
+            if interface_growth is not None:
+                return interface_growth if interface_growth.value else None
+            softer_material = softest_material(*map(material, self.elasticity.materials or ())) if can_grow else None
+            value = softer_material and softer_material.junction_growth
+            alpha_text = f"{value.low:g}..{value.high:g}" if value else 0.0
+        elif self._hardness is None:
+            raise ArgumentError("{junction_growth} needs {hardness}, because elastic contacts do not grow")
+        try:
+            alpha = parse_study_input("junction_growth", alpha_text)
+        except ValueError as error:
+            raise ArgumentError("{junction_growth} {why}", why=str(error).strip()) from None
+        if alpha.value and self._adhesion_entries.get("work_of_adhesion"):
+            raise ArgumentError(
+                "{junction_growth} must be 0 if {work_of_adhesion} is given, got {got}", got=repr(alpha_text)
+            )
+        return alpha if alpha.value else None
+
+    @property
+    def _hardness(self) -> Quantity | None:
+        """Hardness given by the user. The default is the hardness of the softer material."""
+        if self.options.hardness is None:
+            value = self.elasticity.hardness
+            return None if value is None else quantity(exact_quantity_text(value, "GPa"), "pressure")
+        if self.elasticity.materials and self.elasticity.hardness is None:
+            raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
+        # if the hardness is invalid, this call raises an error that lists the hardness scales
+        self._parse_inputs("hardness")
+        hardness = self._parse_quantity("hardness", self._get_central_option_value("hardness"))
+        if not hardness > 0:
+            raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.options.hardness))
+        return hardness
+
+    def _build_contact_law_entry(self) -> Any:
+        """Return the contact law of the asperity model and its parameters, in the format of a study file."""
+        if self.contact_law != JacksonGreen.name:
+            return self.contact_law
+        strength, ratio = self.options.yield_strength, self.elasticity.poisson_ratio
+        if strength is None and self._hardness is None:
+            raise ArgumentError("{law} jackson-green needs either {yield_strength} or {hardness}")
+        if ratio is None:
+            raise ArgumentError("{law} jackson-green needs {poisson} of the softer body")
+        if strength is None:
+            strength = exact_quantity_text(float(self._hardness or 0.0) / HARDNESS_TO_YIELD_RATIO, "GPa")
+        else:
+            strength = self._parse_quantity("yield_strength", strength)
+        return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
+
+    def _choose_load_steps(self, contacts: list[dict[str, Any]]) -> Floats:
+        """Return the loads (mN) at which contacts are computed. All contact models use the same loads."""
+        max_load = None
+        hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
+        if hardness is not None:
+            if any(per_area and load >= hardness for load, per_area in self._given_loads):
+                raise ArgumentError("{load} must be below the hardness ({hardest:.4g} GPa)", hardest=float(hardness))
+            max_load = float(hardness) * self._nominal_area
+            if not self.loads[-1] < max_load:
+                is_line_pair = self.are_profiles and self.press_mode == "lines"
+                raise ArgumentError(
+                    "{load} must be below {max_load:.4g} mN, the hardness times the nominal area of {area:.4g} µm²"
+                    + (
+                        "; this is for a width of 1 µm: give a pressure, or a force and its {width}"
+                        if is_line_pair else ""
+                    ),
+                    area=self._nominal_area, max_load=max_load,
+                )  # fmt: skip
+        loads = self.loads
+        # No value is interpolated between a load of zero and the other loads, so no loads are inserted between them.
+        zero_load_replacements = loads[:1] if self._has_zero_load else []
+        regular_loads = loads[len(zero_load_replacements) :] or loads
+        num_smaller = NUM_ADHESION_LOADS if self._adhesion_entries.get("work_of_adhesion") else 1
+        steps = choose_load_steps(
+            regular_loads, press=self.press_mode,
+            mechanics="half-space" if "half-space" in self.contact_models else "asperities",
+            max_load=max_load, num_smaller=0 if regular_loads == zero_load_replacements else num_smaller,
+        )  # fmt: skip
+        return np.union1d(steps, np.array(zero_load_replacements, np.float64))
+
+    @cached_property
+    def _body_attributes(self) -> BodyAttributes:
+        placeholder_friction = {"mu0": [0.0], "load": ["1 mN"]}
+        tables = {
+            "surfaces": self._build_surfaces_table(),
+            "ensemble": self._build_ensemble_table(),
+            "friction": placeholder_friction,
+        }
+        return find_body_attributes(_validate_study(tables))
+
+    @property
+    def _nominal_area(self) -> float:
+        """Nominal area of each member (µm²)."""
+        area = self._body_attributes.nominal_area
+        assert area is not None, "measured bodies have a nominal area"
+        return area
+
+
+def _validate_study(data: dict[str, Any]) -> Study:
+    """Validate the tables of a study that was built from options.
+
+    If an option set the invalid key, the `ArgumentError` names the option.
+    """
+    try:
+        return validate_table(Study, data, "pair")
+    except StudyError as error:
+        key, reason = error.faults[0]
+        if (name := _find_option(key)) is None:
+            raise
+        raise ArgumentError(f"{{{name}}} {{why}}", why=reason) from None
+
+
+def _find_option(key: str) -> str | None:
+    """Return the option that sets a study key such as "friction.mu0[0]", or None if no option sets it."""
+    key = key.partition("[")[0]
+    last_part = key.rpartition(".")[2]
+    return next(
+        (name for name, option in PAIR_OPTIONS.items() if option.key == key),
+        last_part if last_part in PAIR_OPTIONS else None,
+    )
+
+
+def build_study_from_options(options: PairOptions) -> Study:
+    """Create a study of two bodies, each of which is read from a file or passed as an object.
+
+    Raises a `ValueError` if the contact of the bodies cannot be computed.
+    """
+    study = MeasuredPair(options).study
+    find_body_attributes(study)
+    return study
+
+
+def _split_at_commas(value: Any) -> Any:
+    """Split a string at commas. Values that are not strings are returned unchanged."""
+    return split_values(value) if isinstance(value, str) and "," in value else value
+
+
+def _list_scans(side: str, given: Any) -> list[Any]:
+    """Return the scans of a body, which are given as a list, a folder, comma-separated file names, or a single scan."""
+    if isinstance(given, (list, tuple)):
+        scans = list(given)
+    elif isinstance(given, str) and not given.strip():  # `Path` would interpret an empty string as the current folder
+        scans = [given]
+    elif isinstance(given, (str, Path)) and Path(given).is_dir():
+        scans = sorted(path for path in Path(given).iterdir() if not (path.is_dir() or path.name.startswith(".")))
+    elif isinstance(given, (str, Path)) and "," in str(given) and not Path(given).exists():
+        scans = split_values(str(given))
+    else:
+        return [given]
+    if not scans:
+        raise ArgumentError(f"{{{side}}} must contain at least one scan, got {{got}}", got=repr(str(given)))
+    if any(isinstance(scan, str) and not scan.strip() for scan in scans):
+        raise ArgumentError(f"{{{side}}} must not contain an empty file name, got {{got}}", got=repr(str(given)))
+    return scans
+
+
+def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | HiddenNoise | None:
+    """Find the wavelengths of a scan that may be instrument noise, or at which its spectrum may hide noise.
+
+    Returns None if they affect the slope only slightly.
+    """
+    body = scan.read()
+    if isinstance(body, JoinedSpectrum) or body.is_flat:
+        return None
+    defects = find_scan_defects(body, scan.tip, textured=scan.texture is not None)
+    return defects.instrument_limit if defects.instrument_limit.matters else defects.hidden_noise
+
+
+def _to_length_quantity(wavelength: float) -> Quantity:
+    return quantity(exact_quantity_text(wavelength, "um"), "length")
+
+
+def _sort_unique(values: list[Quantity]) -> list[Quantity]:
+    """Sort quantities in ascending order, and keep only the last of several equal quantities."""
+    by_value = {float(value): value for value in values}
+    return [by_value[value] for value in sorted(by_value)]

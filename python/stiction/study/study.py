@@ -1,0 +1,664 @@
+"""Studies, i.e. validated descriptions of a computation. They are read from TOML files or built in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
+
+from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes
+from stiction._text import MAX_PATH_LENGTH, printable_path, printable_text
+from stiction._units import Quantity, exact_quantity_text, quantity, short_repr
+from stiction.mechanics.model import PROFILE_WIDTH
+from stiction.mechanics.quantities import (
+    ADHESION_QUANTITIES,
+    AREAL_SUM_QUANTITIES,
+    HALF_SPACE_SUM_QUANTITIES,
+    ONSET_QUANTITIES,
+    SUM_QUANTITIES,
+)
+from stiction.study.contact_tables import (
+    MAX_AREAL_LOAD_RATIO,
+    ContactSettings,
+    MeasuredMapContactSettings,
+    choose_load_steps,
+    parse_contact_settings,
+    select_contact_settings_class,
+)
+from stiction.study.generated_surfaces import (
+    GeneratedProfileSettings,
+    GeneratedSurfaceSettings,
+    SelfAffineSettings,
+    WeierstrassMandelbrotSettings,
+)
+from stiction.study.input_distributions import UncertainInputSettings
+from stiction.study.measured_bodies import MeasuredBodySettings
+from stiction.study.measured_surfaces import MeasuredSurfaceSettings
+from stiction.study.member_names import MemberNames
+from stiction.study.values import (
+    FrictionCoefficients,
+    LoadsOfInterest,
+    SettingsTable,
+    SettingsTableVariant,
+    ShearStrengths,
+    StudyError,
+    Times,
+    as_tuple,
+    check_keys,
+    format_toml_value,
+    make_key_error,
+    parse_toml,
+    select_key_value,
+    validate_table,
+)
+
+if TYPE_CHECKING:
+    import xarray
+
+MAX_STUDY_BYTES = 1_000_000  # maximum size (bytes) of a study file that is read
+MAX_PARAMETER_COMBINATIONS = 1000  # maximum number of combinations of load, mu0 and tau0 of measured surfaces
+
+_DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
+"""Pairs of a table and a key, where the value of the key selects the class of the table."""
+
+_LEADING_KEYS = (
+    "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "law", "detection", "curvature",
+    "boundary", "hardness", "compliance_share",
+)  # fmt: skip
+"""Keys that are written first in their tables."""
+
+_STUDY_LIBRARY_FOLDER = resources.files("stiction.study") / "library"
+DEFAULT_SEED = 2016  # default seed of the random number generator
+StudyDifference = tuple[str, str, str]  # dotted key, with its TOML values in the first and the second study
+MAX_LISTED_DIFFERENCES = 4  # maximum number of differences in a message
+
+SurfaceSettings = GeneratedSurfaceSettings | MeasuredSurfaceSettings  # table `[surfaces]` of a study
+SURFACE_SETTINGS_CLASSES: tuple[type[SurfaceSettings], ...] = get_args(
+    SurfaceSettings
+)  # all classes that can represent the table `[surfaces]`
+
+
+def _map_key_to_classes(key: str, *cases: type[SurfaceSettings]) -> tuple[str, dict[str, type[SurfaceSettings]]]:
+    return key, {case.model_fields[key].default: case for case in cases}
+
+
+_SURFACE_CLASSES_BY_KIND = {
+    "profile": _map_key_to_classes("kind", GeneratedProfileSettings),
+    "surface": _map_key_to_classes("generator", WeierstrassMandelbrotSettings, SelfAffineSettings),
+    "measured": _map_key_to_classes("press", *get_args(MeasuredSurfaceSettings)),
+}
+"""Key that selects the class of a surfaces table, and the classes, for each value of `kind`.
+
+The first class is the default.
+"""
+
+
+def select_surface_settings_class(table: Mapping[str, Any]) -> type[SurfaceSettings]:
+    """Return the class for the table `[surfaces]`, as selected by its keys `kind`, `generator` and `press`."""
+    key, cases = _SURFACE_CLASSES_BY_KIND[select_key_value("kind", table, _SURFACE_CLASSES_BY_KIND)]
+    return cases[select_key_value(key, table, cases)]
+
+
+ZERO_SHEAR_STRENGTH = quantity("0 MPa", "pressure")
+PAPER_SHEAR_STRENGTHS = tuple(quantity(f"{tau0} MPa", "pressure") for tau0 in ("0", "0.5", "10", "100", "200"))
+MU0_DESCRIPTION = "Molecular friction coefficients."
+TAU0_DESCRIPTION = "Adhesive shear strengths."
+LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these and the other loads of the curve."
+
+
+class GeneratedSurfaceFrictionSettings(SettingsTableVariant):
+    """Table `[friction]` for generated surfaces. It contains the interface strengths to plot."""
+
+    place: ClassVar[str] = "generated surfaces"
+    wait: ClassVar[tuple[Quantity, ...]] = ()
+
+    mu0: FrictionCoefficients = Field(default=(0.1, 0.4, 1.0), description=MU0_DESCRIPTION)
+    tau0: ShearStrengths = Field(default=PAPER_SHEAR_STRENGTHS, description=TAU0_DESCRIPTION)
+
+
+class AsperityFrictionSettings(GeneratedSurfaceFrictionSettings):
+    """Table `[friction]` for generated surfaces in the asperity model. It contains the interface strengths to plot."""
+
+    place: ClassVar[str] = "asperities of generated surfaces"
+    load: ClassVar[tuple[Quantity, ...]] = ()
+
+
+class HalfSpaceFrictionSettings(GeneratedSurfaceFrictionSettings):
+    """Table `[friction]` for half-spaces with generated surfaces. It contains the strengths and loads to plot."""
+
+    place: ClassVar[str] = "the half-space of generated surfaces"
+
+    load: LoadsOfInterest = Field(default=(), description=LOADS_DESCRIPTION)
+
+
+class MeasuredSurfaceFrictionSettings(SettingsTableVariant):
+    """Table `[friction]` for measured surfaces. It contains interface strengths, loads and dwell times."""
+
+    place: ClassVar[str] = "measured surfaces"
+
+    mu0: FrictionCoefficients = Field(description=MU0_DESCRIPTION)
+    tau0: ShearStrengths = Field(default=(ZERO_SHEAR_STRENGTH,), description=TAU0_DESCRIPTION)
+    load: LoadsOfInterest = Field(description=LOADS_DESCRIPTION)
+    wait: Times = Field(
+        default=(), description="Dwell times under load before sliding; `contact.hardness` is the hardness after 1 s."
+    )
+
+
+FrictionSettings = AsperityFrictionSettings | HalfSpaceFrictionSettings | MeasuredSurfaceFrictionSettings
+"""Table `[friction]` of a study."""
+FRICTION_SETTINGS_CLASSES: tuple[type[FrictionSettings], ...] = get_args(FrictionSettings)
+SHARED_FRICTION_SETTINGS_CLASSES: tuple[type[SettingsTableVariant], ...] = (
+    MeasuredSurfaceFrictionSettings,
+    GeneratedSurfaceFrictionSettings,
+    HalfSpaceFrictionSettings,
+)
+"""Base classes whose keys several friction tables share."""
+
+
+def select_friction_settings_class(surfaces: type[SurfaceSettings], mechanics: str) -> type[FrictionSettings]:
+    """Return the class of the table `[friction]` for the given surfaces and contact model."""
+    if issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
+        return MeasuredSurfaceFrictionSettings
+    return HalfSpaceFrictionSettings if mechanics == "half-space" else AsperityFrictionSettings
+
+
+class EnsembleSettings(SettingsTable):
+    """Number of members in the ensemble, and seed for the random numbers."""
+
+    repetitions: int = Field(
+        default=100, ge=1, le=100_000_000,
+        description="Number of repetitions for each fractal dimension and amplitude, or number of relative positions "
+        "of measured surfaces.",
+    )  # fmt: skip
+    seed: int = Field(
+        default=DEFAULT_SEED, ge=0, lt=2**63,
+        description="Seed of the random numbers; equal seeds give equal surfaces.",
+    )  # fmt: skip
+
+
+FigureName = Literal["profiles", "length-scales", "friction", "area", "onset"]
+
+
+def _require_distinct_figures(names: tuple[str, ...]) -> tuple[str, ...]:
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"must contain each figure once, got {name!r} {names.count(name)} times")
+    return names
+
+
+class FigureSettings(SettingsTable):
+    """Figures to draw for a result of generated surfaces."""
+
+    draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_require_distinct_figures)] = Field(
+        default=("friction", "area"), description="Figures that `run` and `plot` draw."
+    )
+
+
+def _add_bracketing_loads(
+    surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Add loads below and above the requested loads to the tables `[contact]` and `[friction]`.
+
+    This applies to the half-space of generated surfaces. Returns an empty dictionary if no loads are requested, if the
+    study has its own load curve, or if a table is invalid.
+    """
+    requested_loads = friction.get("load") or (
+        contact.get("load") if isinstance(contact.get("load"), (list, tuple)) else None
+    )
+    has_curve_loads = bool(friction.get("load")) and "load" in contact
+    if (
+        contact.get("mechanics") != "half-space"
+        or not isinstance(requested_loads, (list, tuple))
+        or not requested_loads
+        or has_curve_loads
+    ):
+        return {}
+    try:
+        loads = [float(quantity(load, "force")) for load in requested_loads]
+        upper_load = max(loads) * MAX_AREAL_LOAD_RATIO
+        if contact.get("hardness") is not None:
+            max_load = float(quantity(contact["hardness"], "pressure")) * _compute_nominal_area(surfaces)
+            # If the upper load is too large, the validation reports an error.
+            upper_load = min(upper_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
+    except (ValueError, TypeError, AttributeError):  # the validation of this key reports the error
+        return {}
+    bracketing_loads = [
+        exact_quantity_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper_load)
+    ]
+    return {
+        "contact": {**contact, "load": [bracketing_loads[0], *requested_loads, bracketing_loads[1]]},
+        "friction": {**friction, "load": [*requested_loads]},
+    }
+
+
+def _compute_nominal_area(surfaces: Mapping[str, Any]) -> float:
+    """Return the nominal area (µm²) of generated surfaces from the table that describes them."""
+    table: Any = select_surface_settings_class(surfaces).model_validate(surfaces)
+    return math.prod(table.extents()) if table.is_areal else float(table.extent) * PROFILE_WIDTH
+
+
+def _build_empty_table() -> Any:
+    """Return an empty table. Validation replaces it with an instance of the class that matches the surfaces."""
+    return {}
+
+
+class Study(SettingsTable):
+    """Complete description of a computation, including surface pairs, contact model and parameters.
+
+    Missing tables and keys have the values of Fig. 6 of the paper. In files, a quantity is text with a unit, as in
+    "10 GPa". In Python, a quantity may also be a number in core units (µm, GPa, mN). Some keys exist only for a single
+    kind of surfaces or a single contact model, and are rejected in other studies.
+
+    Examples
+    --------
+    >>> from stiction import Study
+    >>> study = Study.named("figure6").with_changes({"ensemble.repetitions": 10})
+    >>> study.ensemble.repetitions, float(study.surfaces.extent)
+    (10, 40.0)
+    """
+
+    surfaces: SurfaceSettings = GeneratedProfileSettings()
+    contact: ContactSettings = Field(default_factory=_build_empty_table)
+    friction: FrictionSettings = Field(default_factory=_build_empty_table)
+    ensemble: EnsembleSettings = EnsembleSettings()
+    figures: FigureSettings = FigureSettings()
+    known: UncertainInputSettings = UncertainInputSettings()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _add_loads_for_interpolation(cls, data: Any) -> Any:
+        """Add loads below and above the requested loads, so that results can be interpolated at all requested loads.
+
+        The requested loads are `friction.load`. For generated surfaces with the half-space, a list `contact.load` is
+        used if `friction.load` is missing.
+        """
+        if not isinstance(data, Mapping):
+            return data
+        surfaces, contact, friction = (data.get(name, {}) for name in ("surfaces", "contact", "friction"))
+        are_tables = all(isinstance(table, Mapping) for table in (surfaces, contact, friction))
+        if are_tables and surfaces.get("kind") != "measured":
+            return {**data, **_add_bracketing_loads(surfaces, contact, friction)}
+        if not are_tables or "load" in contact or "load" not in friction:
+            return data
+        try:
+            mechanics = (
+                select_contact_settings_class(select_surface_settings_class(surfaces), contact)
+                .model_fields["mechanics"]
+                .default
+            )
+            loads = [float(quantity(load, "force")) for load in friction["load"]]
+            curve_loads = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
+        except (ValueError, TypeError):  # the validation of this key reports the error
+            return data
+        return {
+            **data,
+            "contact": {**contact, "load": [exact_quantity_text(load, "mN") for load in curve_loads.tolist()]},
+        }
+
+    @field_validator("surfaces", mode="before")
+    @classmethod
+    def _validate_surfaces_table(cls, value: object) -> SurfaceSettings:
+        """Validate the table `[surfaces]` with the class that its keys select."""
+        if isinstance(value, SURFACE_SETTINGS_CLASSES):
+            return value
+        if not isinstance(value, Mapping):
+            raise ValueError(f"must be a table, got {short_repr(value)}")
+        settings_class = select_surface_settings_class(value)
+        check_keys(value, settings_class, SURFACE_SETTINGS_CLASSES)
+        return settings_class.model_validate(value)
+
+    @field_validator("contact", "friction", mode="before")
+    @classmethod
+    def _validate_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
+        """Validate a table with the class that matches the surfaces, or return an empty table for invalid surfaces."""
+        surfaces = info.data.get("surfaces")
+        if surfaces is None:
+            surfaces, value = GeneratedProfileSettings(), {}
+        if not isinstance(value, Mapping):
+            raise ValueError(f"must be a table, got {short_repr(value)}")
+        if info.field_name == "contact":
+            return parse_contact_settings(value, surfaces)
+        if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaceSettings):
+            raise make_key_error("load", "must have at least one load, got []")
+        # if the contact is None, only the error of the table `[contact]` is reported
+        contact = info.data.get("contact")
+        mechanics = "half-space" if contact is None else contact.mechanics
+        settings_class = select_friction_settings_class(type(surfaces), mechanics)
+        check_keys(value, settings_class, SHARED_FRICTION_SETTINGS_CLASSES)
+        return settings_class.model_validate(value)
+
+    @model_validator(mode="after")
+    def _require_consistent_tables(self) -> Study:
+        figure_names, friction, steps = self.figures.draw, self.friction, self.contact.loading_steps()
+        if friction.load and not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
+            raise ValueError(
+                f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the limits of contact.load; omit "
+                "contact.load to compute loads around friction.load"
+            )
+        if not self.is_measured:
+            if self.is_areal and (
+                profile_figures := [name for name in figure_names if name in ("profiles", "length-scales")]
+            ):
+                raise ValueError(f'figures.draw: "{profile_figures[0]}" needs profiles, but surfaces.kind is "surface"')
+            if "onset" in figure_names and self.contact.onset is None:
+                raise ValueError('figures.draw: "onset" needs contact.onset, which specifies the strengths')
+            return self
+        if self.figures != FigureSettings():
+            raise ValueError("figures.draw: applies only to generated surfaces; measured surfaces have all figures")
+        if friction.wait and (self.contact.hardness is None or self.known.creep is None):
+            missing_key = "known.creep" if self.contact.hardness else "contact.hardness"
+            raise ValueError(
+                f"friction.wait: needs contact.hardness and known.creep, the creep exponent; add {missing_key}"
+            )
+        num_combinations = len(friction.load) * len(friction.mu0) * len(friction.tau0)
+        if num_combinations > MAX_PARAMETER_COMBINATIONS:
+            raise ValueError(
+                f"friction: must have at most {MAX_PARAMETER_COMBINATIONS} combinations of load, mu0 and tau0, "
+                f"got {num_combinations}"
+            )
+        return self
+
+    @property
+    def is_measured(self) -> bool:
+        """True if the surfaces are measured rather than generated."""
+        return self.surfaces.kind == "measured"
+
+    @property
+    def is_gap(self) -> bool:
+        """True if the study contains a measured map of the gap between two surfaces."""
+        return bool(getattr(self.surfaces, "gap", None))
+
+    @property
+    def is_areal(self) -> bool:
+        """True if the members are areal contacts, and False if they are profiles."""
+        return self.surfaces.is_areal
+
+    @property
+    def uses_half_space(self) -> bool:
+        """True if the contact model is the elastic half-space, and False if it consists of isolated asperities."""
+        return self.contact.mechanics == "half-space"
+
+    @property
+    def has_nominal_area(self) -> bool:
+        """True if the nominal area is meaningful for the contact model.
+
+        For spheres on a strip of arbitrary thickness, it is not.
+        """
+        return self.is_areal or self.uses_half_space or "cylinder" in str(self.contact.law or "").lower()
+
+    @property
+    def member_names(self) -> MemberNames:
+        """Name of the members in texts for users."""
+        return self.surfaces.member_names
+
+    @property
+    def step_quantity(self) -> Literal["approach", "load"]:
+        """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
+        return self.contact.step_quantity
+
+    def contact_sum_names(self) -> tuple[str, ...]:
+        """Return the names of the contact sums that are stored for each member and loading step."""
+        if self.uses_half_space:
+            return HALF_SPACE_SUM_QUANTITIES + (ADHESION_QUANTITIES if self.contact.adheres else ())
+        approach_names = ("approach",) if self.step_quantity == "load" else ()
+        onset_names = ONSET_QUANTITIES if self.contact.onset is not None else ()
+        return SUM_QUANTITIES + (AREAL_SUM_QUANTITIES if self.is_areal else ()) + approach_names + onset_names
+
+    def motion_coordinates(self) -> dict[str, list[Any]]:
+        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
+        return self.contact.motion_coordinates()
+
+    def with_checksums(self, folder: Path | None = None) -> Study:
+        """Return a copy of the study with absolute paths and with checksums of all files.
+
+        Bodies in memory are written to the folder, if a folder is given. Raises a `ValueError` if a file cannot be
+        read.
+        """
+        if not isinstance(self.surfaces, MeasuredSurfaceSettings):
+            return self
+
+        def complete_file_entry(file: MeasuredBodySettings, side: str) -> MeasuredBodySettings:
+            return (
+                (file if folder is None else file.with_saved_bodies(folder, side))
+                .with_absolute_paths(Path.cwd())
+                .with_checksums()
+            )
+
+        return self.model_copy(update={"surfaces": self.surfaces.with_changed_files(complete_file_entry)})
+
+    @classmethod
+    def named(cls, name: str) -> Study:
+        """Return the built-in study with the given name. The function `study_names` lists all names.
+
+        Raises
+        ------
+        StudyError
+            If there is no study with that name.
+        """
+        if not isinstance(name, str) or name not in study_names():
+            raise StudyError(
+                f"there is no built-in study {short_repr(name)}; the studies are {', '.join(study_names())}"
+            )
+        return parse_study((_STUDY_LIBRARY_FOLDER / f"{name}.toml").read_text(encoding="utf-8"), name)
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Study:
+        """Read a study from a TOML file.
+
+        Raises
+        ------
+        StudyError
+            If the file cannot be read, is not TOML, or has unknown keys, wrong units or impossible values.
+        """
+        try:
+            content = read_file_bytes(Path(path), MAX_STUDY_BYTES)
+            study = parse_study(content.decode("utf-8"), str(path))
+        except OSError as error:
+            raise StudyError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
+        except UnreadableFileError as error:
+            raise StudyError(f"{printable_path(path)}: {error}, so it is not a study") from None
+        except UnicodeDecodeError:
+            raise StudyError(f"{printable_path(path)} is not a text file, so it is not a study") from None
+        if not isinstance(study.surfaces, MeasuredSurfaceSettings):
+            return study
+        folder = Path(path).absolute().parent
+        surfaces = study.surfaces.with_changed_files(lambda file, _: file.with_absolute_paths(folder))
+        return study.model_copy(update={"surfaces": surfaces})
+
+    def with_changes(self, changes: Mapping[str, Any]) -> Study:
+        """Return a copy of the study in which the values of some keys are replaced.
+
+        Parameters
+        ----------
+        changes : mapping
+            Such as ``{"ensemble.repetitions": 10, "surfaces.amplitude": ["50 nm"]}``.
+
+        Raises
+        ------
+        StudyError
+            If a key is unknown, or if a value is impossible.
+        """
+        data = self._convert_base_tables(changes)
+        for key, value in changes.items():
+            table: Any = data
+            if not isinstance(key, str):
+                raise StudyError(f"{short_repr(key)}: unknown key")
+            *path, last_key = key.split(".")
+            for section in path:
+                table = table.setdefault(section, {}) if isinstance(table, dict) else None
+            if not isinstance(table, dict):
+                raise StudyError(f"{printable_text(key)}: unknown key")
+            table[last_key] = value
+        return validate_table(Study, data, "changes")
+
+    def to_toml(self) -> str:
+        """Return the study as TOML text with all keys. `Study.from_toml` creates an equal study from this text."""
+        tables = []
+        for name, table in self._to_tables().items():
+            if not table:
+                continue
+            lines = [f"{key} = {format_toml_value(value)}" for key, value in table.items()]
+            tables.append("\n".join([f"[{name}]", *lines]) + "\n")
+        return "\n".join(tables)
+
+    def _convert_base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+        """Return the tables of the study before any changes, converted to the classes that the changes require."""
+        tables = self._to_tables()
+        selectors = {
+            key: changes.get(f"{section}.{key}", tables[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
+        }
+        selectors = {key: value for key, value in selectors.items() if value is not None}
+        try:
+            surfaces = select_surface_settings_class(selectors)
+            contact = select_contact_settings_class(surfaces, selectors)
+        except PydanticCustomError:  # the validation of this key reports the error
+            return tables
+        tables["surfaces"] = _convert_table(self.surfaces, surfaces)
+        tables["contact"] = _convert_table(self.contact, contact)
+        if not issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
+            friction = select_friction_settings_class(surfaces, contact.model_fields["mechanics"].default)
+            self._remove_dependent_loads(tables, changes, is_allowed="load" in friction.model_fields)
+        return tables
+
+    def _remove_dependent_loads(
+        self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
+    ) -> None:
+        """For generated surfaces, remove loads that the changes make invalid or that depend on changed loads."""
+        if "contact.load" in changes or not is_allowed:
+            data["friction"].pop("load", None)
+        elif len(requested := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(requested) + 2:
+            data["contact"].pop("load")
+
+    def _to_tables(self) -> dict[str, dict[str, Any]]:
+        names = [name for name in type(self).model_fields if name != "figures" or not self.is_measured]
+        return {name: drop_none_entries(getattr(self, name)) for name in names}
+
+
+def _convert_table(table: SettingsTable, case: type[SettingsTable]) -> dict[str, Any]:
+    """Convert a table to another class. Values that differ from the defaults of the original class are kept."""
+    table_class = type(table)
+    changed = {key for key, value in table if value != table_class.model_fields[key].default}
+    keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
+    values = {key: getattr(table, key) if key in changed else case.model_fields[key].default for key in keys}
+    return drop_none_entries(case.model_construct(**values))
+
+
+def drop_none_entries(table: SettingsTable) -> dict[str, Any]:
+    """Return the entries of a table that are not None, in the order used in study files."""
+    data = table.model_dump(exclude_none=True)
+    order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
+    if isinstance(table, MeasuredMapContactSettings):
+        order["direction"] = 1  # the key is written last
+    return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
+
+
+def study_names() -> list[str]:
+    """Return the names of the built-in studies.
+
+    Returns
+    -------
+    names : list of str
+        Sorted names, which `Study.named` accepts.
+
+    See Also
+    --------
+    run : Run a study.
+
+    Examples
+    --------
+    >>> from stiction import study_names
+    >>> "quick" in study_names()
+    True
+    """
+    return sorted(
+        item.name.removesuffix(".toml") for item in _STUDY_LIBRARY_FOLDER.iterdir() if item.name.endswith(".toml")
+    )
+
+
+def read_study_description(name: str) -> str:
+    """Return the one-sentence description of a built-in study."""
+    return (_STUDY_LIBRARY_FOLDER / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+
+
+def parse_study_of_dataset(dataset: xarray.Dataset) -> Study:
+    """Return the study stored in the dataset of a result.
+
+    Raises a `StudyError` if the dataset has no attribute 'study'.
+    """
+    text = dataset.attrs.get("study")
+    if not isinstance(text, str):
+        raise StudyError("the dataset has no attribute 'study', so mu0 and tau0 must be given")
+    return parse_study(text, "the dataset's study")
+
+
+def find_step_dimension(dataset: xarray.Dataset) -> str:
+    """Return the dimension of the loading steps: "load" if loads are prescribed, and "approach" otherwise."""
+    return "load" if "load" in dataset.dims else "approach"
+
+
+def find_table_differences(first: SettingsTable, second: SettingsTable, prefix: str = "") -> list[StudyDifference]:
+    """List the differences between two tables, in the order of keys in study files."""
+    serialized, differences = (first.model_dump(), second.model_dump()), []
+    for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
+        field = type(first).model_fields.get(name) or type(second).model_fields[name]
+        if not field.repr:  # bodies in memory are compared by their checksums
+            continue
+        table_values = getattr(first, name, None), getattr(second, name, None)
+        if table_values[0] == table_values[1]:
+            continue
+        if isinstance(table_values[0], SettingsTable) and isinstance(table_values[1], SettingsTable):
+            differences += find_table_differences(table_values[0], table_values[1], f"{prefix}{name}.")
+        else:
+            differences.append(
+                (
+                    f"{prefix}{name}",
+                    format_toml_value(serialized[0].get(name)),
+                    format_toml_value(serialized[1].get(name)),
+                )
+            )
+    return differences
+
+
+def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
+    """List those differences between two studies that affect the members.
+
+    Members do not depend on the table `[friction]`, on figures, or on file paths.
+    """
+    return [
+        difference
+        for difference in find_table_differences(first, second)
+        if (difference[0].startswith(("surfaces.", "contact.")) or difference[0] == "ensemble.seed")
+        and not difference[0].endswith((".upper.file", ".lower.file"))
+    ]
+
+
+def format_study_differences(differences: list[StudyDifference]) -> str:
+    """Format the first few differences between two studies as lines for a message."""
+    lines = [
+        f"{key} = {short_repr(stored)} there, {short_repr(other)} here"
+        for key, stored, other in differences[:MAX_LISTED_DIFFERENCES]
+    ]
+    if len(differences) > MAX_LISTED_DIFFERENCES:
+        lines.append(f"... and {len(differences) - MAX_LISTED_DIFFERENCES} more")
+    return "\n".join(lines)
+
+
+def parse_study(text: str, source: str) -> Study:
+    """Parse a study from TOML text.
+
+    Error messages start with the name of the source.
+    """
+    try:
+        data = parse_toml(text)
+    except ValueError as error:
+        raise StudyError(
+            f"{printable_path(source)}: the text is not valid TOML: {printable_text(error, MAX_PATH_LENGTH)}"
+        ) from None
+    if not data:  # all keys have defaults, but an empty file is a mistake
+        raise StudyError(f"{printable_path(source)} is empty, so it is not a study")
+    return validate_table(Study, data, source)

@@ -1,0 +1,63 @@
+"""Description of a study for people: its name, its file, and how it differs from the defaults."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stiction.study.study import Study, find_table_differences, study_names
+from stiction.surfaces.pairing import SIDES
+
+
+@dataclass(frozen=True)
+class StudyDescription:
+    """Description of a study.
+
+    Attributes
+    ----------
+    name : str
+        For measured surfaces, the file names. Otherwise the name of the built-in study that differs at most in the
+        repetitions, or "study".
+    file_text : str
+        Study file (TOML) with names of files but without their folders, which other computers do not have.
+    changed_settings : list of (str, str)
+        Keys of a study of generated surfaces whose values differ from the defaults, and the values as text.
+    """
+
+    name: str
+    file_text: str
+    changed_settings: list[tuple[str, str]]
+
+
+def describe_study(study: Study) -> StudyDescription:
+    """Return the description of a study."""
+    if study.is_measured:
+        return StudyDescription(get_pair_name(study), _strip_folders(study).to_toml(), [])
+    name, file_text = _find_built_in_name(study), study.to_toml()
+    return StudyDescription(name, file_text, [(key, value) for key, _, value in find_table_differences(Study(), study)])
+
+
+def get_pair_name(study: Study) -> str:
+    """Return the file names of a pair, as in "a on b", or "gap a". A file whose name contains "gap" has no prefix."""
+    upper, lower = (getattr(study.surfaces, side).name for side in SIDES)
+    if study.is_gap:
+        return upper if "gap" in upper.lower() else f"gap {upper}"
+    return f"{upper} on {lower}"
+
+
+def _strip_folders(study: Study) -> Study:
+    surfaces: Any = study.surfaces
+    changes: dict[str, Any] = {"surfaces": surfaces.with_changed_files(lambda file, _: file.without_folders())}
+    if study.known.interface is not None:
+        changes["known"] = study.known.model_copy(update={"interface": Path(study.known.interface).name})
+    return study.model_copy(update=changes)
+
+
+def _find_built_in_name(study: Study) -> str:
+    for name in study_names():
+        built_in_study = Study.named(name)
+        ensemble = built_in_study.ensemble.model_copy(update={"repetitions": study.ensemble.repetitions})
+        if built_in_study.model_copy(update={"ensemble": ensemble}) == study:
+            return name
+    return "study"

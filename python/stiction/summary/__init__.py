@@ -1,0 +1,1 @@
+"""Values that a result reports, with caveats and an assessment."""

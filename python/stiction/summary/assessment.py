@@ -1,0 +1,741 @@
+"""Assess a coefficient of friction: list caveats with their remedies, and decide whether the value may be quoted."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction._number_format import format_number, format_percent, format_significant, format_with_unit
+from stiction.calibration.friction_tests import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH_COEFFICIENT
+from stiction.evaluate.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
+from stiction.evaluate.point import (
+    SlidingRuleCoefficient,
+    effective_modulus_at,
+    find_contact_status,
+    get_adhesion_ranges,
+    has_limited_pressure,
+    has_nominal_area,
+    is_unloaded,
+    mean_contact_pressure,
+    mean_over_directions,
+)
+from stiction.mechanics import friction
+from stiction.mechanics.closed_forms import tabor_friction
+from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
+from stiction.mechanics.materials import MAX_RUBBER_MODULUS, softest_material
+from stiction.study.input_distributions import UncertainInput
+from stiction.study.interfaces import find_interface
+from stiction.study.uncertain_inputs import find_junction_growth, find_materials, find_uncertain_inputs
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.study.study import Study
+
+Severity = Literal["caution", "fault"]
+
+YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
+"""Ratios of mean contact pressure to E*. Above the first, every material has yielded; above the second, most metals.
+"""
+
+MIN_TOTAL_CONTACTS = 10  # minimum total number of contacts in all members for which a mean may be reported
+MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
+"""Mean contact counts per member below which a coefficient must not be quoted (first) or has a caveat (second)."""
+
+# no value is reported if a single contact carries more than this fraction of the load
+MAX_LOAD_FRACTION_ON_CONTACT = 0.5
+# A caveat is issued if the contacts at the edge carry more than this fraction of the load.
+CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
+CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # A caveat is issued if one contact carries more than this fraction of the load.
+
+# Contacts are assumed to have merged if the ratio of true to nominal area is above this limit.
+MIN_MERGED_AREA_FRACTION = 0.3
+# A caveat is issued if a problem affects more than this fraction of the load, the members or the scan length.
+MAX_AFFECTED_FRACTION = 0.5
+MAX_INTERPOLATED_FRACTION = 0.02  # A caveat is issued if more than this fraction of the scan points is interpolated.
+MAX_PIERCED_FRACTION = 0.02
+"""Fraction of scattered missing points above which a caveat about holes in contacts is issued."""
+MAX_AREA_LOSS_PER_HOLE = 0.5
+"""Largest relative loss of true area through scattered missing points, divided by their fraction.
+
+With 10 and 30 % of the points of both maps missing at random, the area of elastic contacts decreased by 0.1 to 0.45
+times the fraction of points with a hole in either map.
+"""
+MIN_DRIFT_EFFECT = 0.02
+"""Relative standard error of a coefficient above which a caveat about drift of the roughness is issued."""
+MAX_SPACING_RATIO = 3.0  # A caveat is issued if the grid spacings of the two scans differ by more than this factor.
+
+# an interface counts as nearly as strong as the bulk if the ratio of τ0 to H/√α exceeds this limit
+NEARLY_BULK_STRENGTH_RATIO = 0.7
+# An interval has no upper end if the interface seizes in more than this fraction of the samples.
+MAX_SEIZING_FRACTION = 0.025
+
+MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
+"""Fraction of the load on plastic contacts. Above it, τ0 is compared with the shear strength of the softer body."""
+
+# A caveat is issued if adhesion adds more than this fraction of the applied load.
+MAX_NEGLECTED_ADHESION_FRACTION = 0.05
+TYPICAL_WORK_OF_ADHESION = 5e-5  # typical work of adhesion of solids in air, in mN/µm (50 mJ/m²)
+RIM_ATTRACTION_FACTOR = 4.3
+"""Factor in the estimated attraction around contacts, fitted to 395 computed pairs with E* from 2 MPa to 200 GPa.
+
+docs/explanation/adhesion.md describes the fit.
+"""
+
+MAX_DEVIATION_FROM_MU0 = 0.02  # a coefficient counts as equal to mu0 if the relative difference is below this limit
+ROUND_UP_FACTOR = 1 + 1e-12  # factor that makes ties such as 2.25 round up, in the same way as in the report
+MAX_RELATIVE_HALF_WIDTH = 0.5  # A caveat is issued if the relative half width of an interval exceeds this value.
+
+
+@dataclass(frozen=True)
+class Caveat:
+    """Reason not to quote a value, or to quote it only with care. Each caveat has a remedy."""
+
+    text: str
+    remedy: str
+    severity: Severity
+    cut_off: float = math.inf
+    """Cutoff wavelength (µm) at and above which the caveat does not apply."""
+    has_second_cutoff: bool = False
+    """True if the interval covers the results with and without the wavelengths that the caveat concerns."""
+    name: str = ""
+    """Name (in `QUANTITIES` or `_compute_checked_numbers`) of the number compared with a limit; may be empty."""
+    value: float = field(default=math.nan, compare=False)
+    """Value of the named number, in core units."""
+    limit: float = field(default=math.nan, compare=False)
+    """Limit that the number exceeds."""
+    interval_note: str = ""
+    """Clause about the interval, which is appended to the text at points that have an interval."""
+
+
+class LimitCheck(NamedTuple):
+    """Upper limit for a number, and the caveat that is issued if the number exceeds this limit.
+
+    The placeholder {} in the text stands for the number `about`.
+    """
+
+    name: str
+    limit: float
+    text: str
+    remedy: str
+    severity: Severity = "fault"
+    shown: str = "digits"  # kind of the number, as for `list_number_formats`
+    # name of the number that is mentioned in the text; by default, the number that is compared with the limit
+    about: str = ""
+
+    @property
+    def shown_name(self) -> str:
+        """Name of the checked number, as printed in the text of the caveat."""
+        return self.about or self.name
+
+    def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
+        """Create the caveat for a point that fails the check. The text contains the numbers of the point."""
+        value, checked_number = (float(numbers[name]) for name in (self.shown_name, self.name))
+        number_text = format_number(value * ROUND_UP_FACTOR, self.shown).replace("-", "\N{MINUS SIGN}")
+        return Caveat(
+            self.text.replace("{}", number_text), self.remedy, self.severity, name=self.name, value=checked_number,
+            limit=self.limit,
+        )  # fmt: skip
+
+
+CheckGroups = Sequence[Sequence[LimitCheck]]  # groups of checks; each group reports only its first failed check
+
+VERDICTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
+"""Text of the assessment, by the worst severity of all caveats."""
+
+STATUS_EXPLANATIONS = {
+    "not-reached": (
+        "the load is above the computed loads, or between two computed loads that differ by more than a factor of 10",
+        "use a smaller load, or compute larger loads (or approaches)",
+    ),
+    "below-range": (
+        "the load is below the computed loads",
+        "use a larger load, or compute smaller loads (or approaches)",
+    ),
+    "not-solved": ("the half-space solver did not reach its tolerance", "try another load, or the asperity model"),
+    "self-locked": ("the slopes are so steep that they resist any tangential load", "check μ0 and τ0"),
+    "seizure": (
+        "the interface is stronger than the bulk (τ0 is at least H/√α), or its junctions grow over the whole area; "
+        "the model has no coefficient",
+        "check τ0, the hardness and α, or reduce the load",
+    ),
+    "downhill": (
+        "in at least one direction, the upper body slides down the slopes without a tangential load; a mean over "
+        "directions has no meaning",
+        "use the coefficients of the other directions, or more positions",
+    ),
+    "no-contact": ("the bodies do not touch", "use a larger load or a larger approach"),
+}
+"""Meaning and remedy of each status of a point that has no coefficient."""
+
+WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check of the width of the sampling interval
+
+SINGLE_POSITION_CHECK = LimitCheck(
+    "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
+    "use gaps at other places as well", "caution",
+)  # fmt: skip
+
+STEEP_SURFACE_CHECK = LimitCheck(
+    "rms_gradient", 1.0, "the gap has a root-mean-square gradient of {}, too steep for any contact model here",
+    "check the units of heights and spacing, or filter the scan",
+)  # fmt: skip
+
+
+def _build_fraction_check(
+    name: str, text: str, remedy: str, severity: Severity = "fault", limit: float = MAX_AFFECTED_FRACTION
+) -> LimitCheck:
+    return LimitCheck(name, limit, text, remedy, severity, "percent")
+
+
+ASPERITY_CHECKS: CheckGroups = (
+    [_build_fraction_check(
+        "share_beyond_hertz", "{} of the load is on contacts beyond Hertz theory (overlap above a tenth of the radius)",
+        "use a smaller load, or the half-space",
+    )],
+    [_build_fraction_check(
+        "share_below_grid",
+        "{} of the load is on contacts with radii below the grid spacing: a finer grid would give another result",
+        "use a finer grid, or filter the surfaces",
+    )],
+)  # fmt: skip
+
+_OVERLAP_CHECK = _build_fraction_check(
+    "share_overlapping", "{} of the load is on contacts with overlapping ellipses, which merge", "use the half-space"
+)
+_EDGE_CHECK = _build_fraction_check(
+    "share_at_edge", "{} of the load is on contacts at the edge", "use larger maps or a smaller load"
+)
+LARGEST_CONTACT_LOAD_TEXT = "one contact carries {} of the load"
+_MORE_CONTACTS_REMEDY = "use larger surfaces or a higher load"
+FEW_CONTACTS_CHECK_NAMES = ("contacts_missing", "share_on_separate")
+"""Names of the checks that fail if members have few contacts on average."""
+_FINER_SCAN_REMEDY = "scan more finely, or filter the scan"
+
+EQUALS_MU0_CHECK = LimitCheck(
+    "share_of_mu0", 1 - MAX_DEVIATION_FROM_MU0, "τ0 is 0, so the coefficient is the given μ0; the surfaces add {}",
+    "give --tau0, or determine both with stiction calibrate", "caution", "digit", "beyond_mu0",
+)  # fmt: skip
+
+_COMMON_CONTACT_CHECKS: CheckGroups = (
+    [_EDGE_CHECK, _EDGE_CHECK._replace(limit=CAUTION_LOAD_FRACTION_AT_EDGE, severity="caution")],
+    [
+        LimitCheck("single_cells", MAX_AFFECTED_FRACTION, "contacts are single grid points", _FINER_SCAN_REMEDY),
+        _build_fraction_check(
+            "fraction_on_small",
+            "{} of the load is on contacts of at most 4 points: a finer scan would give another result",
+            _FINER_SCAN_REMEDY, "caution",
+        ),
+    ],
+    *ASPERITY_CHECKS,
+    [_OVERLAP_CHECK, _OVERLAP_CHECK._replace(limit=0.1, severity="caution")],
+)  # fmt: skip
+
+
+NO_COEFFICIENT_CAVEAT = Caveat(
+    "the load is less than 1 % of the pull-off force, so a coefficient has no meaning",
+    "report the pull-off force and the friction at no load, or use a higher load", "fault",
+)  # fmt: skip
+
+
+def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
+    """Return checks of a coefficient and its interval; only the first check that fails is reported."""
+    if study.is_gap:
+        return (SINGLE_POSITION_CHECK,)
+    members = study.member_names.plural
+    return (
+        LimitCheck("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
+        LimitCheck(
+            "missing_interval", MAX_AFFECTED_FRACTION, "there is no interval",
+            f"an interval requires at least 8 different {members}",
+        ),
+        LimitCheck(
+            WIDE_INTERVAL_CHECK_NAME, MAX_RELATIVE_HALF_WIDTH,
+            f"the sampling interval is wider than ±{100 * MAX_RELATIVE_HALF_WIDTH:.0f} %", f"use more {members}",
+        ),
+    )  # fmt: skip
+
+
+def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
+    """Return checks for too few contacts; only the first check that fails is reported."""
+    member, members = study.member_names
+    total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
+    total_remedy = f"use a higher load, larger surfaces or more {members}"
+    if study.is_gap:  # a gap has a single position
+        total_text, total_remedy = f"fewer than {MIN_TOTAL_CONTACTS} contacts in the gap: {{}}", _MORE_CONTACTS_REMEDY
+    return (
+        LimitCheck("contacts_missing_of_all", 0.0, total_text, total_remedy, about="contact_count"),
+        LimitCheck("contacts_missing", 0.0, "too few contacts, {} on average",
+              _MORE_CONTACTS_REMEDY, about="contact_count"),
+        _build_fraction_check(
+            "share_on_separate", LARGEST_CONTACT_LOAD_TEXT, _MORE_CONTACTS_REMEDY, "fault", MAX_LOAD_FRACTION_ON_CONTACT
+        ),
+        LimitCheck("contacts_wanting", 0.0, "few contacts, {} on average",
+              _MORE_CONTACTS_REMEDY, "caution", about="contact_count"),
+        _build_fraction_check(
+            "share_on_largest", LARGEST_CONTACT_LOAD_TEXT, _MORE_CONTACTS_REMEDY, "caution",
+            CAUTION_LOAD_FRACTION_ON_CONTACT,
+        ),
+    )  # fmt: skip
+
+
+def _build_contact_checks(study: Study) -> CheckGroups:
+    """Return checks of the contacts and of the pull-off force."""
+    text = "the pull-off force is a lower bound"
+    if not study.is_gap:  # a gap has a single position
+        text += f": {{}} of the {study.member_names.plural} have only a bound"
+    remedy = "call half_space to see the reason as a warning"
+    pull_off_check = _build_fraction_check("share_of_pull_off_bounds", text, remedy, "caution", 0.0)
+    return ([pull_off_check], *_COMMON_CONTACT_CHECKS)
+
+
+def _build_status_caveat(status: str, study: Study) -> Caveat:
+    """Return the caveat of a point without a coefficient."""
+    other_explanation = "there is no coefficient", f"check how many {study.member_names.plural} have a value"
+    return Caveat(*STATUS_EXPLANATIONS.get(status, other_explanation), "fault")
+
+
+def find_point_caveats(
+    point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
+) -> Iterator[Caveat]:
+    """Yield the caveats about one point of a result. They depend on the numbers and the status of the point."""
+    contact_checks = _build_contact_checks(study)
+    if is_unloaded(point):
+        yield NO_COEFFICIENT_CAVEAT
+        yield from _find_adhesion_caveats(point, study)
+        yield from _find_grid_caveats(point, study)
+        yield from find_caveats_of_failed_checks(contact_checks, _compute_checked_numbers(point, study, value))
+        return
+    if status != friction.STATUS_OK or math.isnan(value.value):
+        yield _build_status_caveat(status, study)
+        yield from find_caveats_of_failed_checks(
+            ([STEEP_SURFACE_CHECK],), _compute_checked_numbers(point, study, value)
+        )
+        return
+    num_members = mean_over_directions(point, "members")
+    # smallest number of solved members in any sliding direction
+    num_solved = float(point["ok"].min()) if "ok" in point else math.nan
+    if num_solved < MAX_AFFECTED_FRACTION * num_members:
+        text = f"only {num_solved:.0f} of {study.member_names.with_count(num_members)} have a coefficient"
+        yield Caveat(text, "check the statuses, and try another load", "fault")
+    numbers = _compute_checked_numbers(point, study, value)
+    pressure_checks = build_pressure_checks(study, effective_modulus_at(point, study))
+    yield from find_caveats_of_failed_checks(
+        (_build_value_checks(study), [STEEP_SURFACE_CHECK], *pressure_checks), numbers
+    )
+    yield from _find_growth_caveats(point, study)
+    yield from find_caveats_of_failed_checks(([EQUALS_MU0_CHECK],), numbers)
+    yield from _find_adhesion_caveats(point, study)
+    yield from _find_grid_caveats(point, study)
+    yield from _find_drift_caveats(point, study, value)
+    yield from _find_orientation_caveats(point, study)
+    yield from _find_area_caveats(point, study)
+    yield from find_caveats_of_failed_checks((_build_contact_count_checks(study), *contact_checks), numbers)
+
+
+def find_smallest_check_limit(name: str, study: Study) -> float | None:
+    """Return the smallest limit that contact checks set for a number, or None if no check uses the number."""
+    check_groups = (_build_contact_count_checks(study), *_build_contact_checks(study))
+    return min((check.limit for group in check_groups for check in group if check.name == name), default=None)
+
+
+def find_caveats_of_failed_checks(checks: CheckGroups, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
+    """Yield one caveat for each group of checks in which a check fails. The first failed check determines the caveat.
+
+    A check passes if its number is missing.
+    """
+    for group in checks:
+        failed = (check for check in group if numbers.get(check.name, math.nan) > check.limit)
+        yield from (check.to_caveat(numbers) for check in itertools.islice(failed, 1))
+
+
+def compute_checked_quantities(
+    value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
+    contact_count: ArrayLike, members: float, is_merged: ArrayLike,
+) -> dict[str, Any]:  # fmt: skip
+    """Compute, for each point of a result, the numbers that are checked against limits.
+
+    `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
+    merged contact averages over many asperities.
+    """
+    value, lower, upper, mu0, count = (np.asarray(array, float) for array in (value, lower, upper, mu0, contact_count))
+    separate_contacts = np.where(is_merged, np.nan, count)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio_to_mu0 = np.where(value == mu0, 1.0, np.where(mu0 > 0, value / mu0, np.nan))
+        ratio_to_mu0 = np.where(np.asarray(tau0) == 0, ratio_to_mu0, np.nan)
+        half_width = (upper - lower) / (2 * value)
+    return {
+        "deficit": -value,
+        "missing_interval": (np.isnan(lower) | np.isnan(upper)).astype(float),
+        WIDE_INTERVAL_CHECK_NAME: half_width,
+        "mean_pressure": pressure,
+        "contact_count": count,
+        "contacts_missing_of_all": MIN_TOTAL_CONTACTS - count * members,
+        "contacts_missing": MIN_CONTACTS_PER_MEMBER - separate_contacts,
+        "contacts_wanting": CAUTION_CONTACTS_PER_MEMBER - separate_contacts,
+        "share_of_mu0": 1 - np.abs(ratio_to_mu0 - 1),
+        "beyond_mu0": value - mu0,
+    }
+
+
+def list_contact_check_names(study: Study) -> list[str]:
+    """List the names of the numbers in the checks of the contacts, of the pull-off force and of the rms gradient."""
+    check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
+    return list(dict.fromkeys(check.name for group in check_groups for check in group))
+
+
+def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> dict[str, Any]:
+    area, count = mean_over_directions(point, "contact_area"), mean_over_directions(point, "contact_count")
+    spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
+    # area of a grid cell for height maps in the half-space model, otherwise NaN
+    cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
+    quantities = {name: mean_over_directions(point, name) for name in list_contact_check_names(study)}
+    is_merged = _compute_area_fraction(point, study) > MIN_MERGED_AREA_FRACTION
+    num_members = float(point["ok"].min()) if "ok" in point else mean_over_directions(point, "members")
+    numbers = compute_checked_quantities(
+        value.value, value.lower, value.upper, mu0=float(point["mu0"]), tau0=float(point["tau0"]),
+        pressure=mean_contact_pressure(point), contact_count=count, members=num_members, is_merged=is_merged,
+    )  # fmt: skip
+    return (
+        quantities
+        | numbers
+        | {
+            "share_on_separate": math.nan if is_merged else quantities["share_on_largest"],
+            "single_cells": float(count > 0 and area / count <= cell_area),
+        }
+    )
+
+
+def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
+    """Return checks that compare the mean contact pressure with the pressures at which the bodies would yield.
+
+    The limits are the hardness of the softer body or, if it is unknown, typical fractions of E*. Returns no checks if
+    the contact model limits the pressure, or if the effective modulus (GPa) is so small that the bodies are probably
+    rubber or gels.
+    """
+    if has_limited_pressure(study):
+        return ()
+
+    def build_pressure_check(limit: float, text: str, remedy: str, severity: Severity) -> LimitCheck:
+        return LimitCheck("mean_pressure", limit, text, remedy, severity, "GPa")
+
+    softer_material = softest_material(*find_materials(study))
+    if softer_material is not None and softer_material.hardness is not None:
+        low, high = softer_material.hardness.low, softer_material.hardness.high
+        range_text = " to ".join(dict.fromkeys(format_with_unit(end, "GPa") for end in (low, high)))
+        text = f"the mean pressure in contact is {{}}, and {softer_material.name} yields at {range_text}"
+        remedy = "use --mechanics half-space or --law jackson-green"
+        return (
+            (build_pressure_check(high, text, remedy, "fault"), build_pressure_check(low, text, remedy, "caution")),
+        )
+    if modulus < MAX_RUBBER_MODULUS:
+        return ()
+    yield_limit, high = YIELD_PRESSURE_RATIO * modulus, METAL_YIELD_PRESSURE_RATIO * modulus
+    if study.is_measured:
+        yielded_text = "the mean pressure in contact is {}, at which nearly every material has yielded"
+        hardness_text = "the result is valid only if the softer body is harder than {}, the mean pressure in contact"
+        remedy = "give the hardness of the softer body"
+        return (
+            (
+                build_pressure_check(yield_limit, yielded_text, remedy, "fault"),
+                build_pressure_check(high, hardness_text, "give its hardness", "caution"),
+            ),
+        )
+    text = "the mean pressure in contact is {}, at which almost no material is still elastic"
+    return ((build_pressure_check(yield_limit, text, "use lower heights, a lower D, or a hardness", "caution"),),)
+
+
+def assess_ensemble_points(
+    study: Study, status: NDArray[Any], numbers: Mapping[str, Any], unloaded_mask: NDArray[np.bool_]
+) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
+    """Assess each point of a result for generated bodies, using the status and the checks of the point.
+
+    For a single direction of motion, the reasons are the caveats of `find_point_caveats`. For several directions, each
+    direction is assessed, whereas `find_point_caveats` assesses their mean. The arrays have equal shapes;
+    `unloaded_mask` is True at points whose load is negligible compared with the pull-off force. Returns the distinct
+    lists of reasons, with faults first, and for each point the index of its list. A reason is a failed check, or a
+    caveat that does not depend on the numbers of the point.
+    """
+    reasons: list[Caveat | LimitCheck] = []
+    reason_numbers = []
+
+    def add_caveat(caveat: Caveat, mask: NDArray[np.bool_]) -> None:
+        if mask.any():
+            reasons.append(caveat)
+            reason_numbers.append(np.where(mask, len(reasons), 0))
+
+    def add_failed_checks(check_groups: CheckGroups, is_checked: NDArray[np.bool_]) -> None:
+        for group in check_groups:
+            indices = np.zeros(status.shape, np.intp)
+            for check in (check for check in group if check.name in numbers):
+                mask = is_checked & (indices == 0) & (numbers[check.name] > check.limit)
+                if mask.any():
+                    reasons.append(check)
+                    indices[mask] = len(reasons)
+            reason_numbers.append(indices)
+
+    add_caveat(NO_COEFFICIENT_CAVEAT, unloaded_mask)
+    has_value = (status == friction.STATUS_OK) & np.isfinite(numbers["deficit"]) & ~unloaded_mask
+    has_no_value = ~has_value & ~unloaded_mask
+    for name in np.unique(np.where(has_no_value, status, friction.STATUS_OK)).tolist():
+        add_caveat(_build_status_caveat(name, study), has_no_value & (status == name))
+    pressure_checks = build_pressure_checks(study, float(study.contact.effective_modulus))
+    value_checks = (_build_value_checks(study), *pressure_checks, [EQUALS_MU0_CHECK])
+    add_failed_checks((*value_checks, _build_contact_count_checks(study)), has_value)
+    add_failed_checks(_build_contact_checks(study), has_value | unloaded_mask)
+    # Each combination of reasons has a code, because rows of numbers take much longer to sort.
+    codes = np.zeros(status.shape, np.intp)
+    for indices in reason_numbers:
+        codes = codes * (len(reasons) + 1) + indices
+    _, first_points, set_indices = np.unique(codes, return_index=True, return_inverse=True)
+    rows = np.stack([indices.ravel()[first_points] for indices in reason_numbers], axis=-1)
+    reason_sets = [[reasons[index - 1] for index in row if index] for row in rows.tolist()]
+    return [sorted(row, key=lambda reason: reason.severity != "fault") for row in reason_sets], set_indices.reshape(
+        status.shape
+    )
+
+
+def verdict_from_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
+    """Return the assessment that follows from the most severe of the given caveats or failed checks."""
+    severities = {reason.severity for reason in reasons}
+    return VERDICTS_BY_SEVERITY["fault" if "fault" in severities else "caution" if severities else ""]
+
+
+def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
+    """Yield caveats about junction growth and about seizure."""
+    hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
+    if hardness is not None and mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
+        growth = find_junction_growth(study)
+        coefficient, coefficient_with_growth = tabor_friction(
+            float(hardness), mu0, tau0, [0.0, VON_MISES_GROWTH_COEFFICIENT]
+        )
+        shear_strength = float(hardness) * VON_MISES_GROWTH_COEFFICIENT**-0.5
+        interface = find_interface(study)
+        if (
+            interface is not None
+            and interface.junction_growth is not None
+            and not interface.has_equal_junction_growth(growth)
+        ):
+            alpha, test_alpha = (
+                estimate.short_text if estimate is not None else "0" for estimate in (growth, interface.junction_growth)
+            )
+            text = (
+                f"the interface was calibrated with α = {test_alpha} of junction growth, but the pair has α = {alpha}"
+            )
+            yield Caveat(text, "give the calibration and the pair the same --junction-growth", "caution")
+        if growth is not None:
+            yield from _find_seizure_caveats(point, float(hardness), tau0, growth)
+        elif (
+            study.contact.junction_growth is None
+            and not coefficient_with_growth <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * coefficient
+        ):
+            increase_text = (
+                f"by up to {format_percent(coefficient_with_growth / coefficient - 1)}"
+                if math.isfinite(coefficient_with_growth)
+                else "without limit (seizure)"
+            )
+            text = (
+                f"τ0 is {format_percent(tau0 / shear_strength)} of the shear strength of the softer body, "
+                f"{format_with_unit(shear_strength, 'GPa')}; junction growth, which is taken as 0, would raise the "
+                f"friction of a ductile body {increase_text}"
+            )
+            remedy = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
+            if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
+                remedy = "compare with the pair without --adhesion, whose contacts grow"
+            yield Caveat(text, remedy, "caution")
+
+
+def _find_seizure_caveats(
+    point: xarray.Dataset, hardness: float, tau0: float, growth: UncertainInput
+) -> Iterator[Caveat]:
+    """Yield a caveat if some input samples lead to seizure, or if the interface is nearly as strong as the bulk."""
+    shear_strength = hardness * growth.high**-0.5 if growth.high else math.inf
+    seizing_fraction = mean_over_directions(point, "fraction_seizing")
+    if seizing_fraction > 0:
+        text = (
+            f"the contacts seize for {format_percent(seizing_fraction)} of the samples of the inputs: τ0 is at least "
+            "H/√α, or the junctions grow over the whole area"
+            + ("; the interval has no upper limit" if seizing_fraction > MAX_SEIZING_FRACTION else "")
+        )
+        yield Caveat(
+            text,
+            "measure the hardness and τ0, or reduce the load",
+            "fault" if seizing_fraction > MAX_SEIZING_FRACTION else "caution",
+        )
+    elif tau0 > NEARLY_BULK_STRENGTH_RATIO * shear_strength:
+        text = (
+            f"the interface is nearly as strong as the bulk: τ0 is {tau0 / shear_strength:.2f} of H/√α "
+            f"at α = {growth.high:g}"
+        )
+        yield Caveat(
+            text, "friction rises without limit as this ratio approaches 1; measure the hardness and τ0", "caution"
+        )
+
+
+def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
+    """Yield caveats about neglected or unresolved adhesion, and about input effects that are not in the interval."""
+    if not study.contact.adheres:
+        added_load = estimate_adhesion_load_ratio(point, study)
+        # the asperity model does not include adhesion
+        min_added_load = MAX_NEGLECTED_ADHESION_FRACTION if study.uses_half_space else 1.0
+        if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added_load:
+            added_text = f"at least {format_percent(added_load)}" if added_load < 1 else "more than 100 %"
+            work_text = f"{1e6 * TYPICAL_WORK_OF_ADHESION:g} mJ/m²"
+            text = f"adhesion of {work_text} would increase the load on the contacts by {added_text}"
+            option_text = "" if study.uses_half_space else "--mechanics half-space and "
+            yield Caveat(text, f"specify {option_text}--adhesion ('0 mJ/m^2' if there is none)", "caution")
+        return
+    study_range, used_range = get_adhesion_ranges(point, study)
+    if used_range > study_range:
+        text = (
+            f"the range of adhesion is {format_with_unit(used_range, 'um')} instead of "
+            f"{format_with_unit(study_range, 'um')}, because this grid resolves no smaller range"
+        )
+        yield Caveat(text, "the pull-off force hardly changes; use a finer scan for other results", "caution")
+    uncertain_inputs = {name.split("_")[0] for name in find_uncertain_inputs(study)} & {
+        "hardness",
+        "effective",
+        "young",
+        "poisson",
+    }
+    if uncertain_inputs and mean_over_directions(point, "contact_load") > (1 + MAX_NEGLECTED_ADHESION_FRACTION) * float(
+        point["load"]
+    ):
+        input_text = (
+            "the hardness"
+            if uncertain_inputs == {"hardness"}
+            else "E*"
+            if "hardness" not in uncertain_inputs
+            else "E* and the hardness"
+        )
+        text = f"the interval does not include the effect of {input_text} on the attraction"
+        yield Caveat(text, "compute both limits of the ranges", "caution")
+
+
+def estimate_adhesion_load_ratio(point: xarray.Dataset, study: Study) -> float:
+    """Estimate how much typical adhesion would add to the load on the contacts, as a fraction of the applied load.
+
+    The attraction per area w/ρ acts on the true area A, and on a rim around contacts of width d = (A/n)^(1/2) in which
+    the gap is below the range ρ. The gap opens as in Pastewka & Robbins (PNAS 111 (2014) 3298), so that the fraction is
+    (w/ρ) (A/F) (1 + 4.3 u^(2/3)) with u = ρ/(h' d), where ρ is the range that the grid resolves. With A = κF/(E* h'), s
+    = w/(E* h'² d) and Tabor's parameter μ of asperities of radius d/h', it equals κ μ s^(1/3) (1 + 4.3
+    (s^(2/3)/μ)^(2/3)).
+    """
+    area, count, slope = (
+        mean_over_directions(point, name) for name in ("contact_area", "contact_count", "rms_gradient")
+    )
+    if not (area > 0 and count > 0 and slope > 0):
+        return math.nan
+    spacing = float(np.max(point.attrs.get("spacing_um", 0.0)))
+    attraction_range = max(
+        DEFAULT_ADHESION_RANGE,
+        min_resolved_adhesion_range(TYPICAL_WORK_OF_ADHESION, spacing, effective_modulus_at(point, study)),
+    )
+    are_strips = has_nominal_area(point, study) and not study.is_areal  # profiles have a width of 1 µm
+    contact_width = area / count if are_strips else math.sqrt(area / count)
+    rim_factor = RIM_ATTRACTION_FACTOR * (attraction_range / (slope * contact_width)) ** (2 / 3)
+    return float(TYPICAL_WORK_OF_ADHESION / attraction_range / mean_contact_pressure(point) * (1 + rim_factor))
+
+
+def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
+    sides = ("upper", "lower")
+    if not all(f"{side}_spacing_um" in point.attrs for side in sides):
+        return
+    spacings = [float(np.max(point.attrs[f"{side}_spacing_um"])) for side in sides]
+    coarser_body, finer_body = (sides[spacings.index(select(spacings))] for select in (max, min))
+    if max(spacings) > MAX_SPACING_RATIO * min(spacings):
+        ratio_text = format_significant(max(spacings) / min(spacings), 2)
+        text = (
+            f"the {coarser_body} scan is {ratio_text} times coarser than the {finer_body}, "
+            "so it lacks short wavelengths"
+        )
+        yield Caveat(text, "scan both bodies with similar spacings", "caution")
+    count = mean_over_directions(point, "contact_count")
+    mean_contact_area = mean_over_directions(point, "contact_area") / count if count > 0 else math.nan
+    # The study of a gap contains the same map twice.
+    for side, name in [("upper", "gap")] if study.is_gap else zip(sides, sides, strict=True):
+        interpolated_fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
+        if interpolated_fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
+            text = f"{name}: {format_percent(interpolated_fraction)} of the points are interpolated"
+            if largest_gap > mean_contact_area:
+                text += (
+                    f", in gaps larger than the contacts, up to {largest_gap:.3g} {'µm²' if study.is_areal else 'µm'}"
+                )
+            yield Caveat(
+                text, "use --missing mask to press measured points only, or --crop to a complete region", "caution"
+            )
+    pierced_fraction = 1.0 - math.prod(
+        1 - float(np.max(point.attrs.get(f"{side}_pierced", 0.0))) for side in (("upper",) if study.is_gap else sides)
+    )
+    if pierced_fraction > MAX_PIERCED_FRACTION:
+        text = (
+            f"{format_percent(pierced_fraction)} of the points are missing between measured points, so contacts have "
+            f"holes: the true area may be up to {format_percent(MAX_AREA_LOSS_PER_HOLE * pierced_fraction)} too small"
+        )
+        yield Caveat(text, "use --missing interpolate, or a scan with fewer missing points", "caution")
+    if study.surfaces.press == "surrogates":
+        piece_length = float(np.max(np.multiply(point.attrs["shape"], point.attrs["spacing_um"])))
+        scan_length = max(float(np.max(point.attrs[f"{side}_extent_um"])) for side in sides)
+        if piece_length < MAX_AFFECTED_FRACTION * scan_length:
+            length_text = format_with_unit(piece_length, "um")
+            text = f"pieces of {length_text} are pressed, without the longer wavelengths of the scan"
+            yield Caveat(
+                f"{text} of {format_with_unit(scan_length, 'um')}", "use profiles without --lay isotropic", "caution"
+            )
+
+
+def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
+    """Yield a caveat for each body with a single scan whose drift of the roughness affects the coefficient.
+
+    The part of the coefficient beyond mu0 is inversely proportional to the slope, unless the hardness limits pressures.
+    """
+    elastic_fraction = 1.0
+    if study.contact.hardness is not None:
+        elastic_fraction = 1 - mean_over_directions(point, "load_share_at_hardness")
+    sensitivity = elastic_fraction * (value.value - float(point["mu0"])) / value.value if value.value > 0 else 0.0
+    for side in ("upper", "lower"):
+        drift, fraction = np.asarray(point.attrs.get(f"{side}_drift", (0.0, 0.0))).tolist()
+        if drift * fraction * sensitivity > MIN_DRIFT_EFFECT:
+            text = (
+                f"{side}: the rms slope changes by {format_percent(math.expm1(drift))} from one end of the scan to the "
+                "other, so another place on the part may differ as much; the interval includes this"
+            )
+            yield Caveat(text, "scan several places on the part", "caution")
+
+
+def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
+    """Yield a caveat if both maps have a lay, unless the study specifies the orientation or the positions of the maps.
+
+    Maps with a lay are pressed at several relative positions, but in one orientation.
+    """
+    surfaces: Any = study.surfaces
+    ratios = [float(np.max(point.attrs[name])) for name in ("upper_lay", "lower_lay") if name in point.attrs]
+    if len(ratios) == 2 and not (surfaces.rotate or surfaces.positions):
+        # The text fits in one line.
+        text = f"one orientation of the lays (slope ratio {format_significant(min(ratios), 2)}) is pressed"
+        yield Caveat(text, "try --rotate 180", "caution")
+
+
+def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
+    status = find_contact_status(point, study)
+    if status == FULL_CONTACT_STATUS:
+        remedy = (
+            "adhesion closes the gap: use stiffer or rougher bodies" if study.contact.adheres else "use a smaller load"
+        )
+        yield Caveat("contact is complete: the true area equals the nominal area", remedy, "fault")
+    elif status == AREA_ABOVE_NOMINAL_STATUS:
+        text = "the areas of the asperities add up to more than the nominal area"
+        yield Caveat(text, "use a smaller load, or the half-space", "fault")
+
+
+def _compute_area_fraction(point: xarray.Dataset, study: Study) -> float:
+    """Return the ratio of true to nominal area. It is NaN for generated profiles, which have no nominal area."""
+    if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
+        return mean_over_directions(point, "contact_area_fraction")
+    surfaces: Any = study.surfaces
+    return mean_over_directions(point, "contact_area") / float(np.prod(surfaces.extents()))

@@ -1,0 +1,393 @@
+"""Values of a study, evaluated from the contact sums of its members and cached."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction._checks import check_bool, check_instance, parse_names, validate_whole_number
+from stiction._units import loads_to_core_units, short_repr, to_core_units
+from stiction.companions.contact_forces import compute_contact_forces
+from stiction.companions.contact_picture import build_contact_table, compute_loading_cycle, load_contact_picture
+from stiction.companions.height_scale import (
+    ScaledBodies,
+    compute_results_at_height_factors,
+    evaluate_at_height_factors,
+    group_stored_factors,
+    parse_height_factors,
+)
+from stiction.companions.onset import load_stored_onset
+from stiction.companions.resolution import evaluate_at_cutoffs
+from stiction.evaluate.at_load import at_load
+from stiction.evaluate.budget import add_uncertainty
+from stiction.evaluate.load_range import choose_default_loads, choose_loads_in_range
+from stiction.evaluate.maps import iterate_solved_pieces
+from stiction.evaluate.member_values import member_values
+from stiction.mechanics.quantities import QUANTITIES
+from stiction.solve.alternative_preparations import AlternativeName, load_stored_alternatives
+from stiction.solve.member_sums import MemberSums
+from stiction.solve.store import StoreError
+from stiction.summary.assessment import Caveat
+from stiction.summary.input_caveats import find_study_caveats
+from stiction.summary.nodes import InterpolationNodes
+from stiction.summary.summary import PointSummary, Summary, summarize
+
+MAX_REACHED_LOADS = 100_000  # maximum number of loads of `Result.reached_loads`
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+# number of fractal dimensions that represent a range in an overview
+NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
+
+
+class Evaluation(MemberSums):
+    """Contact sums of a study with the values that are evaluated from them, and with solutions stored alongside."""
+
+    @cached_property
+    def num_solved(self) -> int:
+        """Number of members that the solver completed at all loads or approaches."""
+        return sum(piece.sizes["repetition"] for piece in iterate_solved_pieces(self, ["normal_elastic"]))
+
+    # ---- Stored alongside --------------------------------------------------------------------------------------------
+
+    @property
+    def onset(self) -> xarray.Dataset | None:
+        """Onset of sliding of a measured pair, computed for the first load, mu0 and tau0 in the study.
+
+        None if the onset is not stored.
+        """
+        return self.load_companion(load_stored_onset)
+
+    @property
+    def values_at_cutoffs(self) -> xarray.Dataset | None:
+        """Values of the cutoff study: a few members at several cutoffs. None if no cutoff study is stored."""
+        return self.load_companion(evaluate_at_cutoffs)
+
+    @property
+    def alternatives(self) -> dict[AlternativeName, Self]:
+        """Stored results for alternative preparations of the scans, by name. The combined interval includes them."""
+        return {name: self.of(sums) for name, sums in load_stored_alternatives(self).items()}
+
+    @property
+    def contact_picture(self) -> xarray.Dataset | None:
+        """Heights, contacts and pressures of a typical member, or None if no contact picture is stored."""
+        return self.load_companion(load_contact_picture)
+
+    @cached_property
+    def loading_cycle(self) -> xarray.Dataset | None:
+        """Load, contact area and approach of a typical adhesive member during loading and unloading.
+
+        The values are computed on first use.
+        """
+        return compute_loading_cycle(self)
+
+    @cached_property
+    def contact_forces(self) -> xarray.Dataset | None:
+        """Two profiles in contact, and the forces on the upper profile at each contact of the asperity model.
+
+        None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first use.
+        """
+        return compute_contact_forces(self)
+
+    @property
+    def height_factors(self) -> dict[ScaledBodies, list[float]]:
+        """Stored height factors, in separate lists for both bodies, only the upper body and only the lower body."""
+        return {} if self.stored is None else group_stored_factors(self.stored)
+
+    @cached_property
+    def nodes(self) -> InterpolationNodes:
+        """Values at nodes of mu0 and tau0, between which a report interpolates."""
+        return InterpolationNodes(self)
+
+    @cached_property
+    def input_caveats(self) -> tuple[Caveat, ...]:
+        """Caveats about the measured bodies. They apply at all loads.
+
+        The files are read on first use.
+        """
+        return find_study_caveats(self.study, list(self.alternatives))
+
+    # ---- Evaluation at a load ----------------------------------------------------------------------------------------
+
+    def reached_loads(self, steps: int = 80) -> NDArray[np.float64]:
+        """Return loads (mN) in a geometric series up to the largest mean load.
+
+        Raises a `ValueError` if there is no contact.
+        """
+        steps = validate_whole_number("steps", steps, minimum=1, maximum=MAX_REACHED_LOADS)
+        return choose_loads_in_range(self, steps)
+
+    @cached_property
+    def default_loads(self) -> NDArray[np.float64]:
+        """Loads (mN) in the study, or a few loads within the range of the result if the study has no loads.
+
+        Raises a `ValueError` if there is no contact.
+        """
+        return choose_default_loads(self)
+
+    @cached_property
+    def at_study_loads(self) -> xarray.Dataset:
+        """Values, intervals and uncertainty budget at the loads, mu0 and tau0 of the study.
+
+        If the study has a range of fractal dimensions, only `NUM_OVERVIEW_FRACTAL_DIMENSIONS` values are evaluated.
+        """
+        values = self.at(budget=True)
+        if self.study.is_measured:
+            return values
+        surfaces: Any = self.study.surfaces
+        if isinstance(surfaces.fractal_dimension, tuple):
+            return values
+        # If the fractal dimensions are a range, a few values suffice for a curve.
+        # If they are a list, all values are needed.
+        num_dimensions = values.sizes["fractal_dimension"]
+        shown_indices = np.unique(
+            np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)
+        )
+        return values.isel(fractal_dimension=shown_indices)
+
+    def at(
+        self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
+        reading: Any = None, quantities: Collection[str] | None = None, per_member: bool = False, budget: bool = False,
+        height_scale: str | ArrayLike | None = None, scaled: Literal["both", "upper", "lower"] = "both",
+        compute: bool = False,
+    ) -> xarray.Dataset:  # fmt: skip
+        """Evaluate the result with its intervals at any loads, mu0 and tau0.
+
+        The contacts need no new computation.
+
+        For measured bodies at elastic loads, `friction_combined` has the combined 95 % interval. All other coefficients
+        have the sampling interval of the mean over positions. Between computed loads, values are interpolated, and the
+        intervals include the interpolation error.
+
+        With `height_scale`, the dataset contains friction, true area and stiffness for factors of the heights, as for
+        other surface finishes. Results between stored factors are interpolated. Results at other factors are computed
+        if `compute` is true.
+
+        Parameters
+        ----------
+        load : str or array_like of float, mN, optional
+            Loads such as "10 mN" or, for measured bodies, "10 MPa" on the nominal area; by default the loads of the
+            study.
+        mu0 : array_like of float, optional
+        tau0 : str or array_like of float, GPa, optional
+            Such as "50 MPa".
+        reading : {"mean", "elastic", "normal"}, optional
+            Definition of the load, as for `at_load`.
+        quantities : collection of str, optional
+            Names of quantities to evaluate besides friction, such as ["contact_area"]; all by default. Quantities
+            that show whether the model is valid, such as "share_beyond_hertz", are also evaluated only if they are
+            named; a summary contains no caveats about omitted quantities.
+        per_member : bool
+            True to return the values of each member, as `member_values` does, instead of means and intervals.
+        budget : bool
+            True to add the uncertainty budget of measured bodies, which takes most of the time.
+        height_scale : float, array_like or str, optional
+            Factors of the heights from 0.01 to 100, such as 0.5, "0.5,1,2" or "0.25..4".
+        scaled : {"both", "upper", "lower"}
+            Surfaces whose heights are scaled.
+        compute : bool
+            True to compute missing factors.
+
+        Raises
+        ------
+        ValueError
+            If an argument is outside its range, or if a factor of the heights has not been computed. The message
+            then states how long the computation would take.
+
+        Examples
+        --------
+        >>> from stiction import pair, self_affine_surface
+        >>> a, b = (
+        ...     self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, side=side)
+        ...     for side in ("upper", "lower")
+        ... )
+        >>> result = pair(a, b, load="10 MPa", effective_modulus="80 GPa", hardness="2 GPa", mu0=0.2, shifts=2)
+        >>> at = result.at(height_scale=[0.5, 1, 2], compute=True)
+        >>> gradient = at["rms_gradient"].sel(statistic="mean").values
+        >>> (gradient / gradient[1]).round(6).tolist()
+        [0.5, 1.0, 2.0]
+        """
+        for name, value in (("per_member", per_member), ("budget", budget)):
+            check_bool(name, value)
+        if per_member and (budget or height_scale is not None):
+            raise ValueError("per_member must be False if budget or height_scale is given")
+        if quantities is not None:
+            if per_member or budget or height_scale is not None:
+                raise ValueError("quantities must be None if per_member, budget or height_scale is given")
+            quantities = parse_names("quantities", quantities)
+            if unknown_names := [name for name in quantities if name not in QUANTITIES]:
+                raise ValueError(
+                    f"quantities must be names in the table of quantities, got {short_repr(unknown_names[0])}"
+                )
+        if height_scale is not None:
+            return self._evaluate_at_height_factors(height_scale, load, mu0, tau0, reading, scaled, compute)
+        loads = self.default_loads if load is None else self._to_forces(load)
+        strengths = to_core_units("tau0", tau0, "pressure")
+        if per_member:
+            return member_values(self, loads, mu0=mu0, tau0=strengths, reading=reading or "elastic")
+        return add_uncertainty(
+            at_load(self, loads, mu0=mu0, tau0=strengths, reading=reading, names=quantities), self, budget=budget
+        )
+
+    def _evaluate_at_height_factors(
+        self, factors: Any, load: Any, mu0: Any, tau0: Any, reading: Any, scaled: Any, compute: bool
+    ) -> xarray.Dataset:
+        check_bool("compute", compute)
+        if reading not in (None, "elastic"):
+            raise ValueError(f"reading must be 'elastic' if height_scale is given, got {reading!r}")
+        if self.stored is None:
+            raise ValueError("height_scale needs a stored result, as returned by `pair` or `open_result`")
+        factors = parse_height_factors(factors)
+        loads = self.default_loads if load is None else self._to_forces(load)
+        strengths = to_core_units("tau0", tau0, "pressure")
+        if compute:
+            compute_results_at_height_factors(self.stored, factors, scaled)
+        return evaluate_at_height_factors(self.stored, factors, loads, mu0=mu0, tau0=strengths, scaled=scaled)
+
+    @property
+    def nominal_area(self) -> float | None:
+        """Nominal area (µm²) of a member of measured bodies, or None for generated bodies."""
+        return float(self.head["nominal_area"]) if self.study.is_measured else None
+
+    def _to_forces(self, load: Any) -> Any:
+        """Convert loads to mN. For measured bodies, pressures are multiplied by the nominal area."""
+        area = self.nominal_area
+        return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
+
+    def contacts(
+        self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
+    ) -> pandas.DataFrame:
+        """Return a table with one row per contact, for a typical member or for the given members.
+
+        Parameters
+        ----------
+        load : str or array_like of float, mN, optional
+            Elastic normal loads, as for `at`; by default the first load of the study.
+        members : int or sequence of int, optional
+            By default the member whose true area is nearest to the mean, at each load.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns: member; the cell (fractal_dimension and amplitude_um of generated bodies, cut_off_um of measured
+            bodies); load_mN; centre x_um and y_um, force_mN (normal load), area_um2 (projected), mean_pressure_GPa and
+            mean slopes slope_x and slope_y of the contact; and at_edge, True if the contact reaches the edge of the
+            grid. y_um and slope_y are 0 for profiles.
+
+        Raises
+        ------
+        ValueError
+            If there is no such member or no contact, or if files of the study are missing.
+        """
+        loads = self.default_loads[:1] if load is None else self._to_forces(load)
+        return build_contact_table(self, loads, members)
+
+    # ---- Reported values ---------------------------------------------------------------------------------------------
+
+    def summary(
+        self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
+    ) -> Summary:
+        """Summarize the values to report at the given loads, mu0 and tau0.
+
+        By default the loads, mu0 and tau0 are the values in the study.
+        The default summary is computed only once.
+
+        Raises
+        ------
+        ValueError
+            If no member is in contact or could be computed at the loads of the study, or if an argument is invalid.
+        """
+        if load is None and mu0 is None and tau0 is None:
+            if isinstance(self._study_summary, ValueError):
+                raise self._study_summary.with_traceback(None)  # otherwise each call would extend the same traceback
+            return replace(self._study_summary, onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
+        return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))
+
+    def summarize_dataset(self, at: xarray.Dataset) -> Summary:
+        """Summarize a dataset returned by `at` with `budget=True`, or a selection from such a dataset."""
+        import xarray
+
+        check_instance("at", at, xarray.Dataset, "a dataset from Result.at")
+        alternatives = {
+            name: summarize(other.at(at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values), other.study)
+            for name, other in self.alternatives.items()
+        }
+        return summarize(at, self.study, input_caveats=self.input_caveats, alternatives=alternatives)
+
+    @cached_property
+    def _study_summary(self) -> Summary | ValueError:
+        """Summary at the loads of the study, or the error that states why the result has no values.
+
+        The error is cached too, because it takes as long to compute as a summary.
+        """
+        try:
+            return self.summarize_dataset(self.at_study_loads)
+        except StoreError:  # The files may be repaired.
+            raise
+        except ValueError as error:
+            return error
+
+    @property
+    def _first_reported_point(self) -> PointSummary:
+        return self.summary().first
+
+    @property
+    def value(self) -> float:
+        """Coefficient of static friction at the reported point, or NaN if the result has no coefficient."""
+        return self._first_reported_point.value
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Limits of the combined 95 % interval of `value`. It reflects inputs, positions and unresolved roughness."""
+        return self._first_reported_point.lower, self._first_reported_point.upper
+
+    @property
+    def of_positions(self) -> tuple[float, float]:
+        """Limits of the 95 % confidence interval of the mean over positions. Inputs have their central values."""
+        lower, upper = self._first_reported_point.rules[0].sampling_interval
+        return lower, upper
+
+    @property
+    def next_test(self) -> tuple[float, float]:
+        """Limits of the 95 % prediction interval for one test at one position in one direction of motion."""
+        lower, upper = self._first_reported_point.rules[0].next_test
+        return lower, upper
+
+    @property
+    def budget(self) -> pandas.DataFrame:
+        """Uncertainty budget. Each row contains the interval that would remain if one input were exact.
+
+        The most important input comes first. Columns: input, lower, upper, width (averaged over values of the input)
+        and share (fraction of the width that would vanish).
+        """
+        import pandas
+
+        point = self._first_reported_point
+        total_width = point.upper - point.lower
+        rows = [
+            (entry.words, entry.lower, entry.upper, entry.width, 1 - entry.width / total_width)
+            for entry in point.budget
+        ]
+        return pandas.DataFrame(rows, columns=["input", "lower", "upper", "width", "share"])
+
+    @property
+    def verdict(self) -> str:
+        """Assessment of `value`: "Quote it", "Quote with care" or "Do not quote"."""
+        return self._first_reported_point.verdict
+
+    @property
+    def assessment(self) -> str:
+        """Alias of `verdict`."""
+        return self.verdict
+
+    @property
+    def caveats(self) -> tuple[Caveat, ...]:
+        """Caveats about `value`, each with a remedy. Faults come first."""
+        return self._first_reported_point.caveats

@@ -1,0 +1,211 @@
+"""Datasets and surfaces that figures draw, evaluated from a result or generated from a study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._units import exact_quantity
+from stiction.study.members import generate_phases, generate_unscaled_profile, pair_of
+from stiction.summary.evaluation import Evaluation
+from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
+from stiction.surfaces.profile import Profile
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.companions.height_scale import ScaledBodies
+    from stiction.study.study import Study
+    from stiction.surfaces.surface import Surface
+
+MAX_DRAWN_PROFILES = 5  # maximum number of fractal dimensions for which profiles are drawn
+MAX_DRAWN_CURVES = 8  # maximum number of fractal dimensions for which the area is drawn
+LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale for which surfaces are compared in a figure
+MAX_SURFACE_SIDE_POINTS = 400  # maximum number of rows and of columns of a surface in a figure
+MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest are drawn
+CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
+"""Loads at which the onset of sliding is drawn, as fractions of the logarithmic load range."""
+
+
+# ---- Measured surfaces -----------------------------------------------------------------------------------------------
+
+
+def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Dataset:
+    """Add the friction coefficients of single members to a point of `Result.at`.
+
+    The added variable `member_friction` has the dimensions repetition, direction and sliding.
+    """
+    load, mu0, tau0 = (float(point[name]) for name in ("load", "mu0", "tau0"))
+    members = result.at(load, mu0=mu0, tau0=tau0, per_member=True)
+    values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)
+    return point.assign(member_friction=values.transpose("repetition", "direction", ...))
+
+
+def evaluate_positions_at_first_load(result: Evaluation) -> xarray.Dataset:
+    """Evaluate the friction coefficients of single members at the first load, mu0 and tau0 in the study."""
+    first_load = float(result.study.friction.load[0])
+    points = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0)
+    return evaluate_positions(result, points.sel(load=first_load, method="nearest"))
+
+
+def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
+    """Return a mask of the contacts of a contact picture that oppose the motion of the upper body.
+
+    The direction of motion is in degrees from +x towards +y.
+    """
+    slope_x, slope_y = (picture[f"contact_slope_{axis}"].values for axis in "xy")
+    return np.asarray(slope_x * np.cos(np.radians(direction)) + slope_y * np.sin(np.radians(direction)) > 0)
+
+
+def evaluate_height_factors(
+    result: Evaluation, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
+) -> xarray.Dataset:
+    """Evaluate a result at its stored height factors, for the first load and one pair of mu0 and tau0 in the study.
+
+    The nominal area is omitted if it is not meaningful.
+    """
+    settings, factors = result.study.friction, result.height_factors[scaled_bodies]
+    mu0, tau0 = settings.mu0[mu0_index], float(settings.tau0[tau0_index])
+    points = result.at(float(settings.load[0]), mu0=mu0, tau0=tau0, height_scale=factors, scaled=scaled_bodies)
+    return omit_meaningless_area(points.isel(load=0, mu0=0, tau0=0), result.study)
+
+
+def omit_meaningless_area(points: xarray.Dataset, study: Study) -> xarray.Dataset:
+    """Remove the nominal area and the area fraction from a result of `Result.at` if they are not meaningful."""
+    names = ["nominal_area", "contact_area_fraction"]
+    return points if study.has_nominal_area else points.drop_vars(names, errors="ignore")
+
+
+# ---- Generated surfaces ----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionOverDimension:
+    """Friction of generated surfaces over the fractal dimension, for one mu0 and at most two values of tau0.
+
+    Attributes
+    ----------
+    study : Study
+    map_points : xarray.Dataset
+        Result of `Result.at` at loads that cover the load range of the result.
+    curve_points : xarray.Dataset
+        Result of `Result.at` at a load that nine of ten cells reach.
+    strengths : list of str
+        Values of tau0 with units.
+    """
+
+    study: Study
+    map_points: xarray.Dataset
+    curve_points: xarray.Dataset
+    strengths: list[str]
+
+
+def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
+    """Yield a file name suffix and a result for each combination of sliding rule and direction."""
+    dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
+    if not dims:
+        yield "", result
+        return
+    for index in np.ndindex(*(result.head.sizes[dim] for dim in dims)):
+        selection = result.dataset.isel(dict(zip(dims, index, strict=True)))
+        names = [f"{selection[dim].item():g}" if dim == "direction" else str(selection[dim].item()) for dim in dims]
+        yield "".join(f"_{name}" for name in names), Evaluation(selection)
+
+
+def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -> list[FrictionOverDimension]:
+    """Evaluate friction of generated surfaces for each mu0, and for the lowest and the highest tau0 in the study."""
+    strengths = list(result.study.friction.tau0)
+    strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
+    loads = result.reached_loads()
+    curve_load = _find_commonly_reached_load(result, float(loads[0]))
+    tau0 = [float(strength) for strength in strengths]
+    points = result.at([*loads, curve_load], mu0=mu0, tau0=tau0, quantities=["share_beyond_hertz"])
+    map_points, curve_points = points.sel(load=loads), points.sel(load=curve_load)
+    texts = [strength.text for strength in strengths]
+    return [
+        FrictionOverDimension(result.study, map_points.isel(mu0=index), curve_points.isel(mu0=index), texts)
+        for index in range(len(mu0))
+    ]
+
+
+def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
+    """Return a load (mN) that nine of ten cells reach. Powers of ten from `lowest` upwards are preferred."""
+    highest_loads = result.mean_elastic_loads.max(result.study.step_quantity).values
+    common_load = float(np.quantile(highest_loads[highest_loads > 0], 0.1))
+    power_of_ten = 10.0 ** np.floor(np.log10(0.9 * common_load))
+    return float(power_of_ten if power_of_ten >= lowest else max(common_load, lowest))
+
+
+def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
+    """Evaluate the true area of generated surfaces over the load range of the result, for the first mu0 and tau0.
+
+    The dataset contains at most `MAX_DRAWN_CURVES` fractal dimensions.
+    """
+    settings = result.study.friction
+    mu0, tau0 = settings.mu0[0], float(settings.tau0[0])
+    points = result.at(
+        result.reached_loads(), mu0=mu0, tau0=tau0, quantities=["contact_area", "share_beyond_hertz"]
+    ).isel(mu0=0, tau0=0)
+    return points.isel(fractal_dimension=_evenly_spaced_indices(points.sizes["fractal_dimension"], MAX_DRAWN_CURVES))
+
+
+def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
+    """Evaluate the onset of sliding of generated surfaces at a few loads, or return None if it is not computed.
+
+    mu0 and tau0 are taken from the onset table of the study. Raises a `ValueError` if no pair is in contact.
+    """
+    study = result.study
+    if study.uses_half_space or study.contact.onset is None:
+        return None
+    settings = study.contact.onset
+    low, high = np.log(result.reached_loads(2))
+    loads = np.unique([float(f"{np.exp(low + fraction * (high - low)):.0e}") for fraction in CURVE_LOAD_FRACTIONS])
+    return result.at(loads, mu0=settings.mu0, tau0=float(settings.tau0)).isel(mu0=0, tau0=0)
+
+
+# ---- Surfaces of a study ---------------------------------------------------------------------------------------------
+
+
+def generate_profiles(study: Study) -> dict[float, Profile]:
+    """Generate one profile for each of at most `MAX_DRAWN_PROFILES` fractal dimensions, all with the same phases."""
+    surfaces: Any = study.surfaces
+    dimensions, amplitude = surfaces.fractal_dimensions(), float(surfaces.amplitudes()[0])
+    drawn_dimensions = dimensions[_evenly_spaced_indices(dimensions.size, MAX_DRAWN_PROFILES)]
+    profiles = {}
+    for dimension in drawn_dimensions.tolist():
+        _, profile = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
+        assert isinstance(profile, Profile), "only studies of profiles have this figure"
+        profiles[dimension] = profile
+    return profiles
+
+
+def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, Surface]]:
+    """Generate an unscaled profile and surface (Eq. 1) for each length scale (µm), all with the same phases."""
+    surfaces: Any = study.surfaces
+    dimension = surfaces.fractal_dimensions()[0]
+    num_points = int(min(MAX_SURFACE_SIDE_POINTS, surfaces.points))
+    bodies = {}
+    for length_scale in (factor * float(surfaces.length_scale) for factor in LENGTH_SCALE_FACTORS):
+        scaled_study = study.with_changes({"surfaces.length_scale": exact_quantity(length_scale, "um")})
+        profile = generate_unscaled_profile(scaled_study, 0, "lower", dimension)
+        surface = weierstrass_mandelbrot_surface(
+            generate_phases(study, 0, "lower"),
+            dimension,
+            shape=(num_points, num_points),
+            extent=float(surfaces.extent),
+            length_scale=length_scale,
+            gamma=surfaces.gamma,
+            convention=surfaces.convention,
+            band_limit="nyquist",
+        )
+        bodies[length_scale] = profile, surface
+    return bodies
+
+
+def _evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
+    """Return at most `max_count` evenly spaced indices out of `count`, including both ends."""
+    return np.unique(np.linspace(0, count - 1, min(max_count, count)).round().astype(np.intp))

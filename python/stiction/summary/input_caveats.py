@@ -1,0 +1,432 @@
+"""Caveats about the inputs of a study, such as implausible heights, form, spikes, noise, loads and coefficients."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._number_format import format_percent, format_with_unit
+from stiction.evaluate.point import has_limited_pressure
+from stiction.solve.alternative_preparations import SPIKES_ALTERNATIVE, TIP_ALTERNATIVE, AlternativeName
+from stiction.study.interfaces import find_interface
+from stiction.summary.assessment import Caveat, Severity
+from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
+from stiction.surfaces.dominant_form import find_dominant_step, measure_parabola_fraction
+from stiction.surfaces.joined_spectrum import JoinedSpectrum
+from stiction.surfaces.pairing import SIDES
+from stiction.surfaces.preparation import flipped, levelled, rotated
+from stiction.surfaces.profile import Profile, combine_missing_masks, select_from_mask
+from stiction.surfaces.scale import CUTOFF_WAVELENGTH_RATIO, InstrumentLimit
+from stiction.surfaces.scan_defects import (
+    MAX_NOISE_SLOPE_FRACTION,
+    MIN_SPIKE_HEIGHT_RATIO,
+    MIN_SPIKE_SHARPNESS_RATIO,
+    ScanDefects,
+    find_scan_defects,
+)
+from stiction.surfaces.spectrum import find_spectral_peak, power_spectrum
+from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    from stiction.study.measured_bodies import MeasuredBody, MeasuredBodySettings
+    from stiction.study.study import Study
+
+INSTRUMENT_LIMIT_REASON_TEXTS = {
+    "noise floor": "the spectrum is flat, as for noise",
+    "quantisation": "the spectrum is flat, as for quantised heights",
+    "line": "the spectrum has a line",
+    "roll-up": "the spectrum rises",
+    "hump": "the spectrum has a hump",
+}
+"""Explanations of why wavelengths are not attributed to the surface, keyed by the short name of the reason."""
+
+# maximum plausible ratio of height to length; above this limit, the height unit must be wrong
+MAX_HEIGHT_OVER_EXTENT = 10.0
+MAX_PLAUSIBLE_MU0 = 2.0  # largest plausible mu0; it exceeds all published values, even for clean metals in vacuum
+
+MAX_FORM_FRACTION = 0.6
+"""Fraction of the mean square height due to a fitted parabola, above which a caveat about form is issued.
+
+The fraction is about one half if the longest wavelengths dominate the heights of a surface without form error.
+"""
+
+MAX_STEP_FRACTION = 0.65
+"""Fraction of the mean square height due to a straight step, above which a caveat is issued.
+
+The largest fraction of 540 simulated profiles and 540 simulated maps without a step was 0.62.
+"""
+
+# A caveat is issued if a peak contributes at least this fraction of the fourth spectral moment.
+MAX_SPECTRAL_PEAK_FRACTION = 0.1
+REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
+CUTOFF_REMEDY = (
+    " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
+    f"the surface; {REPEATED_SCANS_REMEDY}"
+)
+MAX_SPECTRA_RATIO = 2.0  # A caveat is issued if the spectra of the same surface differ by more than this factor.
+MAX_PRESSURE_OVER_MODULUS = 0.1
+"""Largest plausible ratio of nominal pressure to E*. A larger load is probably the load on the whole component."""
+
+
+def find_input_caveats(
+    upper: MeasuredBody, lower: MeasuredBody, study: Study, loads: Sequence[float] = (),
+    alternatives: Collection[str] = (),
+) -> tuple[Caveat, ...]:  # fmt: skip
+    """Return caveats about two bodies that were read from files, about their study, and about the given loads (mN).
+
+    `alternatives` contains the names of the alternative preparations that the interval includes.
+    """
+    # No caveat about form error is issued if the form is subtracted, or for the gap between two faces.
+    is_form_subtracted = study.surfaces.level == "quadratic"
+    is_vouched = bool(study.surfaces.vouched)
+
+    def find_body_caveats(file: MeasuredBodySettings, body: MeasuredBody) -> list[Caveat]:
+        """Return the caveats about the scans of a body. For each kind, keep only the caveat with the longest cutoff."""
+        caveats_by_kind: dict[str, Caveat] = {}
+        for scan_entry, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
+            scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in scan_entry.caveats]
+            if isinstance(scan, JoinedSpectrum):
+                scan_caveats += _find_spectrum_caveats(scan)
+            else:
+                scan_caveats += find_scan_caveats(
+                    scan, form=not (is_form_subtracted or study.is_gap), step=not study.is_gap,
+                    instrument=not is_vouched, tip_radius=file.tip,
+                    textured=file.texture is not None, has_second_cutoff=bool(study.surfaces.both_readings),
+                    elastic=not has_limited_pressure(study), alternatives=alternatives,
+                )  # fmt: skip
+            for each in scan_caveats:
+                caveats_by_kind[_get_caveat_kind(each)] = max(
+                    caveats_by_kind.get(_get_caveat_kind(each), each), each, key=lambda caveat: caveat.cut_off
+                )
+        return list(caveats_by_kind.values())
+
+    upper_caveats, lower_caveats = map(
+        find_body_caveats, (getattr(study.surfaces, side) for side in SIDES), (upper, lower)
+    )
+    caveat_pairs = [
+        (each, other) for each in upper_caveats for other in lower_caveats
+        if _get_caveat_kind(each) == _get_caveat_kind(other) and each.severity == other.severity
+    ]  # fmt: skip
+    paired_caveats = {caveat for pair in caveat_pairs for caveat in pair}
+    merged_caveats = [
+        replace(max(pair, key=lambda each: each.cut_off), text=_merge_caveat_texts(*pair)) for pair in caveat_pairs
+    ]
+    unpaired_caveats = [
+        [each for each in body_caveats if each not in paired_caveats] for body_caveats in (upper_caveats, lower_caveats)
+    ]
+    # The study of a gap contains the same map twice.
+    names = ("gap" if study.is_gap else "both scans", "upper", "lower")
+    named_caveats = zip(names, (merged_caveats, *unpaired_caveats), strict=True)
+    caveats = [
+        replace(each, text=f"{name}: {each.text}") for name, body_caveats in named_caveats for each in body_caveats
+    ]
+    longest_cutoff = MAX_CUTOFF_FRACTION * min(_get_shortest_side_length(body) for body in (upper, lower))
+    caveats = [replace(each, remedy=_adapt_remedy_to_max_cutoff(each, longest_cutoff)) for each in caveats]
+    mu0 = max(float(each) for each in study.friction.mu0)
+    if mu0 > MAX_PLAUSIBLE_MU0:
+        text = f"μ0 = {mu0:g} is larger than μ0 of any known pair of materials"
+        caveats.append(Caveat(text, "specify μ0 as a fraction, not in per cent", "caution"))
+    interface = find_interface(study)
+    if interface is not None and interface.has_unknown_range:
+        text = (
+            f"the interval does not include the uncertainty of μ0 and τ0, because the range of the interface "
+            f"{Path(str(study.known.interface)).name} is unknown"
+        )
+        caveats.append(
+            Caveat(text, "measure it (stiction calibrate), or give --mu0 and --tau0 with their ranges", "caution")
+        )
+    area = float(np.prod(np.minimum(_get_axis_extents(upper), _get_axis_extents(lower))))
+    modulus = float(study.contact.effective_modulus)
+    for load in loads:
+        if load / area > MAX_PRESSURE_OVER_MODULUS * modulus:
+            pressure = format_with_unit(load / area, "GPa")
+            text = f"{format_with_unit(load, 'mN')} is {pressure} on {area:.3g} µm², above a tenth of E*"
+            caveats.append(Caveat(text, "specify the load on this area, not on the whole part", "caution"))
+    caveats += _find_mirror_caveats(upper, lower, study)
+    return tuple(caveats)
+
+
+MIN_GAP_REDUCTION = 2.0
+"""Ratio of rms gaps, above which a caveat states that the faces fit better if the upper map is mirrored."""
+
+_MIRROR_ALTERNATIVES = (
+    ("with its columns reversed instead of its rows", "--rotate {rotation:g} does this", np.s_[::-1, ::-1]),
+    ("with neither rows nor columns reversed", "reverse the rows of the upper file", np.s_[::-1, :]),
+    ("with rows and columns reversed", "reverse the columns of the upper file", np.s_[:, ::-1]),
+)
+"""Other ways to face the lower map: description, remedy, and the change of the map that `flipped` returns."""
+
+
+def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
+    """Yield a caveat if two maps at the position (0, 0) would fit much better if the upper map were mirrored."""
+    surfaces: Any = study.surfaces
+    if (
+        surfaces.press != "areas"
+        or surfaces.gap
+        or (0.0, 0.0) not in [tuple(map(float, p)) for p in surfaces.positions or ()]
+    ):
+        return
+    if not (isinstance(upper, Surface) and isinstance(lower, Surface)) or surfaces.rotate % 90:
+        return
+    facing = flipped(rotated(upper, surfaces.rotate))
+    if facing.heights.shape != lower.heights.shape or not np.allclose(facing.spacings, lower.spacings):
+        return
+    height = _measure_rms_gap(facing, lower)
+    gaps = [_measure_rms_gap(facing, lower, mirrored) for *_, mirrored in _MIRROR_ALTERNATIVES]
+    lowest = int(np.argmin(gaps))
+    if height > MIN_GAP_REDUCTION * gaps[lowest]:
+        description, remedy, _ = _MIRROR_ALTERNATIVES[lowest]
+        own_text, other_text = (format_with_unit(each, "um") for each in (height, gaps[lowest]))
+        text = (
+            f"the rms height of the gap at the position (0, 0) is {own_text}; for the upper map {description}, "
+            f"{other_text}"
+        )
+        yield Caveat(text, remedy.format(rotation=(surfaces.rotate + 180) % 360), "caution")
+
+
+def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :]) -> float:
+    """Return the rms height (µm) of the gap between two maps after levelling, over the points that both have."""
+    missing = combine_missing_masks(
+        facing.changed(facing.heights[mirrored], "mirrored", missing=select_from_mask(facing.missing, mirrored)), lower
+    )
+    gap = levelled(Surface(facing.heights[mirrored] - lower.heights, spacing=lower.spacing, missing=missing), "plane")
+    return float(np.std(gap.heights if missing is None else gap.heights[~missing]))
+
+
+def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
+    """Return the remedy of a caveat, or other advice if the suggested cutoff is above the largest allowed one (µm)."""
+    if not longest < caveat.cut_off < math.inf:
+        return caveat.remedy
+    return (
+        f"scan a longer part, because the longest cutoff for both scans is {format_with_unit(longest, 'um')}; "
+        "--cutoff none keeps these wavelengths"
+    )
+
+
+def _get_shortest_side_length(body: MeasuredBody) -> float:
+    """Return the length of a profile, or the length of the shorter side of a height map (µm)."""
+    return body.extent if isinstance(body, Profile) else min(_get_axis_extents(body))
+
+
+_NUMBER_PATTERN = re.compile(r"\d[\d.]*")
+
+
+def _get_caveat_kind(caveat: Caveat) -> str:
+    """Return the text of a caveat without numbers, which identifies the kind of caveat."""
+    return _NUMBER_PATTERN.sub("", caveat.text)
+
+
+def _merge_caveat_texts(upper: Caveat, lower: Caveat) -> str:
+    """Merge the texts of two caveats of the same kind. Where the numbers in the texts differ, include both numbers."""
+    other_numbers = iter(_NUMBER_PATTERN.findall(lower.text))
+
+    def merge_number(own_number: re.Match[str]) -> str:
+        other_number = next(other_numbers)
+        return own_number[0] if own_number[0] == other_number else f"{own_number[0]} and {other_number}"
+
+    return _NUMBER_PATTERN.sub(merge_number, upper.text)
+
+
+def find_scan_caveats(
+    body: Profile | Surface,
+    *,
+    form: bool = True,
+    step: bool = True,
+    instrument: bool = True,
+    tip_radius: float | None = None,
+    textured: bool = False,
+    has_second_cutoff: bool = False,
+    elastic: bool = False,
+    alternatives: Collection[str] = (),
+    periodic: bool = False,
+) -> list[Caveat]:
+    """Return caveats about heights, form, steps and spikes of a scan, and about wavelengths not due to the surface.
+
+    If `form` or `step` is false, this caveat is left out. If `textured` is true, the spectrum may have lines and
+    humps. `has_second_cutoff` is true if the study also has the filtered scan, and `elastic` is true if the study has
+    no hardness. `alternatives` contains the names of the alternative preparations that the interval includes.
+    `power_spectrum` explains `periodic`.
+    """
+    defects = find_scan_defects(body, tip_radius, textured=textured, periodic=periodic)
+    instrument_caveats = _find_instrument_caveats(defects, has_second_cutoff, elastic, TIP_ALTERNATIVE in alternatives)
+    return [
+        *_find_form_caveats(defects, form=form, step=step, has_masked_result=SPIKES_ALTERNATIVE in alternatives),
+        *(instrument_caveats if instrument else ()),
+    ]
+
+
+def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tuple[Caveat, ...]:
+    """Return caveats about the scan files of a study of measured surfaces, or an empty tuple if files are missing.
+
+    `alternatives` contains the names of the alternative preparations that the interval includes.
+    """
+    surfaces = study.surfaces
+    if surfaces.kind != "measured":
+        return ()
+    try:
+        upper, lower = surfaces.upper.read(), surfaces.lower.read()
+    except (ValueError, OSError):
+        return ()
+    return find_input_caveats(upper, lower, study, [float(load) for load in study.friction.load], alternatives)
+
+
+def find_alternatives(study: Study) -> list[AlternativeName]:
+    """Return the alternative preparations that the interval of a study of measured surfaces has to include.
+
+    Spikes and a blunt tip each require one alternative. Bodies with a hardness need the tip alternative because the
+    interval of their true area does not include finer roughness. Raises a `ValueError` if a file cannot be read.
+    """
+    surfaces: Any = study.surfaces
+    scans = [
+        (settings, find_scan_defects(body, settings.tip, textured=settings.texture is not None))
+        for side in SIDES
+        for settings in getattr(surfaces, side).scans
+        if not isinstance(body := settings.read(), JoinedSpectrum)
+    ]
+    names: list[AlternativeName] = []
+    if any(settings.outliers == "keep" and defects.num_spikes for settings, defects in scans):
+        names.append(SPIKES_ALTERNATIVE)
+    if not (study.is_gap or surfaces.vouched) and any(
+        not defects.body.is_flat and defects.tip_limit is not None for _, defects in scans
+    ):
+        names.append(TIP_ALTERNATIVE)
+    return names
+
+
+def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
+    """Return the extents (µm) of a body along both axes.
+
+    A profile is 1 µm wide, and the extents of a spectrum are infinite.
+    """
+    if isinstance(body, JoinedSpectrum):
+        return np.inf, np.inf
+    return (1.0, body.extent) if isinstance(body, Profile) else body.extent
+
+
+def have_different_spectra(joined: JoinedSpectrum) -> bool:
+    """Return whether the spectrum of any scan differs from the others, significantly and by more than a factor of 2."""
+    with np.errstate(invalid="ignore"):
+        return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
+
+
+def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
+    """Yield a caveat if the spectra of scans disagree, and another one if all scans lack the same wavelengths."""
+    if have_different_spectra(spectrum):
+        text = "scans of the surface differ by more than a factor of two in power"
+        yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")
+    if (spectrum.count == 0).any():
+        yield Caveat("some wavelengths are missing in all scans", "scan the missing wavelengths", "caution")
+
+
+def _find_instrument_caveats(
+    defects: ScanDefects, has_second_cutoff: bool, elastic: bool, has_tip_estimate: bool
+) -> Iterator[Caveat]:
+    """Yield caveats about wavelengths that come from the instrument, or that the tip does not resolve."""
+    try:
+        limit, tip_limit = defects.instrument_limit, defects.tip_limit
+    except ValueError:  # an exception means that the body is flat
+        return
+    shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
+    if shortest_resolved:
+        is_known = limit.origin == "instrument"
+        source = "where" if is_known else "perhaps from the instrument:"
+        text = f"{_describe_slope_fraction(limit)}, {source} {INSTRUMENT_LIMIT_REASON_TEXTS[limit.reason]}"
+        remedy = f"--cutoff '{format_with_unit(limit.cut_off, 'um')}' removes this fraction"
+        if limit.matters:
+            remedy += ", --cutoff none keeps it" if is_known else CUTOFF_REMEDY
+            if is_known and defects.textured:
+                remedy += "; --texture concerns lines and humps only"
+        severity: Severity = "fault" if limit.matters and not (is_known and has_second_cutoff) else "caution"
+        yield Caveat(text, remedy, severity, limit.cut_off, has_second_cutoff and limit.matters)
+    if (hidden_noise := defects.hidden_noise) is not None:
+        text = (
+            f"noise or aliasing may contribute {100 * hidden_noise.slope_fraction:.0f} % of the mean square slope: the "
+            "spectrum flattens at short wavelengths"
+        )
+        remedy = (
+            f"--cutoff '{format_with_unit(hidden_noise.cut_off, 'um')}' removes this fraction, --cutoff none keeps it"
+        )
+        yield Caveat(text, f"{remedy}; {REPEATED_SCANS_REMEDY}", "caution", hidden_noise.cut_off, has_second_cutoff)
+    if tip_limit is not None:
+        text = f"{_describe_slope_fraction(tip_limit)}, which the tip does not resolve: the surface is steeper"
+        note = f", and the interval {'includes an estimate of' if has_tip_estimate else 'does not include'} this"
+        note = note if elastic or has_tip_estimate else ""
+        # If no hardness is given, the true area decreases indefinitely with increasing slope.
+        peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
+        remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
+        yield Caveat(text, remedy, peak_severity, tip_limit.cut_off, interval_note=note)
+    body = defects.body_without_outliers
+    if not isinstance(body, Profile):
+        return
+    spectrum = power_spectrum(body, periodic=True) if defects.periodic else power_spectrum(levelled(body, "line"))
+    peak = find_spectral_peak(spectrum)
+    if peak is not None and peak[1] >= MAX_SPECTRAL_PEAK_FRACTION and peak[0] > shortest_resolved:
+        fraction_text, wavelength_text = format_percent(peak[1]), format_with_unit(peak[0], "um")
+        text = f"a peak at {wavelength_text}, perhaps from the instrument, contributes {fraction_text} of the curvature"
+        yield Caveat(
+            text,
+            f"--cutoff '{format_with_unit(CUTOFF_WAVELENGTH_RATIO * peak[0], 'um')}' removes it",
+            "caution",
+            peak[0],
+        )
+
+
+def _describe_slope_fraction(limit: InstrumentLimit) -> str:
+    """Describe the fraction of the mean square slope that comes from unreliable wavelengths."""
+    # The fraction is rounded, so that similar scans have identical caveats.
+    fraction_text = f"{100 * limit.slope_fraction:.0f} %"
+    axis_text = f" along {limit.axis}" if limit.axis else ""
+    wavelength_text = format_with_unit(limit.wavelength, "um")
+    return f"{fraction_text} of the mean square slope comes from wavelengths below {wavelength_text}{axis_text}"
+
+
+def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_masked_result: bool) -> Iterator[Caveat]:
+    body = defects.body
+    height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
+    if height > extent / 2:
+        text = f"heights span {format_with_unit(height, 'um')} on a length of {format_with_unit(extent, 'um')}"
+        yield Caveat(
+            text, "check the unit of heights", "fault" if height > MAX_HEIGHT_OVER_EXTENT * extent else "caution"
+        )
+    dominant_step = find_dominant_step(body) if step else None
+    if dominant_step is not None and dominant_step.fraction > MAX_STEP_FRACTION:
+        text = (
+            f"a step of {format_with_unit(dominant_step.height, 'um')} contributes "
+            f"{100 * dominant_step.fraction:.0f} % of the mean square height, and one side of it carries the load"
+        )
+        yield Caveat(text, "press one side of the step only (--crop)", "caution")
+    elif form and (parabola_fraction := _compute_parabola_fraction(body)) > MAX_FORM_FRACTION:
+        percentage = f"{100 * parabola_fraction:.0f} %"
+        text = f"form (a parabola) contributes {percentage} of the mean square height, and carries the load"
+        yield Caveat(text, "try --level quadratic", "caution")
+    if num_spikes := defects.num_spikes:
+        points_text, possessive = ("1 point is", "its") if num_spikes == 1 else (f"{num_spikes} points are", "their")
+        description = (
+            f"more than {MIN_SPIKE_SHARPNESS_RATIO:g} times as sharp as usual"
+            if isinstance(body, Profile)
+            else f"more than {MIN_SPIKE_HEIGHT_RATIO:g} rms heights from {possessive} neighbours"
+        )
+        text = f"{points_text} {description}, and would come into contact first"
+        note = "; the interval includes the result for masked outliers" if has_masked_result else ""
+        remedy = (
+            "if it is an instrument spike, remove it (--outliers mask)"
+            if num_spikes == 1
+            else "if they are instrument spikes, remove them (--outliers mask)"
+        )
+        yield Caveat(text, remedy, "caution", interval_note=note)
+
+
+def _compute_parabola_fraction(body: Profile | Surface) -> float:
+    """Return the fraction of the mean square height due to a parabola; for a map, 0 unless the parabola dominates."""
+    if not isinstance(body, Profile):
+        return measure_parabola_fraction(body)
+    levelled_heights = levelled(body, "line").heights
+    if np.ptp(levelled_heights) == 0:
+        return 0.0
+    return float(1 - levelled(body, "quadratic").heights.var() / levelled_heights.var())

@@ -1,0 +1,652 @@
+"""Summary of a result. It contains all values to report, and is computed only once for all views.
+
+A summary has one point for each cell, load, mu0 and tau0. The terminal, JSON, CSV, figures, reports and notebooks show
+these points, and compute no further values.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._estimate import Estimate, Interval
+from stiction.companions.onset import find_onset_values
+from stiction.companions.resolution import find_resolution_effect, find_resolution_limits
+from stiction.evaluate.point import (
+    CELL_DIMENSIONS,
+    UNKNOWN_INTERVAL,
+    SlidingRuleCoefficient,
+    compute_plastic_adhesive_friction,
+    effective_modulus_at,
+    find_contact_status,
+    find_statistic_indices,
+    get_adhesion_ranges,
+    get_roughness_exponent,
+    is_unloaded,
+    iterate_points,
+    list_sliding_rules_reported_first,
+    mean_contact_pressure,
+    mean_over_directions,
+    nominal_pressure_at,
+    read_estimate,
+    read_estimates_along,
+    read_point_quantities,
+    select_sliding_rule,
+)
+from stiction.evaluate.pull_off import PullOffValues, find_pull_off_values
+from stiction.mechanics import friction
+from stiction.mechanics.brackets import friction_range_for_finer_scans
+from stiction.solve.alternative_preparations import ALTERNATIVE_CONDITIONS, AlternativeName
+from stiction.summary.assessment import (
+    ASPERITY_CHECKS,
+    FEW_CONTACTS_CHECK_NAMES,
+    Caveat,
+    find_caveats_of_failed_checks,
+    find_point_caveats,
+    verdict_from_caveats,
+)
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.companions.onset import OnsetValues
+    from stiction.companions.resolution import ResolutionEffect, ResolutionLimits
+    from stiction.study.measured_bodies import ScanCutoffs
+    from stiction.study.study import Study
+
+# name of the budget entry for short wavelengths that the automatic cutoff removes, because they may be noise
+POSSIBLE_NOISE_INPUT_NAME = "possible instrument noise"
+# An input counts as dominant only if making it exact would narrow the interval by more than this fraction.
+MIN_DOMINANT_INPUT_FRACTION = 0.1
+
+
+@dataclass(frozen=True)
+class UncertaintyBudgetEntry(Estimate):
+    """Entry of the uncertainty budget: the coefficient with the interval that would remain if one input were exact."""
+
+    _: KW_ONLY
+    words: str  # name of the input
+    width: float  # width of the interval, averaged over the values of the input
+
+
+@dataclass(frozen=True)
+class DwellTimeCoefficient(Estimate):
+    """Friction coefficient after a dwell time under load, and its combined 95 % interval."""
+
+    _: KW_ONLY
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class PointSummary:
+    """Values, intervals, caveats and assessment at one roughness or cutoff, load, mu0 and tau0.
+
+    Attributes
+    ----------
+    study : Study
+    values : xarray.Dataset
+        All quantities at the point, with their intervals, as returned by `Result.at`.
+    rules : tuple of SlidingRuleCoefficient
+        Coefficients of static friction by sliding rule, starting with the quoted rule.
+    status : str
+        "ok", or the reason why there is no coefficient.
+    caveats : tuple of Caveat
+        Caveats, starting with faults.
+    at : dict
+        Coordinates of the point: the cell, the Hurst exponent, load (mN), mu0 and tau0 (GPa).
+    bracket : (float, float), optional
+        Range that contains the coefficient of any finer scan if friction acts at all contacts. The range extends from
+        mu0 + tau0/H to the upper limit of the interval of this scan, with an allowance for a small number of contacts.
+        None if there is no hardness, or if the point has a fault. Faults about few contacts per member are ignored,
+        unless there is a second cutoff or the fault comes from an alternative preparation of the scans.
+    from_roughness : float, optional
+        Contribution to the value that depends on the scans rather than on the inputs alone.
+    budget : tuple of UncertaintyBudgetEntry
+        Intervals that would remain if an input were exact, starting with the most important input.
+    parts : (float, float, float), optional
+        Contributions to the coefficient: mu0, tau0 on the true area, and slopes.
+    waited : tuple of DwellTimeCoefficient
+        Coefficients after each dwell time of the study.
+    covered : bool
+        True if the interval of another point, at another cutoff, covers this point.
+    sticking : PullOffValues, optional
+        Pull-off force, and friction without a load, of adhesive bodies.
+    quantities : dict of Estimate
+        Quantities with one value for the point and their 95 % intervals, for the reported sliding rule: undirected
+        quantities, or all quantities if there is a single direction.
+    numbers : dict of float
+        The same for quantities without an interval.
+    distributions : dict of dict of Estimate
+        Quantiles of the quantities that have a distribution, by the fraction of the distribution below the quantile.
+    """
+
+    study: Study
+    values: xarray.Dataset
+    rules: tuple[SlidingRuleCoefficient, ...]
+    status: str
+    caveats: tuple[Caveat, ...] = ()
+    at: dict[str, Any] = field(default_factory=dict)
+    bracket: tuple[float, float] | None = None
+    from_roughness: float | None = None
+    budget: tuple[UncertaintyBudgetEntry, ...] = ()
+    parts: tuple[float, float, float] | None = None
+    waited: tuple[DwellTimeCoefficient, ...] = ()
+    covered: bool = False
+    sticking: PullOffValues | None = None
+    quantities: Mapping[str, Estimate] = field(default_factory=dict, repr=False)
+    numbers: Mapping[str, float] = field(default_factory=dict, repr=False)
+    distributions: Mapping[str, Mapping[float, Estimate]] = field(default_factory=dict, repr=False)
+
+    @property
+    def cut_offs(self) -> ScanCutoffs | None:
+        """Cutoffs (µm, 0 for no filter) of all scans of the upper and of the lower body; None for generated bodies."""
+        surfaces: Any = self.study.surfaces
+        return surfaces.get_scan_cut_offs(self.at["cut_off"]) if "cut_off" in self.at else None
+
+    @cached_property
+    def quoted_values(self) -> xarray.Dataset:
+        """Values for the quoted sliding rule, on which the true area of generated bodies depends slightly."""
+        return select_sliding_rule(self.values, self.rules[0].rule)  # type: ignore[no-any-return]
+
+    @property
+    def members(self) -> float:
+        """Number of members over which the values are averaged."""
+        return mean_over_directions(self.values, "members")
+
+    @property
+    def scans(self) -> tuple[int, int]:
+        """Number of scanned places on each body, as a pair (upper, lower)."""
+        return self.study.surfaces.scan_counts
+
+    @property
+    def hardness(self) -> float | None:
+        """Hardness of the softer body (GPa)."""
+        return None if self.study.contact.hardness is None else float(self.study.contact.hardness)
+
+    @property
+    def has_junction_growth(self) -> bool:
+        """True if plastic contacts grow under shear."""
+        return bool(self.study.contact.junction_growth)
+
+    @property
+    def contact_status(self) -> str:
+        """Status of the true contact area: "ok", "complete" or "above-nominal"."""
+        return find_contact_status(self.quoted_values, self.study)
+
+    @property
+    def is_unloaded(self) -> bool:
+        """True if the load is negligible compared with the pull-off force."""
+        return is_unloaded(self.values)
+
+    @property
+    def roughness_exponent(self) -> tuple[str, float]:
+        """Name and value of the roughness exponent: H for self-affine surfaces, and D otherwise."""
+        return get_roughness_exponent(self.study, self.at["fractal_dimension"])
+
+    @property
+    def nominal_pressure(self) -> float:
+        """Load over the nominal area (GPa), or NaN if the nominal area is not meaningful for the contact model."""
+        return nominal_pressure_at(self.values, self.study)
+
+    @property
+    def mean_pressure(self) -> float:
+        """Mean contact pressure (GPa)."""
+        return mean_contact_pressure(self.quoted_values)
+
+    @property
+    def effective_modulus(self) -> float:
+        """Effective modulus E* (GPa)."""
+        return effective_modulus_at(self.values, self.study)
+
+    @property
+    def adhesion_range(self) -> float:
+        """Range of the attraction (µm) that the solver used for adhesive bodies."""
+        return get_adhesion_ranges(self.values, self.study)[1]
+
+    @property
+    def directions(self) -> tuple[float, ...]:
+        """Directions of motion of the upper body (degree) over which the coefficients are averaged."""
+        if "direction" not in self.values.coords:
+            return ()
+        return tuple(np.atleast_1d(self.values["direction"].values).astype(float).tolist())
+
+    @property
+    def spacings(self) -> tuple[float, ...]:
+        """Distances between the points of the surfaces (µm), without duplicates; empty if they are unknown."""
+        return tuple(np.unique(np.atleast_1d(self.values.attrs.get("spacing_um", ())).astype(float)).tolist())
+
+    @property
+    def kappa(self) -> float:
+        """Dimensionless true area A E* h'/F (kappa), or NaN if the root-mean-square gradient is missing."""
+        if "rms_gradient" not in self.quantities:
+            return math.nan
+        return self.quantities["rms_gradient"].value * self.effective_modulus / self.mean_pressure
+
+    @property
+    def load_definition_effect(self) -> float:
+        """Relative difference of the coefficients for different definitions of the load, or NaN if it is unknown."""
+        return self.numbers.get("reading_difference", math.nan)
+
+    @property
+    def value(self) -> float:
+        """Coefficient of static friction, evaluated with the reported sliding rule."""
+        return self.rules[0].value
+
+    @property
+    def lower(self) -> float:
+        """Lower limit of the combined 95 % interval of `value`."""
+        return self.rules[0].lower
+
+    @property
+    def upper(self) -> float:
+        """Upper limit of the combined 95 % interval of `value`."""
+        return self.rules[0].upper
+
+    @property
+    def dominant_input(self) -> UncertaintyBudgetEntry | None:
+        """Input that contributes most to the width of the interval, or None if no input dominates."""
+        largest_entry, width = self.budget[:1], self.upper - self.lower
+        return (
+            largest_entry[0]
+            if largest_entry and largest_entry[0].width < (1 - MIN_DOMINANT_INPUT_FRACTION) * width
+            else None
+        )
+
+    @property
+    def ageing(self) -> float:
+        """Increase of the coefficient per unit increase of ln(dwell time), or NaN if there are no dwell times."""
+        if not self.waited or self.waited[-1].seconds == 1:
+            return math.nan
+        longest_wait = self.waited[-1]
+        return (longest_wait.value - self.value) / math.log(longest_wait.seconds)
+
+    @property
+    def faults(self) -> tuple[Caveat, ...]:
+        """Caveats that prevent the value from being quoted."""
+        return tuple(caveat for caveat in self.caveats if caveat.severity == "fault")
+
+    @property
+    def verdict(self) -> str:
+        """Assessment of `value`: "Quote it", "Quote with care" or "Do not quote"."""
+        return verdict_from_caveats(self.caveats)
+
+
+@dataclass(frozen=True, eq=False)
+class Summary:
+    """Summary of a result at some loads, mu0 and tau0. It has one entry per point, and data from companion files.
+
+    Attributes
+    ----------
+    study : Study
+    at : xarray.Dataset
+        All quantities with their intervals and the uncertainty budget, as returned by `Result.at`.
+    points : tuple of PointSummary
+        A point for each cell, load, mu0 and tau0, starting with quoted points.
+    onset : xarray.Dataset, optional
+        Onset of sliding at the first load, mu0 and tau0 of the study.
+    values_at_cutoffs : xarray.Dataset, optional
+        Values of the cutoff study, which has a few members at several cutoffs.
+    no_points_reason : str
+        Reason why there are no points, as in "the surfaces do not touch"; empty if there are points.
+    """
+
+    study: Study
+    at: xarray.Dataset
+    points: tuple[PointSummary, ...]
+    onset: xarray.Dataset | None = None
+    values_at_cutoffs: xarray.Dataset | None = None
+    no_points_reason: str = ""
+
+    @cached_property
+    def resolution(self) -> ResolutionEffect | None:
+        """Effect of the scan resolution, or None if the surfaces are generated or if files are missing."""
+        return find_resolution_effect(self.at, self.study, self._points_at_cutoffs)
+
+    def find_resolution_limits(self, mu0_index: int = 0, tau0_index: int = 0) -> ResolutionLimits | None:
+        """Return values at several cutoffs with resolution limits, for one load and one pair of mu0 and tau0.
+
+        The load is the first load of the study or, if the summary does not contain it, the nearest load. None if there
+        is only one cutoff.
+        """
+        if (points := self._points_at_cutoffs) is None:
+            return None
+        first_load = float(self.study.friction.load[0])
+        points = points.isel(mu0=mu0_index, tau0=tau0_index).sel(load=first_load, method="nearest")
+        return find_resolution_limits(points, self.study)
+
+    @property
+    def _points_at_cutoffs(self) -> xarray.Dataset | None:
+        """Values at several cutoffs: those of the result itself or, if it has one cutoff, of its cutoff study."""
+        return self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
+
+    @cached_property
+    def onset_values(self) -> OnsetValues | None:
+        """Values of the onset of sliding, or None if the onset has not been computed."""
+        return None if self.onset is None else find_onset_values(self.onset)
+
+    @property
+    def headlines(self) -> list[PointSummary]:
+        """Points to report. Points at a second cutoff are omitted, because the reported intervals cover them."""
+        return [point for point in self.points if not point.covered]
+
+    @property
+    def first(self) -> PointSummary:
+        """First of the reported points."""
+        return self.headlines[0]
+
+
+def summarize(
+    at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Caveat] = (),
+    alternatives: Mapping[AlternativeName, Summary] | None = None, **alongside: Any,
+) -> Summary:  # fmt: skip
+    """Summarize a dataset that `Result.at` returned for a given study.
+
+    Parameters
+    ----------
+    at : xarray.Dataset
+    study : Study
+    input_caveats : sequence of Caveat
+        Caveats about the bodies, as returned by `find_input_caveats`.
+    alternatives : mapping of Summary, optional
+        Summaries for alternative preparations of the scans at the same points, without caveats about the bodies.
+    **alongside : xarray.Dataset
+        `onset` and `values_at_cutoffs`, if they are stored.
+    """
+    summaries = [
+        summarize_point(
+            point,
+            study,
+            input_caveats,
+            covers_alternatives=_have_intervals(alternatives or {}, _get_point_coordinates(point, study)),
+        )
+        for point in iterate_points(at)
+    ]
+    summaries = _merge_cutoff_points(summaries) if study.surfaces.both_readings else summaries
+    for name, other in (alternatives or {}).items():
+        summaries = [_include_faults_of_alternative(point, name, other) for point in summaries]
+    return Summary(study, at, tuple(summaries), **alongside)
+
+
+def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
+    """Return whether the reported coefficients for all alternative preparations have an interval at a point."""
+    return all(
+        point.rules[0].has_interval
+        for alternative in alternatives.values()
+        for point in alternative.points
+        if point.at == coordinates
+    )
+
+
+def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
+    """Return a point after adding the faults of an alternative preparation that the point does not have itself.
+
+    Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
+    that more contacts carry the load.
+    """
+    (other_point,) = (each for each in alternative.points if each.at == point.at)
+    own_faults = {each.name or each.text for each in point.faults}
+    other_faults = [
+        replace(each, text=f"{ALTERNATIVE_CONDITIONS[name]}: {each.text}")
+        for each in other_point.faults
+        if (each.name or each.text) not in own_faults
+    ]
+    if not other_faults:
+        return point
+    caveats = sorted([*point.caveats, *other_faults], key=lambda caveat: caveat.severity != "fault")
+    return replace(point, caveats=tuple(caveats), bracket=None)
+
+
+def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
+    """Extend the intervals at the first cutoff to include those at the second cutoff. Return the first points first."""
+    cut_off = points[0].at["cut_off"]  # the value at the first cutoff is reported
+    points_at_other_cutoff = {
+        _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
+    }
+    quoted_points = [point for point in points if point.at["cut_off"] == cut_off]
+    covering_points = [
+        _include_cutoff_point(point, points_at_other_cutoff[_get_coordinates_without_cutoff(point)])
+        if _get_coordinates_without_cutoff(point) in points_at_other_cutoff
+        else point
+        for point in quoted_points
+    ]
+    return [*covering_points, *(replace(point, covered=True) for point in points_at_other_cutoff.values())]
+
+
+def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, float], ...]:
+    """Return the coordinates of a point except its cutoff."""
+    return tuple(item for item in point.at.items() if item[0] != "cut_off")
+
+
+def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> PointSummary:
+    """Return the reported point after extending its intervals and caveats to include those at the other cutoff.
+
+    Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
+    """
+    rules = tuple(_include_cutoff_value(*each) for each in zip(point.rules, other_point.rules, strict=True))
+    other_budget = {entry.words: entry for entry in other_point.budget}
+    # With one or two positions, the width of the interval is infinite or NaN.
+    has_interval = math.isfinite(point.upper - point.lower)
+    budget = [_build_entry_of_possible_noise(point)] if has_interval else []
+    for entry in point.budget:
+        extended_entry = entry.extended_to(other_budget.get(entry.words, entry))
+        budget.append(replace(extended_entry, width=extended_entry.upper - extended_entry.lower))
+    other_coefficient = other_point.rules[0]
+    is_measured = point.at["cut_off"] == 0
+    text = f"; {'without' if is_measured else 'with'} them μ_s is {other_coefficient}"
+    text = text if math.isfinite(other_coefficient.value) else ""
+    own_caveats = [replace(each, text=each.text + text) if each.has_second_cutoff else each for each in point.caveats]
+    caveat_texts = {each.text for each in point.caveats}
+    other_caveats = [
+        replace(each, text=f"as measured: {each.text}")
+        for each in other_point.faults
+        if not (is_measured or each.has_second_cutoff or each.text in caveat_texts)
+    ]
+    caveats = sorted([*own_caveats, *other_caveats], key=lambda caveat: caveat.severity != "fault")
+    sorted_budget = tuple(sorted(budget, key=lambda entry: entry.width))
+    bracket = None if any(each.severity == "fault" for each in caveats) else point.bracket
+    return replace(point, rules=rules, budget=sorted_budget, caveats=tuple(caveats), bracket=bracket)
+
+
+def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntry:
+    """Return the budget entry with the interval at the first cutoff alone."""
+    width = point.upper - point.lower
+    return UncertaintyBudgetEntry(point.value, point.lower, point.upper, words=POSSIBLE_NOISE_INPUT_NAME, width=width)
+
+
+def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient) -> SlidingRuleCoefficient:
+    """Extend the intervals of a value to include the intervals of the same value at another cutoff."""
+    return replace(value.extended_to(other_value), next_test=value.next_test.extended_to(other_value.next_test))
+
+
+def summarize_point(
+    point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = (), *, covers_alternatives: bool = True
+) -> PointSummary:
+    """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies.
+
+    `covers_alternatives` is true if the interval, if there is one, covers all alternative preparations of the scans.
+    """
+    values_by_rule = {rule: select_sliding_rule(point, rule) for rule in list_sliding_rules_reported_first(study)}
+    rules = tuple(_build_rule_coefficient(values, rule) for rule, values in values_by_rule.items())
+    quoted_values = values_by_rule[rules[0].rule]
+    # If the coefficient is missing in one direction, the mean over all directions is NaN.
+    status = rules[0].status if math.isnan(rules[0].value) else friction.STATUS_OK
+    quantities = read_point_quantities(point, rules[0].rule)
+    cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
+    sampling_interval = rules[0].sampling_interval
+    rule_with_sampling_interval = replace(rules[0], lower=sampling_interval.lower, upper=sampling_interval.upper)
+    has_interval_note = rules[0].has_interval and covers_alternatives
+    # A cutoff removes caveats only if the user requested this cutoff.
+    kept_caveats = [
+        replace(each, text=each.text + (each.interval_note if has_interval_note else ""), interval_note="")
+        for each in input_caveats
+        if study.surfaces.both_readings or cut_off < each.cut_off
+    ]
+    caveats = [*kept_caveats, *find_point_caveats(quoted_values, study, rule_with_sampling_interval, status)]
+    return PointSummary(
+        study=study,
+        values=point,
+        rules=rules,
+        status=status,
+        caveats=tuple(sorted(caveats, key=lambda caveat: caveat.severity != "fault")),
+        at=_get_point_coordinates(point, study),
+        bracket=None
+        if any(_invalidates_finer_scan_bounds(caveat) for caveat in caveats)
+        else _find_bounds_for_finer_scans(quoted_values, study, rule_with_sampling_interval),
+        budget=_list_budget_entries(point, rules[0]),
+        parts=_compute_friction_contributions(quoted_values, rules[0]),
+        from_roughness=_estimate_roughness_contribution(quoted_values, study, rules[0]),
+        waited=_list_dwell_time_coefficients(point, rules[0].rule),
+        sticking=find_pull_off_values(point, rules[0].rule),
+        quantities=quantities.estimates,
+        numbers=quantities.numbers,
+        distributions=quantities.distributions,
+    )
+
+
+# ---- Values ----------------------------------------------------------------------------------------------------------
+
+
+def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
+    """Return the coefficient for a sliding rule, given the values of a point for this rule."""
+    name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
+    mean = read_estimate(table[name])
+    sampling_interval = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
+    combined_interval = _get_interval(table, "friction_known") or sampling_interval
+    low, high, slopes = (mean_over_directions(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
+    return SlidingRuleCoefficient(
+        mean.value,
+        *combined_interval,
+        rule=rule,
+        sampling_interval=sampling_interval,
+        next_test=_get_interval(table, "friction_next_test") or UNKNOWN_INTERVAL,
+        status=_find_first_failure(table),
+        low=low,
+        high=high,
+        slopes=slopes,
+        is_outside_asperity_model=_is_outside_asperity_model(table),
+        by_axis=_read_coefficients(table, "friction_by_axis", "axis"),
+        by_direction=_read_coefficients(table, "friction_coefficient", "direction"),
+    )
+
+
+def _find_first_failure(table: xarray.Dataset) -> str:
+    """Return "ok", or the first other status (alphabetically) of any direction."""
+    statuses = np.unique(table["status"].values).tolist()
+    return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
+
+
+def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
+    checked_fractions = {name: mean_over_directions(table, name) for name in ("share_beyond_hertz", "share_below_grid")}
+    return any(find_caveats_of_failed_checks(ASPERITY_CHECKS, checked_fractions))
+
+
+def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
+    """Return the coefficients along the coordinates of a dimension; empty if they do not depend on the dimension."""
+    return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
+
+
+def _get_interval(table: xarray.Dataset, name: str) -> Interval | None:
+    """Return the 95 % interval of a quantity, or None if the quantity or its interval is missing."""
+    if name not in table:
+        return None
+    estimate = read_estimate(table[name])
+    return estimate.interval if estimate.has_interval and math.isfinite(estimate.lower) else None
+
+
+def _list_budget_entries(
+    point: xarray.Dataset, coefficient: SlidingRuleCoefficient
+) -> tuple[UncertaintyBudgetEntry, ...]:
+    """Return the intervals that would remain if one input at a time were exact, sorted by increasing width."""
+    if "friction_if_known" not in point:
+        return ()
+    budget = select_sliding_rule(point[["friction_if_known", "width_if_known"]], coefficient.rule)
+    limits = budget["friction_if_known"].transpose("input", "statistic").values[:, find_statistic_indices(budget)]
+    intervals = (Interval(*each) for each in limits[:, 1:].tolist())
+    labels_and_widths = (budget[name].values.tolist() for name in ("input_words", "width_if_known"))
+    entries = [
+        UncertaintyBudgetEntry(coefficient.value, *interval, words=label, width=width)
+        for interval, label, width in zip(intervals, *labels_and_widths, strict=True)
+        if math.isfinite(interval.lower) and not math.isnan(interval.upper)
+    ]
+    return tuple(sorted(entries, key=lambda entry: entry.width))
+
+
+def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[DwellTimeCoefficient, ...]:
+    if "friction_waited" not in point:
+        return ()
+    table = select_sliding_rule(point["friction_waited"], rule).transpose("wait", "statistic")
+    seconds_and_values = zip(point["wait"].values.tolist(), table.values.tolist(), strict=True)
+    return tuple(DwellTimeCoefficient(*limits, seconds=seconds) for seconds, limits in seconds_and_values)
+
+
+def _compute_friction_contributions(
+    point: xarray.Dataset, rule: SlidingRuleCoefficient
+) -> tuple[float, float, float] | None:
+    """Return the contributions of mu0, tau0 and slopes if friction acts at all contacts, and otherwise None."""
+    if rule.rule != "all" or not math.isfinite(rule.value):
+        return None
+    load = float(point["load"])
+    area_name = "contact_area_at_onset" if "contact_area_at_onset" in point else "contact_area"
+    mu0, adhesive_part = float(point["mu0"]), float(point["tau0"]) * mean_over_directions(point, area_name) / load
+    if "contact_load" in point:
+        mu0 *= mean_over_directions(point, "contact_load") / load
+    return mu0, adhesive_part, rule.value - mu0 - adhesive_part
+
+
+def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
+    """Return the coordinates of a point, including the Hurst exponent if the surfaces are self-affine."""
+    coordinates = {
+        name: float(point[name]) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
+    }
+    if (
+        "fractal_dimension" in coordinates
+        and (roughness := get_roughness_exponent(study, coordinates["fractal_dimension"]))[0] == "H"
+    ):
+        coordinates["hurst_exponent"] = roughness[1]
+    return coordinates
+
+
+def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient) -> float | None:
+    """Return the part of the friction coefficient that depends on the scans, or None if this part is unknown.
+
+    Friction acts at all contacts. The contribution of the inputs alone is mu0 and, with a hardness H, tau0/H if all
+    contacts yield. With adhesion the result is None, because the load on the contacts also depends on the scans. It is
+    also None for a gap, which does not contain the roughness of the two faces.
+    """
+    contributions = _compute_friction_contributions(point, rule)
+    if contributions is None or not study.is_measured or study.is_gap or study.contact.adheres:
+        return None
+    return rule.value - contributions[0] - (compute_plastic_adhesive_friction(point, study) or 0.0)
+
+
+def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
+    """Return whether a caveat invalidates the bounds for finer scans.
+
+    Every caveat of severity "fault" does so, except those about few contacts per member.
+    """
+    return caveat.severity == "fault" and caveat.name not in FEW_CONTACTS_CHECK_NAMES
+
+
+def _find_bounds_for_finer_scans(
+    point: xarray.Dataset, study: Study, all_rub: SlidingRuleCoefficient
+) -> tuple[float, float] | None:
+    """Return bounds, valid to second order in the slope, on the friction coefficient for all finer scans.
+
+    The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
+    between contacts of different members. The bounds may be equal.
+    """
+    hardness = study.contact.hardness
+    has_bracket = study.is_measured and study.uses_half_space and not study.contact.adheres
+    if hardness is None or not has_bracket or all_rub.rule != "all" or not math.isfinite(all_rub.value):
+        return None
+    mu0, adhesive_friction = float(point["mu0"]), compute_plastic_adhesive_friction(point, study)
+    if adhesive_friction is None or math.isnan(adhesive_friction):
+        return None
+    upper = all_rub.upper if math.isfinite(all_rub.upper) else None
+    num_contacts = mean_over_directions(point, "contact_count") * mean_over_directions(point, "members")
+    return friction_range_for_finer_scans(all_rub.value, mu0, adhesive_friction, num_contacts, upper)

@@ -1,0 +1,335 @@
+"""Arrays of a result at the nodes of mu0 and tau0. A report shows these arrays, and evaluates no further values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction.evaluate.point import NEGLIGIBLE_LOAD_RATIO, list_sliding_rules_reported_first
+from stiction.mechanics import friction
+from stiction.mechanics.quantities import (
+    AREAL_VALIDITY_QUANTITIES,
+    COMMON_VALIDITY_QUANTITIES,
+    QUANTITIES,
+    QUANTITIES_AT_HARDNESS,
+    quantity_names_shown_in,
+)
+from stiction.solve.executors import thread_pool_executor
+from stiction.summary.assessment import (
+    MAX_AFFECTED_FRACTION,
+    MIN_MERGED_AREA_FRACTION,
+    Caveat,
+    LimitCheck,
+    assess_ensemble_points,
+    compute_checked_quantities,
+    find_smallest_check_limit,
+    list_contact_check_names,
+    verdict_from_caveats,
+)
+from stiction.summary.nodes import InterpolationNodes, NodeAxis
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.study.study import Study
+
+ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
+"""Statuses in the order of their codes. If several directions have no value, the lowest code is reported."""
+
+LEADING_DIMENSIONS = ("fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0")
+
+
+# ---- Measured surfaces -----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredValuesAtNodes:
+    """Values of measured surfaces at nodes.
+
+    The first axes of the arrays are kind of member, cutoff, sliding rule, motion, load, mu0 and tau0. The last axis of
+    estimates contains value, lower limit and upper limit.
+
+    Attributes
+    ----------
+    axes : pair of NodeAxis
+        Nodes of mu0 and tau0.
+    interpolation_errors : (float, float)
+        As for `InterpolationNodes`.
+    loads : ndarray of float, mN
+    motions : list of list of int
+        Indices of the directions that are averaged for each motion.
+    member_kinds : list of str or None
+        Kinds of members; None stands for all members.
+    friction : ndarray of float
+        Estimates with combined intervals. The limits are NaN where `has_combined` is false.
+    sampling : ndarray of float
+        Estimates with sampling intervals of the mean over positions.
+    status_codes : ndarray of int
+        Indices into `ORDERED_STATUSES`.
+    num_solved : ndarray of int
+        Numbers of members with a value.
+    slopes : ndarray of float
+        Small-slope estimates (kind, cutoff, rule, motion, mu0, tau0).
+    is_interpolated : ndarray of bool
+        True for each panel in which values may be interpolated.
+    has_combined : ndarray of bool
+        True for each kind of member and motion with a combined interval.
+    member_counts : list of int
+        Number of members of each kind.
+    load_quantities : dict
+        Estimates (kind, cutoff, load) of each quantity that depends only on the load, by name.
+    check_limits : dict
+        Results of `find_smallest_check_limit` for these quantities.
+    has_alternatives : bool
+        True if intervals of the true area cover results for alternative preparations of the scans.
+    """
+
+    axes: tuple[NodeAxis, NodeAxis]
+    interpolation_errors: tuple[float, float]
+    loads: Floats
+    motions: list[list[int]]
+    member_kinds: Sequence[str | None]
+    friction: Floats
+    sampling: Floats
+    status_codes: NDArray[np.intp]
+    num_solved: NDArray[Any]
+    slopes: Floats
+    is_interpolated: NDArray[np.bool_]
+    has_combined: NDArray[np.bool_]
+    member_counts: list[int]
+    load_quantities: dict[str, Floats]
+    check_limits: dict[str, float | None]
+    has_alternatives: bool
+
+
+def evaluate_measured_nodes(nodes: InterpolationNodes) -> MeasuredValuesAtNodes:
+    """Evaluate measured surfaces at nodes."""
+    estimates, sampling, status_codes, num_solved, slopes = (
+        np.stack(arrays)
+        for arrays in zip(*(_stack_motions(values, nodes.motions) for values in nodes.values), strict=True)
+    )
+    is_interpolated = nodes.find_interpolated_panels(estimates)
+    # Only the mean over all directions of the quoted kind of member has a combined interval.
+    has_combined = np.zeros((len(nodes.values), len(nodes.motions)), bool)
+    has_combined[0] = [len(motion) == len(nodes.motions[0]) for motion in nodes.motions]
+    estimates[
+        np.broadcast_to(~has_combined[:, np.newaxis, np.newaxis, :, None, None, None], estimates.shape[:-1]), 1:
+    ] = np.nan
+    quantity_names = [name for name in quantity_names_shown_in("report") if name in nodes.load_quantities[0]]
+    return MeasuredValuesAtNodes(
+        axes=nodes.axes,
+        interpolation_errors=nodes.interpolation_errors,
+        loads=nodes.loads,
+        motions=nodes.motions,
+        member_kinds=nodes.member_kinds,
+        friction=estimates,
+        sampling=sampling,
+        status_codes=status_codes,
+        num_solved=num_solved,
+        slopes=slopes,
+        is_interpolated=is_interpolated,
+        has_combined=has_combined,
+        member_counts=[int(values["members"]) for values in nodes.values],
+        load_quantities={
+            name: np.stack(
+                [values[name].transpose("cut_off", "load", "statistic").values for values in nodes.load_quantities]
+            )
+            for name in quantity_names
+        },
+        check_limits={name: find_smallest_check_limit(name, nodes.study) for name in quantity_names},
+        has_alternatives=bool(nodes.load_quantities[0].attrs.get("alternatives")),
+    )
+
+
+def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
+    """Return combined estimates, sampling estimates, status codes, numbers of members and slopes of all motions."""
+    dims = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
+    dims_of_mean = tuple(dim for dim in dims if dim != "direction")
+    by_direction = values["friction_coefficient"].transpose(*dims, "statistic").values
+    mean = values["friction_all_round"].transpose(*dims_of_mean, "statistic").values
+    combined = (
+        values["friction_combined"].transpose(*dims_of_mean, "statistic").values
+        if "friction_combined" in values
+        else mean
+    )
+    status, num_solved = (values[name].transpose(*dims).values for name in ("status", "ok"))
+    slopes = values["gentle_friction"].transpose("cut_off", "sliding", "direction", "mu0", "tau0").values
+    arrays_by_motion = []
+    for directions in motions:
+        is_mean = len(directions) == by_direction.shape[2]
+        sampling = mean if is_mean else by_direction[:, :, directions[0]]
+        arrays_by_motion.append(
+            (
+                combined if is_mean else sampling,
+                sampling,
+                _find_status_codes(status[:, :, directions], sampling[..., 0]),
+                num_solved[:, :, directions].min(axis=2),
+                slopes[:, :, directions].mean(axis=2),
+            )
+        )
+    return [np.stack(arrays, axis=2) for arrays in zip(*arrays_by_motion, strict=True)]
+
+
+def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
+    """Return the status code of each mean over directions. Array axes: cutoff, sliding rule, load, mu0 and tau0."""
+    codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
+    lowest_codes = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
+    not_solved_code = ORDERED_STATUSES.index(friction.STATUS_NOT_SOLVED)
+    return np.where(
+        np.isfinite(values), 0, np.where(lowest_codes == len(ORDERED_STATUSES), not_solved_code, lowest_codes)
+    )
+
+
+# ---- Generated surfaces ----------------------------------------------------------------------------------------------
+
+# Largest mean of overlap / radius for which the contact model is valid.
+# The limit for quantities that are fractions of the load is `MAX_AFFECTED_FRACTION`.
+MAX_OVERLAP_RADIUS_RATIO = 0.1
+
+GENERATED_STATUSES = (
+    (friction.STATUS_OK, True),
+    (friction.STATUS_OK, False),
+    *((name, False) for name in friction.STATUSES if name != friction.STATUS_OK),
+)
+"""Statuses in the order of their codes, each with whether the values are within the limits of the model."""
+
+
+@dataclass(frozen=True, eq=False)
+class GeneratedValuesAtNodes:
+    """Values of generated surfaces at nodes.
+
+    The first axes of the arrays are fractal dimension, amplitude, sliding rule, direction, load, mu0 and tau0. The last
+    axis of estimates contains value, lower limit and upper limit.
+
+    Attributes
+    ----------
+    axes : pair of NodeAxis
+        Nodes of mu0 and tau0.
+    interpolation_errors : (float, float)
+        As for `InterpolationNodes`.
+    estimates : dict
+        Estimates of ``friction``, ``area`` and, if it was computed, ``stiffness``.
+    validity : dict
+        Means of the quantities that show whether the contact model is valid, by name.
+    status_codes : ndarray of int
+        Indices into `GENERATED_STATUSES`.
+    is_valid : ndarray of bool
+        True if there is a coefficient, and no quantity in `validity` exceeds its limit.
+    is_interpolated : ndarray of bool
+        True for each panel in which values may be interpolated.
+    checked_numbers : dict
+        Numbers that the assessment compares with limits, for the quoted sliding rule.
+    assessments : list of list of Caveat or LimitCheck
+        Distinct assessments, each with faults first.
+    assessment_indices : ndarray of int
+        Index of the assessment of each point, for the quoted sliding rule.
+    """
+
+    axes: tuple[NodeAxis, NodeAxis]
+    interpolation_errors: tuple[float, float]
+    estimates: dict[str, Floats]
+    validity: dict[str, Floats]
+    status_codes: NDArray[np.intp]
+    is_valid: NDArray[np.bool_]
+    is_interpolated: NDArray[np.bool_]
+    checked_numbers: dict[str, Any]
+    assessments: list[list[Caveat | LimitCheck]]
+    assessment_indices: NDArray[np.intp]
+
+    @property
+    def verdicts(self) -> list[str]:
+        """Verdict of each assessment."""
+        return [verdict_from_caveats(assessment) for assessment in self.assessments]
+
+
+def get_validity_limit(name: str) -> float:
+    """Return the largest mean of a quantity for which the contact model is valid."""
+    return MAX_AFFECTED_FRACTION if QUANTITIES[name].percent else MAX_OVERLAP_RADIUS_RATIO
+
+
+def evaluate_generated_nodes(nodes: InterpolationNodes, num_members: int) -> GeneratedValuesAtNodes:
+    """Evaluate generated surfaces at nodes. `num_members` is the number of solved members."""
+    study, (node_values,) = nodes.study, nodes.values
+    points = _transpose(node_values["friction_coefficient"])
+    shape: tuple[int, ...] = points.shape[:-1]
+    estimates = {"friction": points, "area": np.broadcast_to(_transpose(node_values["contact_area"]), points.shape)}
+    if "normal_stiffness" in node_values and bool(node_values["normal_stiffness"].notnull().any()):
+        estimates["stiffness"] = np.broadcast_to(_transpose(node_values["normal_stiffness"]), points.shape)
+    validity: dict[str, Floats] = {}
+    for name in (*COMMON_VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES, *QUANTITIES_AT_HARDNESS):
+        if name not in node_values:
+            continue
+        values = _transpose(node_values[name])
+        values = np.broadcast_to(values if values.ndim == len(shape) else values[..., 0], shape)
+        if np.isfinite(values).any() and (name not in QUANTITIES_AT_HARDNESS or np.nan_to_num(values).any()):
+            validity[name] = values
+    statuses = np.broadcast_to(_transpose(node_values["status"]), shape)
+    checked_numbers = validity | _compute_checked_numbers(node_values, estimates, study, num_members)
+    rule_index = study.contact.sliding_rules().index(list_sliding_rules_reported_first(study)[0])
+    checked_numbers = {name: values[:, :, rule_index] for name, values in checked_numbers.items()}
+    is_beyond_limit = {name: values > get_validity_limit(name) for name, values in validity.items()}
+    hatched_masks = [mask for name, mask in is_beyond_limit.items() if "hatch" in QUANTITIES[name].shown]
+    status_codes = np.where(np.logical_or.reduce([np.zeros(shape, bool), *hatched_masks]), 1, 0)
+    for code, (name, _) in enumerate(GENERATED_STATUSES):
+        if name != friction.STATUS_OK:
+            status_codes[statuses == name] = code
+    with thread_pool_executor() as pool:
+        is_interpolated = np.logical_and.reduce(list(pool.map(nodes.find_interpolated_panels, estimates.values())))
+    return GeneratedValuesAtNodes(
+        nodes.axes,
+        nodes.interpolation_errors,
+        estimates,
+        validity,
+        status_codes,
+        (status_codes == 0) & ~np.logical_or.reduce([np.zeros(shape, bool), *is_beyond_limit.values()]),
+        is_interpolated,
+        checked_numbers,
+        *assess_ensemble_points(
+            study, statuses[:, :, rule_index], checked_numbers, _find_unloaded(node_values, statuses[:, :, rule_index])
+        ),
+    )
+
+
+def _find_unloaded(node_values: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return a mask of the nodes whose load is negligible compared with the pull-off force."""
+    if "pull_off" not in node_values:
+        return np.zeros(statuses.shape, np.bool_)
+    pull_off = node_values["pull_off"].sel(statistic="mean", drop=True)
+    is_unloaded = _transpose(node_values["load"] < NEGLIGIBLE_LOAD_RATIO * pull_off)
+    return np.broadcast_to(is_unloaded[:, :, 0], statuses.shape)
+
+
+def _compute_checked_numbers(
+    node_values: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
+) -> dict[str, Any]:
+    """Compute, for every node, the numbers that the assessment of generated surfaces compares with limits."""
+    load, mu0, tau0 = (_transpose(node_values[name]) for name in ("load", "mu0", "tau0"))
+    contact_load = _transpose(node_values["contact_load"])[..., 0] if "contact_load" in node_values else load
+    area = estimates["area"][..., 0]
+    surfaces: Any = study.surfaces
+    nominal_area = float(np.prod(surfaces.extents())) if study.is_areal else math.inf
+    with np.errstate(divide="ignore", invalid="ignore"):
+        pressure = np.where(area > 0, contact_load / area, np.nan)
+    value, lower, upper = np.moveaxis(estimates["friction"], -1, 0)
+    quantities = {
+        name: np.broadcast_to(_transpose(node_values[name])[..., 0], area.shape)
+        for name in list_contact_check_names(study)
+        if name in node_values and "statistic" in node_values[name].dims
+    }
+    return quantities | compute_checked_quantities(
+        value, lower, upper, mu0=mu0, tau0=tau0, pressure=pressure,
+        contact_count=np.broadcast_to(_transpose(node_values["contact_count"])[..., 0], area.shape),
+        members=num_members, is_merged=area / nominal_area > MIN_MERGED_AREA_FRACTION,
+    )  # fmt: skip
+
+
+def _transpose(table: xarray.DataArray) -> Floats:
+    """Transpose values so that `LEADING_DIMENSIONS` come first. Missing dimensions get a length of 1."""
+    table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
+    return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)

@@ -1,0 +1,238 @@
+"""Second step of reading text: a table of any kind as columns or channels."""
+
+from __future__ import annotations
+
+import itertools
+import shlex
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stiction._text import printable_text
+from stiction.surfaces.measured.decode import TEXT_LINE_CODE, DecodedText
+from stiction.surfaces.measured.header import parse_column_headings, parse_declarations, parse_history
+from stiction.surfaces.measured.raw import (
+    ColumnTable,
+    FormatError,
+    HeightChannels,
+    HeightProvenance,
+    RawHeights,
+    WordColumn,
+)
+from stiction.surfaces.measured.shapes import has_equal_steps
+from stiction.surfaces.measured.split import (
+    Dialect,
+    NumberBlock,
+    cell_kind,
+    detect_dialect,
+    find_numeric_line_runs,
+    parse_number_block,
+)
+from stiction.surfaces.measured.word_columns import FoundWordColumn, describe_words, replace_word_columns
+
+MAX_HISTORY_STEP_LENGTH = 1000  # maximum number of characters of a history entry in a header
+
+
+MAX_HISTORY_STEPS = 1000
+
+
+# Maximum number of lines with numbers below the data, as a fraction of the number of data lines.
+MAX_FOOTER_FRACTION = 0.1
+
+
+# Minimum number of rows of a separate block above the data. A smaller block is a size or a count.
+MIN_BLOCK_ROWS = 2
+
+
+def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
+    """Parse the largest run of numeric lines and its header as a table. Runs of equal size become channels."""
+    text, word_columns = replace_word_columns(text)
+    runs = find_numeric_line_runs(text)
+    if not runs:
+        raise FormatError(
+            f"no numbers were found in {len(text)} lines, of which the first is {text.describe_line(0)}; numbers must "
+            "be in columns, separated by tabs, semicolons, commas or blanks"
+        )
+    first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
+    dialect = detect_dialect(text, first, last)
+    labels = _include_label_line(text, first, last, dialect)
+    if labels < first:  # the line of labels starts with a word and not with a number
+        first, text = labels, replace(text, words=(*text.words, dialect.split_line(text.line(labels))[0]))
+    _reject_unreadable_line(text, dialect, len(dialect.split_line(text.line(last))), runs)
+    block = parse_number_block(text, first, last, dialect, ragged=True)
+    if len(equal_runs := _find_runs_of_equal_width(text, runs, (first, last), dialect)) > 1:
+        return _to_channels(text, equal_runs, dialect, word_columns)
+    end = int(block.lines[-1]) + 1
+    footer_line_count = int((text.line_kinds[end:] == 1).sum())
+    if footer_line_count > MAX_FOOTER_FRACTION * block.lines.size + 2:
+        line = end + int(np.argmax(text.line_kinds[end:] == 1))
+        raise FormatError(
+            f"{text.describe_line(line)} does not belong to the same table as lines {first + 1} to {end}; keep only "
+            "one table in the file"
+        )
+    return _to_table(text, block, 0, word_columns)
+
+
+def _to_table(
+    text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[FoundWordColumn] = ()
+) -> ColumnTable:
+    """Convert a block to a table with its footer and its header. The header begins at line `header_start`."""
+    first, end = int(block.lines[0]), int(block.lines[-1]) + 1
+    header, footer = (
+        text.nonempty_lines(header_start, first),
+        text.nonempty_lines(end, len(text)) if header_start == 0 else [],
+    )
+    width = block.values.shape[1]
+    column_heads = parse_column_headings(header, width, block.dialect)
+    declarations = parse_declarations(text.nonempty_lines(0, first) if header_start else header, footer=footer)
+    if block.short is not None and not any(column_heads.names):
+        raise FormatError(
+            f"{text.describe_line(block.short)} has fewer cells than the lines above it, and the columns have no "
+            "names; all lines of a matrix must have the same number of cells"
+        )
+    return ColumnTable(
+        block.values,
+        names=column_heads.names,
+        units=column_heads.units or (None,) * width,
+        digits=block.column_last_digit_values,
+        row_digits=block.row_last_digit_values,
+        declared=declarations
+        if declarations.unit is not None
+        else replace(declarations, unit=column_heads.height_unit),
+        history=(
+            *(printable_text(step, MAX_HISTORY_STEP_LENGTH) for step in parse_history(header)[:MAX_HISTORY_STEPS]),
+            *(f"{text.describe_line(line)} skipped as a count or a size" for line in block.omitted[:MAX_HISTORY_STEPS]),
+        ),
+        source=make_height_provenance(block),
+        word_columns=tuple(
+            WordColumn(
+                column.place,
+                describe_words(column.counts),
+                printable_text(min(column.counts, key=column.counts.__getitem__), 20),
+                np.isin(block.lines, column.missing_lines),
+            )
+            for column in word_columns
+            if column.place < width
+        ),
+    )
+
+
+def make_height_provenance(block: NumberBlock) -> HeightProvenance:
+    """Describe the location of a block in its text, and the format of the block."""
+    text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
+    decimal_mark = "." if block.dialect.pairs else block.dialect.point
+    return HeightProvenance(
+        encoding=text.encoding, separator=str(block.dialect), decimal_mark=decimal_mark, lines=(first + 1, end),
+        lines_above=len(text.nonempty_lines(0, first)) if first < 10_000 else first,
+        lines_below=int(np.count_nonzero(text.line_kinds[end:])),
+    )  # fmt: skip
+
+
+def _include_label_line(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
+    """Return the first line of a run of rows, or the line above the run if that line has a label for every column."""
+    line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
+    if line_above < 0 or dialect.separator is None:
+        return first
+    cells, cells_below = dialect.split_line(text.line(line_above)), dialect.split_line(text.line(first))
+    is_labels = (
+        len(cells) == len(cells_below)
+        and cell_kind(cells[0], dialect, text) is None
+        and _are_position_labels(cells, dialect)
+    )
+    return line_above if is_labels else first
+
+
+def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
+    """Reject a line directly above or below rows of numbers if one of its cells cannot be read.
+
+    Such a line has as many cells as its neighbours and is not a line of labels. Most of its cells are numbers, or the
+    line beyond it has the same words.
+    """
+    neighbours = {neighbour for first, last in runs for neighbour in ((first - 1, -1), (last + 1, 1))}
+    for line, step in sorted(neighbours):
+        if (
+            not 0 <= line < len(text)
+            or text.line_kinds[line] != TEXT_LINE_CODE
+            or text.line(line).startswith(("#", "%", "!", "/"))
+        ):
+            continue
+        cells = dialect.split_line(text.line(line))
+        kinds = [cell_kind(cell, dialect, text) for cell in cells]
+        # above the data, a line of the form "name value" does not count as a row of numbers
+        weighted_number_count = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
+        if len(cells) != width or None not in kinds or _are_position_labels(cells, dialect):
+            continue
+        has_most_numbers = width > 1 and weighted_number_count >= width
+        if has_most_numbers or _repeats_words(text, dialect, kinds, cells, line + step):
+            _reject_word(text, line, next(cell for cell, kind in zip(cells, kinds, strict=True) if kind is None))
+
+
+def _repeats_words(text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other: int) -> bool:
+    """Return whether line `other` repeats the words of `cells` in the same cells. Then neither line is a header."""
+    if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
+        return False
+    other_cells = dialect.split_line(text.line(other))
+    return [cell_kind(cell, dialect, text) for cell in other_cells] == kinds and all(
+        cell == other_cell for cell, other_cell, kind in zip(cells, other_cells, kinds, strict=True) if kind is None
+    )
+
+
+def _reject_word(text: DecodedText, line: int, word: str) -> None:
+    raise FormatError(
+        f"{text.describe_line(line)} is between numbers, but {word[:40]!r} is not a number; "
+        f"--missing-value {shlex.quote(printable_text(word[:40]))} treats it as a missing point"
+    )
+
+
+def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
+    """Return whether all cells of a line except the first cell are positions."""
+    matches = [dialect.number_pattern.fullmatch(cell) for cell in cells[1:]]
+    if len(cells) < 5 or not all(match and (match[2] or match[3]) for match in matches):
+        return False
+    labels = np.array([np.nan, *(float(cell.replace(dialect.point, ".")) for cell in cells[1:])])
+    return has_equal_steps(labels, 0.1 * abs(labels[2] - labels[1]))
+
+
+def _find_runs_of_equal_width(
+    text: DecodedText, runs: list[tuple[int, int]], main_run: tuple[int, int], dialect: Dialect
+) -> list[tuple[int, int]]:
+    """Return the runs with as many columns as the main run, except a short first run with a size or a count."""
+    width = len(dialect.split_line(text.line(main_run[0])))
+    equal_runs: list[tuple[int, int]] = []
+    for first, last in runs:
+        is_as_wide = all(len(dialect.split_line(text.line(line))) == width for line in (first, last))
+        if (first, last) == main_run or (
+            is_as_wide and (equal_runs or width > 2 or last - first + 1 >= MIN_BLOCK_ROWS)
+        ):
+            equal_runs.append((first, last))
+    gaps = [(last + 1, first) for (_, last), (first, _) in itertools.pairwise(equal_runs)]
+    if (
+        width == 1
+        and gaps
+        and all(gap_end - gap_start == 1 and len(text.line(gap_start).split()) == 1 for gap_start, gap_end in gaps)
+    ):
+        _reject_word(text, gaps[0][0], text.line(gaps[0][0]))
+    return equal_runs
+
+
+def _to_channels(
+    text: DecodedText, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[FoundWordColumn] = ()
+) -> HeightChannels:
+    """Convert blocks with the same number of columns to channels. Each channel has a separate header."""
+    header_starts = [0, *(last + 1 for _, last in runs)]
+    names = []
+    for (first, last), header_start in zip(runs, header_starts, strict=False):
+        header = text.nonempty_lines(header_start, first)
+        name = header[-1].lstrip("#%!/ \t") if header else ""
+        names.append(printable_text(" ".join(name.split()) or f"lines {first + 1} to {last + 1}", 40))
+    if len(set(names)) < len(names):
+        names = [f"{name}, line {first + 1}" for name, (first, _) in zip(names, runs, strict=True)]
+
+    def read(line: int) -> RawHeights | ColumnTable:
+        table = _to_table(
+            text, parse_number_block(text, *runs[line], dialect, ragged=True), header_starts[line], word_columns
+        )
+        return replace(table, source=replace(table.source, column=names[line]))
+
+    return HeightChannels(tuple(names), read, None)

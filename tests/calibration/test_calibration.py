@@ -1,0 +1,670 @@
+"""Test `calibrate` against least squares, brute force and known true values, and its rejection of bad input."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.interpolate import RegularGridInterpolator
+from stiction import (
+    Ball,
+    FrictionTest,
+    HalfSpaceCurve,
+    Interface,
+    calibrate,
+    half_space,
+    hardness_under_shear,
+    pair,
+    read_interface,
+    write_interface,
+)
+from stiction.evaluate.hardness_nodes import load_areas_at_nodes
+from stiction.study.interfaces import GROWTH_HEADER_ENTRY, HARDNESS_HEADER_ENTRY, compute_credible_interval
+from stiction.study.uncertain_inputs import find_uncertain_inputs
+from stiction.views.calibration import calibration_text
+from support.rough_surfaces import rough_maps
+
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
+BALL = Ball("5 mm", "3 GPa")
+LOADS = np.geomspace(5.0, 2000.0, 8)
+MU0, TAU0, RELATIVE_ERROR = 0.15, 0.012, 0.03
+
+SAMPLING_TOLERANCE = 0.04
+"""Tolerance of interval ends as a fraction of the width: the scatter of 95 % intervals from 4000 samples."""
+
+
+def simulate_ball_tests(
+    *, mu0: float = MU0, tau0: float = TAU0, seed: int = 3, error: float = RELATIVE_ERROR
+) -> list[FrictionTest]:
+    """Return eight friction tests on a ball with random relative errors."""
+    random = np.random.default_rng(seed)
+    truth = [mu0 + tau0 * BALL.area_per_load(load) for load in LOADS]
+    return [
+        FrictionTest(BALL, load, coefficient=y * (1 + error * random.standard_normal()), uncertainty=error * y)
+        for load, y in zip(LOADS, truth, strict=True)
+    ]
+
+
+def fit_least_squares(tests: list[FrictionTest]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the least-squares estimate of (mu0, tau0) and its covariance, without bounds."""
+    error = np.array([test.uncertainty for test in tests])
+    matrix = np.array([[1.0, BALL.area_per_load(float(test.load))] for test in tests]) / error[:, np.newaxis]
+    covariance = np.linalg.inv(matrix.T @ matrix)
+    return covariance @ matrix.T @ (np.array([test.coefficient for test in tests]) / error), covariance
+
+
+def test_calibration_far_from_parameter_bounds_equals_a_least_squares_fit() -> None:
+    tests = simulate_ball_tests(seed=4)
+    interface = calibrate(tests, common=0.0, sliding="all")
+    best, covariance = fit_least_squares(tests)
+    for index, result in enumerate((interface.mu0, interface.tau0)):
+        deviation = math.sqrt(covariance[index, index])
+        expected = best[index] + 1.96 * deviation * np.array([0, -1, 1])
+        assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * 3.92 * deviation)
+
+
+def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integration() -> None:
+    tests = simulate_ball_tests(tau0=0.0, seed=11)
+    interface = calibrate(tests, common=0.0, sliding="all")
+    mu0, tau0 = np.meshgrid(np.linspace(0.1, 0.2, 801), np.linspace(0.0, 0.003, 801), indexing="ij")
+    log_likelihood = np.zeros(mu0.shape)
+    for test in tests:
+        predicted = mu0 + tau0 * BALL.area_per_load(float(test.load))
+        log_likelihood -= 0.5 * ((test.coefficient - predicted) / test.uncertainty) ** 2
+    weight = np.exp(log_likelihood - log_likelihood.max()).ravel()
+    values = np.random.default_rng(0).choice(weight.size, 200_000, p=weight / weight.sum())
+    for name, draws, interval in (("mu0", mu0, interface.mu0), ("tau0", tau0, interface.tau0)):
+        expected = compute_credible_interval(draws.ravel()[values], 0.0)
+        result = compute_credible_interval(interface.draws[name].to_numpy(), 0.0)
+        assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * (expected[2] - expected[1]))
+        assert interval[0] == result[0]
+        assert interval[1] <= result[1] < result[2] <= interval[2]
+    assert interface.tau0[1] == 0.0
+
+
+def test_common_error_of_tests_widens_the_interval_of_the_combination_of_mu0_and_tau0_that_they_determine() -> None:
+    tests = simulate_ball_tests()
+    narrow_interval, wide_interval = (
+        calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1)
+    )
+    assert wide_interval[2] - wide_interval[1] == pytest.approx(
+        math.hypot(narrow_interval[2] - narrow_interval[1], 0.1 * 3.92 * wide_interval[0]), rel=0.1
+    )
+
+
+def test_friction_tests_on_a_single_pair_determine_only_a_combination_of_mu0_and_tau0() -> None:
+    curve = compute_rough_load_curve(0.02, 1)
+    tests = [
+        FrictionTest(curve, load, coefficient=float(y), uncertainty=0.03 * float(y))
+        for load, y in zip(curve.load, curve.friction_coefficient(mu0=0.2, tau0=0.3), strict=True)
+    ]
+    interface = calibrate(tests)
+    assert not interface.separated
+    assert np.isnan([*interface.mu0, *interface.tau0]).all()
+    assert interface.identified[1] < 0.2 + 0.3 * interface.area_per_load < interface.identified[2]
+    assert interface.excluded == ()
+
+
+def test_calibration_advice_predicts_the_errors_that_remain_after_ball_tests_with_a_hundredfold_range_of_load() -> None:
+    curve = compute_rough_load_curve(0.02, 1)
+    tests = [FrictionTest(curve, load, coefficient=0.3, uncertainty=0.009) for load in curve.load]
+    interface = calibrate(tests)
+    (_, mu0_error, tau0_error), *_ = interface.advice
+    pair_ratio = interface.area_per_load
+    loads = np.geomspace(1.0, 100.0, len(tests))
+    ball_ratios = pair_ratio * np.array([BALL.area_per_load(load) for load in loads]) / BALL.area_per_load(10.0)
+    ratios = np.array([*([pair_ratio] * len(tests)), *ball_ratios])
+    design = np.stack([np.ones_like(ratios), ratios], axis=1)
+    expected = 0.009 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))  # Every coefficient has the same error.
+    assert (mu0_error, tau0_error) == pytest.approx(expected, rel=0.25)
+
+
+def test_friction_tests_on_two_surface_finishes_predict_friction_on_a_third_finish() -> None:
+    curves = [compute_rough_load_curve(rms, seed) for rms, seed in ((0.01, 1), (0.04, 2))]
+    random = np.random.default_rng(1)
+    tests = [
+        FrictionTest(
+            curve, load, coefficient=float(y) * (1 + 0.02 * random.standard_normal()), uncertainty=0.02 * float(y)
+        )
+        for curve in curves
+        for load, y in zip(curve.load, curve.friction_coefficient(mu0=0.2, tau0=0.3), strict=True)
+    ]
+    interface = calibrate(tests, sliding="all")
+    assert interface.separated
+    assert interface.mu0[1] < 0.2 < interface.mu0[2]
+    assert interface.tau0[1] < 0.3 < interface.tau0[2]
+    third_curve = compute_rough_load_curve(0.02, 5)
+    value, lower, upper = interface.predict(third_curve, float(third_curve.load[1]))
+    assert lower < float(third_curve.friction_coefficient(mu0=0.2, tau0=0.3)[1]) < upper
+    assert lower < value < upper
+    assert list(interface.draws.columns) == ["mu0", "tau0", "hardness"]
+
+
+def compute_rough_load_curve(rms: float, seed: int):
+    """Return the load curve of two rough surfaces as elastic half-spaces, with friction at all contacts."""
+    upper, lower = rough_maps(seed, rms=rms, points=64)
+    loads = np.geomspace(0.05, 0.4, 4) * 6.4**2
+    return half_space(upper, lower, loads, effective_modulus=80.0, sliding="all", boundary="periodic")
+
+
+def test_friction_test_accepts_a_result_of_the_pair_function() -> None:
+    upper, lower = rough_maps()
+    result = pair(
+        upper, lower, load=["40 MPa", "160 MPa"], mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", shifts=4,
+        onset=0,
+    )  # fmt: skip
+    coefficient = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["friction_all_round"].sel(sliding="all", statistic="mean")
+    truth = float(coefficient.squeeze())
+    tests = [FrictionTest(result, load, coefficient=truth, uncertainty=0.01) for load in ("80 MPa", "2 mN")]
+    # The pressure acts on the area of the pieces of the maps.
+    assert tests[0].load == pytest.approx(0.08 * result.nominal_area)
+    interface = calibrate(tests)
+    assert [fit.sliding for fit in interface.fits] == ["all", "opposing"]
+    assert interface.predict(result, "80 MPa")[0] == pytest.approx(truth, rel=0.02)
+    hardness_of_brass = find_uncertain_inputs(result.study)["hardness"].estimate
+    assert interface.about[HARDNESS_HEADER_ENTRY] == hardness_of_brass.text
+    assert interface.draws["hardness"].median() == pytest.approx(hardness_of_brass.value, rel=0.1)
+
+
+def rough_surface_pair(rms: float) -> list[Any]:
+    return rough_maps(1, rms=rms, shortest_wavelength=0.5)
+
+
+PAIR_OPTIONS = {"load": ["20 MPa", "50 MPa"], "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 4,
+           "direction": [0.0, 180.0], "onset": 0}  # fmt: skip
+
+
+def test_uncertainty_of_a_shared_hardness_cancels_in_the_prediction(tmp_path) -> None:
+    hardness = "0.5..1.5 GPa"
+    tested_pair, predicted_pair = (
+        pair(*rough_surface_pair(rms), hardness=hardness, **PAIR_OPTIONS) for rms in (0.03, 0.02)
+    )
+    tests = [FrictionTest(tested_pair, load, coefficient=0.25, uncertainty=0.005) for load in ("20 MPa", "50 MPa")]
+    strength = calibrate(tests)
+    assert strength.draws["hardness"].quantile([0.025, 0.975]).to_numpy() == pytest.approx([0.5, 1.5], rel=0.1)
+    value, lower, upper = strength.predict(predicted_pair, "50 MPa")
+    assert value == pytest.approx(0.25, rel=0.02)
+    assert upper - lower < 0.03
+    unrelated_pair = pair(
+        *rough_surface_pair(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS
+    )  # The hardness is given as another text, so it is independent of the hardness of the calibrated pair.
+    assert np.ptp(strength.predict(unrelated_pair, "50 MPa")[1:]) > 3 * (upper - lower)
+    # The combined interval of a pair shares the hardness with an interface file, too.
+    write_interface(strength, tmp_path / "film.csv")
+    arguments = {name: value for name, value in PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
+    shared_result, unrelated_result = (
+        pair(*rough_surface_pair(0.02), hardness=text, interface=tmp_path / "film.csv", **arguments)
+        for text in (hardness, "0.5..1.51 GPa")
+    )
+    assert np.ptp(shared_result.interval) < 0.5 * np.ptp(unrelated_result.interval)
+    result_in_other_unit = pair(
+        *rough_surface_pair(0.02), hardness="500..1500MPa", interface=tmp_path / "film.csv", **arguments
+    )
+    assert result_in_other_unit.interval == pytest.approx(shared_result.interval, rel=1e-6)
+
+
+def test_friction_tests_at_several_dwell_times_separate_mu0_from_tau0() -> None:
+    rough_result = pair(
+        *rough_surface_pair(0.03), hardness="0.8 GPa", wait=["1 s", "300 d"], creep=0.05, **PAIR_OPTIONS
+    )
+    table, tests = rough_result.at("20 MPa"), []
+    ratio = (table["contact_area"].sel(statistic="mean") / table["load"]).item()
+    for wait, seconds in (("1 s", 1.0), ("1 h", 3600.0), ("300 d", 300 * 86400.0)):
+        y = 0.2 + 0.05 * ratio * seconds**0.05
+        tests.append(FrictionTest(rough_result, "20 MPa", coefficient=y, uncertainty=0.002, wait=wait))
+    strength = calibrate(tests)
+    assert strength.separated
+    assert strength.mu0[0] == pytest.approx(0.2, abs=0.01)
+    assert strength.tau0[0] == pytest.approx(0.05, rel=0.1)
+
+
+def test_calibration_infers_the_true_modulus_within_its_range() -> None:
+    # The true modulus is 1.8 standard deviations above the middle of its range; a ball of exact modulus reveals it.
+    ranged_ball, exact_ball = Ball("5 mm", "2..4.5 GPa"), Ball("5 mm", "30 GPa")
+    modulus = 3.0 * 1.5 ** (1.8 / 1.96)
+    true_ball = Ball("5 mm", modulus)
+    tests = [
+        FrictionTest(body, load, coefficient=y, uncertainty=0.005 * y)
+        for body, area in ((ranged_ball, true_ball), (exact_ball, exact_ball))
+        for load in LOADS
+        for y in [MU0 + TAU0 * area.area_per_load(load)]
+    ]
+    interface = calibrate(tests, common=0.0)
+    fit = interface.fits[0]
+    (score,) = fit.scores.values()
+    assert np.median(score) == pytest.approx(1.8, abs=0.2)
+    # The errors are not scaled, because the tests agree with the best modulus, though not with the middle of its range.
+    assert fit.scale == 1.0
+    assert interface.mu0[1] < MU0 < interface.mu0[2]
+    assert interface.tau0[1] < TAU0 < interface.tau0[2]
+
+
+def test_calibration_over_a_range_of_moduli_agrees_with_a_brute_force_calculation() -> None:
+    low, high = 2.0, 4.5
+    body = Ball("5 mm", f"{low}..{high} GPa")
+    tests = [
+        FrictionTest(body, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty)
+        for test in simulate_ball_tests(seed=4)
+    ]
+    interface = calibrate(tests, common=0.0)
+    best, covariance = fit_least_squares(tests)
+    random = np.random.default_rng(0)
+    samples_at_mean_modulus = random.multivariate_normal(best, covariance, 400_000)
+    # A/F is proportional to E*^(-2/3), and the prior is flat in tau0 A/F, so tau0 is proportional to E*^(2/3).
+    relative_moduli = np.exp(random.standard_normal(400_000) / 1.96 * 0.5 * math.log(high / low))
+    tau0 = samples_at_mean_modulus[:, 1] * relative_moduli ** (2 / 3)
+    for result, draws in ((interface.mu0, samples_at_mean_modulus[:, 0]), (interface.tau0, tau0)):
+        expected = np.quantile(draws, [0.5, 0.025, 0.975])
+        assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * np.ptp(expected))
+
+
+def test_prediction_for_the_tested_pair_omits_the_error_of_its_contact_area() -> None:
+    tested_pair = pair(*rough_surface_pair(0.03), hardness="0.8 GPa", **PAIR_OPTIONS)
+    tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)] * 4
+    strength = calibrate(tests, common=0.0)
+    prediction_for_same_pair = strength.predict(tested_pair, "20 MPa")
+    prediction_for_other_pair = strength.predict(
+        pair(*rough_surface_pair(0.02), hardness="0.8 GPa", **PAIR_OPTIONS), "20 MPa"
+    )
+    assert prediction_for_same_pair == pytest.approx(np.array([1.0, 0.99, 1.01]) * 0.25, abs=0.0004)
+    assert np.ptp(prediction_for_other_pair[1:]) > 2 * np.ptp(prediction_for_same_pair[1:])
+
+
+def test_prediction_interval_includes_samples_with_mu0_at_the_lower_bound(tmp_path) -> None:
+    tests = simulate_ball_tests(mu0=0.0, seed=11)
+    interface = calibrate(tests, common=0.0, sliding="all")
+    assert interface.mu0[1] == 0.0
+    (tau0_at_bound,) = [tau0 for mu0, tau0 in interface.samples_at_bounds if not mu0.any()]
+    # If mu0 is 0, only tau0 is unknown; its estimate is a weighted mean with a normal error.
+    ratio = np.array([BALL.area_per_load(float(test.load)) / test.uncertainty for test in tests])
+    scaled_coefficients = np.array([test.coefficient / test.uncertainty for test in tests])
+    estimate, error = ratio @ scaled_coefficients / (ratio @ ratio), 1 / math.sqrt(ratio @ ratio)
+    assert np.median(tau0_at_bound) == pytest.approx(estimate, abs=error)
+    distant_ball = ball_and_load(interface.area_per_load / 3)
+    write_interface(interface, tmp_path / "film.csv")
+    for strength in (interface, read_interface(tmp_path / "film.csv")):
+        _, low, high = strength.predict(*distant_ball)
+        assert low <= np.quantile(tau0_at_bound, 0.025) * interface.area_per_load / 3 * 1.000001 < high
+        assert strength.tau0[2] >= np.quantile(tau0_at_bound, 0.975) * 0.999999
+
+
+def test_calibration_with_mu0_fixed_at_zero_reports_no_samples_at_the_lower_bound() -> None:
+    interface = calibrate(simulate_ball_tests(mu0=0.0), common=0.0, mu0=0.0, sliding="all")
+    assert interface.samples_at_bounds == ()
+
+
+def test_error_of_the_area_ratio_between_two_hardnesses_is_the_standard_error_over_members() -> None:
+    tested_pair = pair(*rough_surface_pair(0.03), hardness="0.5..1.5 GPa", **PAIR_OPTIONS)
+    test = FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)
+    area_factor = test.area_factor
+    assert area_factor is not None
+    assert area_factor.error in area_factor.nuisance_names
+    solved_areas = load_areas_at_nodes(tested_pair.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()
+    log_area_ratios = np.log(solved_areas.div(solved_areas[float(tested_pair.study.contact.hardness)], axis=0))
+    expected = log_area_ratios.sem(axis=0)
+    for hardness in expected.index[:-1]:
+        assert area_factor.areas.area_ratio_error(0, np.array([hardness])) == pytest.approx(expected[hardness])
+    fit = calibrate([test] * 4).fits[0]
+    assert area_factor.error in fit.scores
+
+
+def test_understated_errors_of_friction_tests_are_scaled_up() -> None:
+    tests = simulate_ball_tests(error=0.1, seed=2)
+    tests_of_small_errors = [
+        FrictionTest(BALL, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty / 5) for test in tests
+    ]
+    fit = calibrate(tests_of_small_errors, sliding="all").fits[0]
+    assert fit.probability < 0.05
+    assert fit.scale > 2
+    assert calibrate(tests, sliding="all").fits[0].scale == 1.0
+
+
+def test_unknown_uncertainties_of_friction_tests_are_estimated_from_their_scatter() -> None:
+    tests = simulate_ball_tests(seed=4)
+    tests_without_errors = [FrictionTest(BALL, test.load, coefficient=test.coefficient) for test in tests]
+    expected, result = (calibrate(item, sliding="all", common=0.0) for item in (tests, tests_without_errors))
+    ratio = (result.identified[2] - result.identified[1]) / (expected.identified[2] - expected.identified[1])
+    # The estimated variance has six degrees of freedom, and Student's t makes the interval wider.
+    assert 0.5 < ratio < 2.5
+
+
+def test_friction_tests_without_sliding_are_treated_as_lower_bounds() -> None:
+    sliding_tests = simulate_ball_tests()
+    identified_values = calibrate(sliding_tests[:2], sliding="all").identified
+    static_coefficient = sliding_tests[0].coefficient * 1.05
+    static_tests = [FrictionTest(BALL, LOADS[0], coefficient=static_coefficient, uncertainty=0.01, slid=False)] * 3
+    bounded_interface = calibrate([*sliding_tests[:2], *static_tests], sliding="all")
+    area_per_load = BALL.area_per_load(LOADS[0])
+    limit_before = np.quantile(
+        calibrate(sliding_tests[:2], sliding="all").draws.eval(f"mu0 + tau0 * {area_per_load}"), 0.05
+    )
+    limit_after = np.quantile(bounded_interface.draws.eval(f"mu0 + tau0 * {area_per_load}"), 0.05)
+    assert limit_after > limit_before
+    assert identified_values[0] > 0
+
+
+# ---- Junction growth -------------------------------------------------------------------------------------------------
+
+PLASTIC_PAIR_OPTIONS = PAIR_OPTIONS | {"hardness": "0.625 GPa"}
+STEEL_BALL = Ball("5 mm", "80 GPa")
+HARDNESS_NODE_TOLERANCE = 0.01
+"""Relative tolerance between a coefficient interpolated over hardness and a pair solved at that hardness."""
+
+
+@cache
+def compute_plastic_pair(alpha: Any, rms: float = 0.03, hardness: str = "0.625 GPa") -> Any:
+    """Return the result of a pair with junction growth whose contacts all yield at 0.625 GPa."""
+    return pair(*rough_surface_pair(rms), **PLASTIC_PAIR_OPTIONS | {"hardness": hardness}, junction_growth=alpha)
+
+
+@cache
+def solve_coefficient(mu0: float, tau0: float, alpha: float, rms: float = 0.03, hardness: float = 0.625) -> float:
+    """Return the coefficient at 20 MPa of the pair of `compute_plastic_pair`, solved at its hardness under shear."""
+    pressure = float(hardness_under_shear(hardness, mu0, tau0, alpha))
+    result = pair(
+        *rough_surface_pair(rms),
+        **PLASTIC_PAIR_OPTIONS | {"hardness": pressure, "mu0": mu0, "tau0": tau0},
+        junction_growth=0,
+    )
+    return float(result.at("20 MPa")["friction_all_round"].sel(sliding="all", statistic="mean").squeeze())
+
+
+def simulate_junction_growth_tests(
+    alpha: Any, truth: float, *, balls: bool = True, mu0: float = 0.2, tau0: float = 0.05
+) -> list[Any]:
+    """Return exact friction tests on a plastic pair, and on a steel ball that does not yield."""
+    y = solve_coefficient(mu0, tau0, truth)
+    tests = [FrictionTest(compute_plastic_pair(alpha), "20 MPa", coefficient=y, uncertainty=0.01 * y) for _ in range(3)]
+    for load in (5.0, 50.0, 500.0, 5000.0) if balls else ():
+        y = mu0 + tau0 * STEEL_BALL.area_per_load(load)
+        tests.append(FrictionTest(STEEL_BALL, load, coefficient=y, uncertainty=0.01 * y))
+    return tests
+
+
+@pytest.mark.parametrize("truth", [3.0, 27.0])
+def test_calibration_with_junction_growth_recovers_mu0_and_tau0(truth: float) -> None:
+    interface = calibrate(simulate_junction_growth_tests(truth, truth), common=0.0, sliding="all")
+    assert interface.mu0[0] == pytest.approx(0.2, abs=0.005)
+    assert interface.tau0[0] == pytest.approx(0.05, rel=0.02)
+    assert interface.mu0[1] < 0.2 < interface.mu0[2]
+    assert set(interface.fits[0].junction_growth) == {truth}
+    assert interface.about[GROWTH_HEADER_ENTRY] == f"{truth:g}"
+
+
+def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation() -> None:
+    tests = simulate_junction_growth_tests(27.0, 27.0)
+    interface = calibrate(tests, common=0.0, sliding="all")
+    axes = np.linspace(0.17, 0.23, 9), np.linspace(0.043, 0.057, 9)
+    friction = compute_plastic_pair(27.0).at("20 MPa", mu0=axes[0], tau0=axes[1])["friction_all_round"]
+    predict = RegularGridInterpolator(
+        axes, friction.sel(sliding="all", statistic="mean").squeeze().values, method="cubic"
+    )
+    mu0, tau0 = np.meshgrid(*(np.linspace(axis[0], axis[-1], 401) for axis in axes), indexing="ij")
+    log_likelihood = np.zeros(mu0.shape)
+    plastic_coefficient = predict((mu0, tau0))
+    for test in tests:
+        predicted = (
+            mu0 + tau0 * STEEL_BALL.area_per_load(float(test.load))
+            if test.result is STEEL_BALL
+            else plastic_coefficient
+        )
+        log_likelihood -= 0.5 * ((test.coefficient - predicted) / test.uncertainty) ** 2
+    weight = np.exp(log_likelihood - log_likelihood.max()).ravel()
+    values = np.random.default_rng(0).choice(weight.size, 200_000, p=weight / weight.sum())
+    for draws, value_and_interval in ((mu0, interface.mu0), (tau0, interface.tau0)):
+        expected = np.quantile(draws.ravel()[values], [0.5, 0.025, 0.975])
+        assert value_and_interval == pytest.approx(expected, abs=2 * SAMPLING_TOLERANCE * np.ptp(expected[1:]))
+
+
+def test_friction_tests_on_both_a_ball_and_a_plastic_pair_determine_junction_growth() -> None:
+    interface = calibrate(simulate_junction_growth_tests("0..27", 9.0), common=0.0, sliding="all")
+    low, middle, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
+    assert low < 9.0 < high
+    assert middle == pytest.approx(9.0, abs=1.0)
+    assert high - low < 8.0  # The interval from the given range of α alone would have a width of 25.7.
+
+
+def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -> None:
+    interface = calibrate(simulate_junction_growth_tests("0..27", 9.0, balls=False), sliding="all")
+    low, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.975])
+    assert low < 1.5
+    assert high > 24.0
+    value, *ends = interface.predict(compute_plastic_pair("0..27"), "20 MPa")
+    assert value == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.01)
+    assert np.ptp(ends) < 0.12 * value  # The given range of α alone would give an interval from 0.28 to 0.376.
+
+
+@pytest.mark.parametrize(("alpha", "truth"), [(9.0, 9.0), ("0..27", 9.0), ("0..27", 20.0)])
+def test_prediction_interval_for_a_harder_pair_contains_the_direct_solution(alpha: Any, truth: float) -> None:
+    interface = calibrate(simulate_junction_growth_tests(alpha, truth), sliding="all")
+    expected = solve_coefficient(0.2, 0.05, truth, 0.02, 1.25)
+    value, low, high = interface.predict(compute_plastic_pair(alpha, 0.02, "1.25 GPa"), "20 MPa")
+    assert low < expected < high
+    assert value == pytest.approx(expected, rel=0.02)
+
+
+def test_prediction_that_neglects_junction_growth_exceeds_the_direct_solution() -> None:
+    interface = calibrate(simulate_junction_growth_tests(0, 20.0), sliding="all")
+    predicted, *_ = interface.predict(compute_plastic_pair(0, 0.02, "1.25 GPa"), "20 MPa")
+    assert predicted > 1.05 * solve_coefficient(0.2, 0.05, 20.0, 0.02, 1.25)
+    # Without junction growth, the tests on the ball contradict the tests on the pair.
+    assert interface.fits[0].scale > 1.5
+    assert interface.about[GROWTH_HEADER_ENTRY] == "0"
+
+
+def test_prediction_issues_a_warning_if_result_and_tests_have_different_junction_growth() -> None:
+    interface = calibrate(simulate_junction_growth_tests(9.0, 9.0), sliding="all")
+    with pytest.warns(UserWarning, match=r"calibrated with α = 9 .* the result has α = 0"):
+        interface.predict(compute_plastic_pair(0), "20 MPa")
+    interface.predict(STEEL_BALL, 50.0)  # This prediction causes no warning, because the ball does not yield.
+
+
+def test_calibration_of_tests_below_yield_reports_no_junction_growth() -> None:
+    assert GROWTH_HEADER_ENTRY not in calibrate(simulate_ball_tests()).about
+
+
+def test_interface_file_preserves_junction_growth(tmp_path) -> None:
+    path = tmp_path / "film.csv"
+    interface = calibrate(simulate_junction_growth_tests("0..27", 9.0), sliding="all")
+    write_interface(interface, path)
+    stored_interface = read_interface(path)
+    assert stored_interface.about[GROWTH_HEADER_ENTRY] == "0..27"
+    assert stored_interface.fits[0].junction_growth == pytest.approx(interface.fits[0].junction_growth, rel=1e-6)
+    options = {name: value for name, value in PLASTIC_PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
+    result = pair(*rough_surface_pair(0.03), **options, interface=path)
+    assert result.study.known.junction_growth == "0..27"
+    assert result.study.contact.junction_growth == pytest.approx(9.0, abs=1.0)
+    expected = interface.predict(compute_plastic_pair("0..27"), "20 MPa")
+    table = result.at("20 MPa")["friction_combined"].sel(sliding="all").squeeze()
+    assert table.values[0] == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.02)
+    # The given range of α alone would give an interval that is four times as wide.
+    assert np.ptp(table.values[1:]) < 2 * np.ptp(expected[1:])
+    contradicting_result = pair(*rough_surface_pair(0.03), **options, interface=path, junction_growth=20)
+    assert any("calibrated with α = 0..27" in caveat.text for caveat in contradicting_result.caveats)
+
+
+def test_outlier_does_not_shift_a_robust_fit() -> None:
+    tests = simulate_ball_tests()
+    tests_with_outlier = [*tests, FrictionTest(BALL, LOADS[4], coefficient=3 * tests[4].coefficient, uncertainty=0.03)]
+    expected = calibrate(tests, sliding="all").identified
+    robust = calibrate(tests_with_outlier, sliding="all", outliers=True).identified
+    assert abs(robust[0] - expected[0]) < 0.3 * (expected[2] - expected[1])
+
+
+def test_common_error_within_each_test_run_widens_the_interval() -> None:
+    random = np.random.default_rng(8)
+    offsets = {run: 0.1 * random.standard_normal() for run in "abcd"}
+    tests = [
+        FrictionTest(
+            BALL, load, run=run, uncertainty=0.02 * y,
+            coefficient=y * (1 + offsets[run] + 0.02 * random.standard_normal()),
+        )
+        for run in offsets
+        for load in LOADS[::2]
+        for y in [MU0 + TAU0 * BALL.area_per_load(load)]
+    ]  # fmt: skip
+    tests_without_runs = [
+        FrictionTest(BALL, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty) for test in tests
+    ]
+    interval_with_runs, interval_without_runs = (
+        calibrate(item, sliding="all", common=0.0).identified for item in (tests, tests_without_runs)
+    )
+    assert interval_with_runs[2] - interval_with_runs[1] > interval_without_runs[2] - interval_without_runs[1]
+
+
+def test_calibration_uses_given_values_of_mu0_or_tau0_unchanged() -> None:
+    tests = simulate_ball_tests()
+    interface_with_fixed_tau0 = calibrate(tests[:1], sliding="all", tau0="12 MPa")
+    assert interface_with_fixed_tau0.separated
+    assert set(interface_with_fixed_tau0.draws["tau0"]) == {0.012}
+    assert calibrate(tests[:1], sliding="all", mu0=0.15).mu0 == (0.15, 0.15, 0.15)
+
+
+@pytest.mark.parametrize(
+    ("call", "pattern"),
+    [
+        (lambda: calibrate([]), "must contain at least one test with sliding"),
+        (lambda: calibrate([3]), "must be a sequence of FrictionTest"),
+        (
+            lambda: calibrate(simulate_ball_tests(), mu0=1e300),
+            r"^mu0 must be a finite number below 1e\+06, got 1e\+300$",
+        ),
+        (
+            lambda: calibrate(simulate_ball_tests(), tau0=1e300),
+            r"^tau0 must be a finite number below 1e\+06, got 1e\+300$",
+        ),
+        (lambda: FrictionTest(BALL, 1), "either coefficient or force"),
+        (lambda: FrictionTest(BALL, 1, coefficient=0.1, force=1), "either coefficient or force"),
+        (lambda: FrictionTest(BALL, "1 um", coefficient=0.1), "load .* unit"),
+        (lambda: FrictionTest(BALL, 1, coefficient=-0.1), "not be negative"),
+        (lambda: FrictionTest(BALL, 1, coefficient=1e-310, uncertainty=1e-311), "must be at least 1e-15"),
+        (lambda: calibrate(simulate_ball_tests(), common=2), "below 1"),
+        (lambda: calibrate(simulate_ball_tests(), tau0="3 um"), "tau0"),
+        (lambda: calibrate([*simulate_ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]), "all tests or for none"),
+    ],
+)
+def test_calibration_rejects_invalid_input(call, pattern: str) -> None:
+    with pytest.raises(ValueError, match=pattern):
+        call()
+
+
+@cache
+def load_curve_of_rough_surfaces(rms: float, hardness: float | None = None) -> HalfSpaceCurve:
+    """Return the load curve of a pair of rough surfaces at eight loads."""
+    surfaces = rough_maps(7, rms=rms, points=64, shortest_wavelength=0.4)
+    loads = np.geomspace(0.001, 0.01, 8) * 6.4**2
+    return half_space(*surfaces, loads, effective_modulus=60.0, boundary="periodic", hardness=hardness, sliding="all")
+
+
+def true_coefficient(body: Any, load: float, mu0: float, tau0: float) -> float:
+    """Return the coefficient of static friction of a ball or a load curve at a load (mN)."""
+    if isinstance(body, Ball):
+        return mu0 + tau0 * body.area_per_load(load)
+    return float(np.interp(load, body.load, np.ravel(body.friction_coefficient(mu0=mu0, tau0=tau0))))
+
+
+def ball_and_load(ratio: float) -> tuple[Ball, float]:
+    """Return a ball and the load (mN) at which its contact area per load is `ratio` (1/GPa)."""
+    return BALL, 100.0 * (BALL.area_per_load(100.0) / ratio) ** 3
+
+
+ROUGH_FINISH, SMOOTH_FINISH, SOFT_FINISH = (0.003, None), (0.001, None), (0.003, 0.1)
+FRICTION_TEST_SERIES: dict[str, Any] = {  # bodies and settings of simulated test series
+    "ball": ((None,), {}),
+    "no adhesion": ((None,), {"tau0": 0.0}),
+    "no mu0": ((None,), {"mu0": 0.0}),
+    "one plastic pair": ((SOFT_FINISH,), {}),
+    "one elastic pair": ((ROUGH_FINISH,), {}),
+    "two finishes": ((ROUGH_FINISH, SMOOTH_FINISH), {}),
+    "ball and pair": ((None, ROUGH_FINISH), {}),
+    "two finishes, no adhesion": ((ROUGH_FINISH, SMOOTH_FINISH), {"tau0": 0.0}),
+    "two finishes, no mu0": ((ROUGH_FINISH, SMOOTH_FINISH), {"mu0": 0.0}),
+    "errors understated twice": ((ROUGH_FINISH, SMOOTH_FINISH), {"noise": 0.06}),
+    "a tenth outliers": ((ROUGH_FINISH, SMOOTH_FINISH), {"outliers": 0.1}),
+    "half without sliding": ((ROUGH_FINISH, SMOOTH_FINISH), {"static": 0.5}),
+}
+
+
+def simulate_coverage(kind: str, count: int) -> np.ndarray:
+    """Simulate `count` test series; return whether predicted intervals contain the true mu_s.
+
+    The array of shape (count, 3) has columns for 1/3, 1 and 3 times the area per load of the tests.
+    """
+    body_options, settings = FRICTION_TEST_SERIES[kind]
+    bodies = [BALL if item is None else load_curve_of_rough_surfaces(*item) for item in body_options]
+    loads = [LOADS if item is BALL else item.load for item in bodies]
+    loaded_bodies = [(body, load) for body, item in zip(bodies, loads, strict=True) for load in item[:: len(bodies)]]
+    random, is_covered = np.random.default_rng(1), []
+    for _ in range(count):
+        mu0 = settings.get("mu0", random.uniform(0.05, 0.4))
+        tau0 = settings.get("tau0", random.uniform(0.005, 0.05))
+        common_factor, tests = 1 + 0.02 * random.standard_normal(), []
+        for body, load in loaded_bodies:
+            y = true_coefficient(body, load, mu0, tau0) * common_factor
+            coefficient = y * (1 + settings.get("noise", 0.03) * random.standard_normal())
+            if random.random() < settings.get("outliers", 0.0):
+                coefficient *= random.choice([0.5, 1.5])
+            is_static = random.random() < settings.get("static", 0.0) and any(test.slid for test in tests)
+            coefficient *= random.uniform(0.6, 0.95) if is_static else 1.0
+            tests.append(FrictionTest(body, load, coefficient=coefficient, uncertainty=0.03 * y, slid=not is_static))
+        result: Interface = calibrate(tests, sliding="all", outliers="outliers" in settings)
+        ratios = result.area_per_load * np.array([1 / 3, 1, 3])
+        ends = [result.predict(*ball_and_load(ratio))[1:] for ratio in ratios]
+        is_covered.append([low <= mu0 + tau0 * x <= high for x, (low, high) in zip(ratios, ends, strict=True)])
+        assert result.separated == (result.variation >= 0.1)
+    return np.array(is_covered)
+
+
+def test_predictions_from_ball_tests_contain_the_true_friction() -> None:
+    assert (
+        simulate_coverage("ball", 40)[:, 1].sum() >= 34
+    )  # At a coverage of 95 %, the probability of fewer than 34 of 40 is 0.4 %.
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("kind", FRICTION_TEST_SERIES)
+def test_predictions_contain_the_true_friction_for_every_kind_of_test_series(kind: str) -> None:
+    coverage = simulate_coverage(kind, 300).mean(axis=0)
+    print(kind, coverage.round(3))
+    assert coverage[1] > 0.92
+    assert coverage.min() > 0.9
+
+
+def test_calibration_intervals_agree_with_intervals_by_the_minos_algorithm() -> None:
+    iminuit = pytest.importorskip("iminuit")
+    tests = simulate_ball_tests(seed=5)
+
+    def chi_squared(mu0: float, tau0: float) -> float:
+        predicted = [mu0 + tau0 * BALL.area_per_load(float(test.load)) for test in tests]
+        return sum(((test.coefficient - y) / test.uncertainty) ** 2 for test, y in zip(tests, predicted, strict=True))
+
+    minuit = iminuit.Minuit(chi_squared, mu0=0.1, tau0=0.01)
+    minuit.errordef = iminuit.Minuit.LEAST_SQUARES
+    minuit.migrad()
+    minuit.minos(cl=0.95)
+    interface = calibrate(tests, common=0.0, sliding="all")
+    for name, result in (("mu0", interface.mu0), ("tau0", interface.tau0)):
+        width = minuit.merrors[name].upper - minuit.merrors[name].lower
+        value = minuit.values[name]
+        expected = value, value + minuit.merrors[name].lower, value + minuit.merrors[name].upper
+        assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * width)
+
+
+@pytest.mark.parametrize(("modulus", "has_interval"), [("3 GPa", False), ("2..4 GPa", True)])
+def test_calibration_text_states_an_interval_of_area_per_load_if_the_modulus_is_uncertain(modulus, has_interval):
+    ball = Ball("5 mm", modulus)
+    tests = [
+        FrictionTest(ball, float(load), coefficient=MU0 + TAU0 * BALL.area_per_load(load), uncertainty=0.003)
+        for load in LOADS
+    ]
+    interface = calibrate(tests)
+    condition = " ".join(calibration_text(interface).split()).partition("A/F of the tests: ")[2].partition("1/GPa")[0]
+    numbers = [float(word.strip("[],")) for word in condition.split()]
+    assert numbers[0] == pytest.approx(interface.area_per_load, rel=0.01)
+    assert len(numbers) == (3 if has_interval else 1)
+    if has_interval:  # A/F is proportional to E* to the power of -2/3
+        assert numbers[2] / numbers[1] == pytest.approx(2 ** (2 / 3), rel=0.05)

@@ -1,0 +1,207 @@
+"""Test the onset of sliding of a measured pair: means over members, the slip map and stored files."""
+
+import io
+import math
+
+import numpy as np
+import pandas
+import pytest
+import xarray
+from stiction import Profile, Study, approach_at_load, contacts, half_space, open_result, self_affine
+from stiction.companions.onset import (
+    ONSET_FILE,
+    TRACTION_TOLERANCE,
+    compute_onset,
+    find_onset_values,
+    format_backbone_csv,
+    load_stored_onset,
+)
+from stiction.evaluate.intervals import average_independent_values
+from stiction.solve.executors import thread_pool_executor
+from stiction.solve.runner import compute_missing_blocks
+from stiction.solve.store import export, open_stored_result
+from stiction.study.members import load_bodies
+from stiction.views.onset import onset_record, onset_rows, onset_text
+from stiction.views.report import report_page
+from support.command import disable_drawing
+from support.studies_of_files import create_study_from_files, pair_study, write_maps, write_profiles
+
+
+def compute_study_onset(study, **options):
+    with thread_pool_executor(1) as executor:
+        return compute_onset(study, executor, **options)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("maps")
+    contact_keys = (
+        'hardness = "4 GPa"\ncompliance_share = 0.3\npoisson_ratio = [0.3, 0.4]\nload = ["2 mN"]\ndirection = [0, 180]'
+    )
+    return create_study_from_files(folder, spacing=write_maps(folder), members=4, contact=contact_keys).with_changes(
+        {"friction.tau0": ["50 MPa"]}
+    )
+
+
+@pytest.fixture(scope="module")
+def onset(study):
+    return compute_study_onset(study, members=3)
+
+
+def test_onset_of_a_result_is_the_mean_over_its_members(study, onset):
+    curves, exact_displacements = [], []
+    for index in range(3):
+        curve = half_space(
+            *load_bodies(study).member(index, 0.0).pair, [2.0], effective_modulus=100.0, hardness=4.0,
+            compliance_share=0.3,
+        )  # fmt: skip
+        steps = onset["fraction"].values.tolist()
+        options = {"mu0": 0.3, "tau0": 0.05, "steps": steps, "poisson": [0.3, 0.4]}
+        curves.append(curve.onset(0, **options, tolerance=TRACTION_TOLERANCE))
+        exact_displacements.append(curve.onset(0, **options).displacement)
+    # Displacements with the looser tolerance of the study agree to 1e-6 with those of the default tolerance.
+    np.testing.assert_allclose(
+        onset["displacement"].sel(statistic="mean"), np.mean(exact_displacements, axis=0), rtol=1e-6
+    )
+    for name in ("displacement", "slipped_area", "tangential_load"):
+        expected = average_independent_values(np.array([getattr(member_onset, name) for member_onset in curves]))[0]
+        np.testing.assert_allclose(onset[name].sel(statistic="mean"), expected, rtol=1e-9, err_msg=name)
+    mean, lower, upper = average_independent_values(np.array([member_onset.stiffness for member_onset in curves]))
+    np.testing.assert_allclose(onset["stiffness"], [mean, lower, upper], rtol=1e-9)
+    assert onset.attrs["members"] == 3
+
+
+def test_onset_curve_increases_to_full_slip_at_sliding_load(onset):
+    mean = onset.sel(statistic="mean")
+    assert float(mean["slipped_area"][-1]) == 1
+    assert float(mean["tangential_load"][-1]) == float(mean["sliding_load"])
+    assert float(mean["displacement"][-1]) == pytest.approx(float(mean["displacement_at_sliding"]))
+    for name in ("displacement", "slipped_area", "energy_lost"):
+        assert (np.diff(mean[name]) >= 0).all()
+    assert onset.attrs["iwan_largest_residual"] < 0.1
+    assert onset.attrs["lugre_sigma0_mN_per_um"] > 0
+
+
+def test_onset_displacement_is_finite_for_asperities_and_undefined_for_half_planes(tmp_path):
+    spacing = write_profiles(tmp_path)
+    for mechanics, load in (("asperities", "20 uN"), ("half-space", "2 mN")):
+        lines = create_study_from_files(tmp_path, "lines", mechanics, spacing=spacing, members=8, load=load)
+        result = compute_study_onset(lines)
+        assert result.attrs["members"] >= 6
+        assert math.isfinite(float(result["displacement_at_sliding"].sel(statistic="mean"))) == (
+            mechanics == "asperities"
+        )
+        assert ("iwan_chi" in result.attrs) == (mechanics == "asperities")
+        assert "slips" in onset_text(find_onset_values(result))
+
+
+def test_onset_of_a_result_with_several_cutoffs_is_computed_at_the_reported_cutoff():
+    roughness = {"hurst_exponent": 0.7, "rms": 0.01, "longest_wavelength": 5.0, "shortest_wavelength": 0.05}
+    noise = 1e-3 * np.random.default_rng(1).normal(size=(2, 3000))
+    profiles = [
+        Profile(self_affine(seed, points=3000, spacing=0.01, **roughness).heights + item, spacing=0.01)
+        for seed, item in enumerate(noise)
+    ]
+    options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "offsets": 8}
+    study = pair_study(*profiles, **options)
+    quoted_cutoff, other_cutoff = study.surfaces.cell_coordinates()["cut_off"].tolist()
+    assert quoted_cutoff > other_cutoff == 0
+    onset_by_cutoff = {
+        cutoff: compute_study_onset(study.with_changes({"surfaces.cut_off": [f"{cutoff!r} um"]}))
+        for cutoff in (quoted_cutoff, other_cutoff)
+    }
+    result = compute_study_onset(study)
+    xarray.testing.assert_identical(result, onset_by_cutoff[quoted_cutoff])
+    assert float(abs(result["displacement"] - onset_by_cutoff[other_cutoff]["displacement"]).max()) > 0
+
+
+def test_onset_is_none_if_mu0_and_tau0_are_zero_or_surfaces_are_generated(study):
+    assert compute_study_onset(study.with_changes({"friction.mu0": [0.0], "friction.tau0": ["0 MPa"]})) is None
+    assert compute_study_onset(Study.named("quick")) is None
+
+
+def test_slip_map_contains_the_smallest_slip_load_of_each_cell(study, onset, monkeypatch):
+    upper, lower = load_bodies(study).member(0, 0.0).pair
+    curve = half_space(upper, lower, [2.0], effective_modulus=100.0, hardness=4.0, compliance_share=0.3)
+    member_onset = curve.onset(0, mu0=0.3, tau0=0.05, steps=onset["fraction"].values.tolist(), poisson=[0.3, 0.4])
+    expected = (member_onset.slip_load() / member_onset.sliding_load).reshape(lower.heights.shape)
+    np.testing.assert_allclose(onset["slip"], expected, rtol=1e-6)
+    in_contact = curve.contact(0).pressure > 0
+    np.testing.assert_array_equal(np.isfinite(onset["slip"]), in_contact)
+    # Points that slip at half of the sliding load carry the load fraction of the onset curve.
+    slipped_fraction = curve.contact(0).pressure[onset["slip"].values <= 0.5].sum() / curve.contact(0).pressure.sum()
+    assert slipped_fraction == pytest.approx(
+        member_onset.slipped_load[onset["fraction"].values.tolist().index(0.5)], rel=1e-9
+    )
+    np.testing.assert_allclose(onset["lower_height"], lower.heights, rtol=1e-6)
+    monkeypatch.setattr("stiction.companions.onset.MAX_PICTURE_SIDE_POINTS", 8)
+    coarse_slip = compute_study_onset(study, members=1)["slip"].values
+    assert coarse_slip.shape == (8, 8)
+    for row, column in np.ndindex(8, 8):
+        block = expected[5 * row : 5 * row + 5, 5 * column : 5 * column + 5]
+        finite_values = block[np.isfinite(block)]
+        assert coarse_slip[row, column] == pytest.approx(
+            finite_values.min() if finite_values.size else np.nan, nan_ok=True
+        )
+
+
+def test_onset_result_of_the_asperity_model_lists_every_contact(tmp_path):
+    study = create_study_from_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=2)
+    result = compute_study_onset(study, members=1)
+    pair = load_bodies(study).member(0, 0.0).pair
+    approach = approach_at_load(*pair, 2.0, mu0=0.0, effective_modulus=100.0, sliding="all")
+    contact_list = contacts(*pair, float(approach), effective_modulus=100.0, sliding="all")
+    np.testing.assert_allclose(result["contact_x"], contact_list.centre[:, 0], rtol=1e-9)
+    np.testing.assert_allclose(result["contact_area"], contact_list.area, rtol=1e-6)
+    assert float(result["contact_slip"].max()) == 1
+    assert "slip" not in result
+
+
+def test_figures_and_report_show_slip_map(study, onset, tmp_path):
+    compute_missing_blocks(study, tmp_path)
+    export(onset, tmp_path / ONSET_FILE)
+    result = open_result(tmp_path)
+    assert {"onset", "slip"} <= set(result.figures())
+    figure = result.figure("slip")
+    full_image, detail_image = (axes.images[-1].get_array() for axes in figure.axes[:2])
+    assert np.ma.count(full_image) == np.isfinite(onset["slip"]).sum()
+    assert np.ma.count(detail_image) > 0
+    page = report_page(open_stored_result(tmp_path))
+    for heading in ("Onset of sliding", "Order of slip", "light points slip first"):
+        assert heading in page
+    assert page.count('<div class="figure"><svg role="img"') == 3  # The third figure shows single positions.
+    export(onset.drop_vars(["slip", "lower_height"]), tmp_path / ONSET_FILE, replace=True)
+    assert "slip" not in open_result(tmp_path).figures()
+    with disable_drawing():
+        assert "Order of slip" not in report_page(open_stored_result(tmp_path))
+
+
+def test_stored_onset_for_another_mu0_is_ignored(study, onset, tmp_path):
+    compute_missing_blocks(study, tmp_path)
+    stored_result = open_stored_result(tmp_path)
+    assert load_stored_onset(stored_result) is None
+    export(onset, tmp_path / ONSET_FILE)
+    assert load_stored_onset(stored_result).identical(onset)
+    onset_at_other_mu0 = onset.assign_attrs(mu0=0.4)
+    export(onset_at_other_mu0, tmp_path / ONSET_FILE, replace=True)
+    assert load_stored_onset(stored_result) is None
+
+
+def test_csv_table_of_onset_starts_with_a_row_of_zeros(onset):
+    table = pandas.read_csv(io.StringIO(format_backbone_csv(onset)))
+    assert (table.iloc[0] == 0).all()
+    np.testing.assert_allclose(table["displacement (um)"][1:], onset["displacement"].sel(statistic="mean"), rtol=1e-8)
+
+
+def test_table_rows_and_json_record_of_onset_have_equal_displacements(onset):
+    values = find_onset_values(onset)
+    record = onset_record(values)
+    assert "Pre-sliding displacement " in onset_text(values)
+    assert record["iwan"]["chi"] == onset.attrs["iwan_chi"]
+    assert len(record["curve"]) == onset.sizes["fraction"]
+    for scale in (1.0, 1e3):
+        larger = onset.assign({name: scale * onset[name] for name in ("displacement_at_sliding", "stiffness")})
+        rows = dict(onset_rows(find_onset_values(larger))[1:])
+        (name,) = (name for name in rows if name.startswith("pre-sliding displacement"))
+        value = float(rows[name].split()[0]) * {"nm": 1e-3, "µm": 1.0, "mm": 1e3}[name.split("(")[1][:-1]]
+        assert value == pytest.approx(scale * record["displacement_at_sliding"]["mean"], rel=0.1)

@@ -1,0 +1,299 @@
+"""Test `at_load`: the definitions of the load, and the means and intervals of the coefficient and other quantities."""
+
+import numpy as np
+import pytest
+from stiction import (
+    Study,
+    approach_at_load,
+    area_map,
+    friction_map,
+    pair,
+    press,
+    run,
+    self_affine_surface,
+    stiffness_map,
+)
+from stiction.evaluate import intervals
+from stiction.evaluate.at_load import at_load
+from stiction.evaluate.load_range import choose_loads_in_range
+from stiction.evaluate.member_means import find_axes_with_both_directions
+from stiction.evaluate.member_values import member_values
+from stiction.mechanics.friction import STATUSES
+from stiction.study.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
+from stiction.study.members import load_bodies
+from support.studies_of_files import create_study_from_files, write_maps, write_profiles
+
+ROUND_OFF = 1e-9
+
+
+@pytest.fixture(scope="module")
+def areal_study_and_dataset(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("areas")
+    study = create_study_from_files(folder, spacing=write_maps(folder), members=5)
+    return study, run(study).dataset
+
+
+@pytest.fixture(scope="module")
+def profile_study_and_dataset(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("lines")
+    study = create_study_from_files(
+        folder, "lines", "asperities", spacing=write_profiles(folder), members=12, load="0.05 mN"
+    )
+    return study, run(study).dataset
+
+
+def test_friction_of_profiles_at_a_load_equals_the_mean_over_positions_of_results_from_the_press_function(
+    profile_study_and_dataset,
+):
+    study, result = profile_study_and_dataset
+    pairs = [load_bodies(study).member(index, 0.0).pair for index in range(12)]
+    order = np.argsort(result["x"].values)  # The interval of the mean depends on the order of positions.
+    material = {"mu0": 0.3, "tau0": 0.05}
+    for load, mu0, tau0 in (("elastic", 0.0, 0.0), ("normal", *material.values())):
+        table = at_load(result, [0.05], reading=load).sel(material).isel(cut_off=0, load=0)
+        for angle, shear in ((0.0, "+x"), (180.0, "-x")):
+            model = {"effective_modulus": 100.0, "detection": "gap-minimum", "shear": shear}
+            curves = [
+                press(*pair, approach_at_load(*pair, [0.05], mu0=mu0, tau0=tau0, **model), **model) for pair in pairs
+            ]
+            coefficients = np.array([curve.friction_coefficient(**material)[0] for curve in curves])[order]
+            coefficients_at_load = table["friction_coefficient"].sel(sliding="opposing", direction=angle).values
+            np.testing.assert_allclose(
+                coefficients_at_load, intervals.average_correlated_values(coefficients), rtol=2e-3
+            )
+        if load == "elastic":  # The contact area always belongs to the elastic load.
+            area = np.array([curve.contact_area[0] for curve in curves])[order]
+            np.testing.assert_allclose(table["contact_area"], intervals.average_correlated_values(area), rtol=1e-9)
+
+
+def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_study_and_dataset):
+    _, result = areal_study_and_dataset
+    tables = {reading: at_load(result, [2.0], reading=reading) for reading in ("mean", "elastic", "normal")}
+    values = [table["friction_all_round"].sel(statistic="mean").values for table in tables.values()]
+    np.testing.assert_allclose(values[1], values[2], rtol=1e-3)
+    np.testing.assert_allclose(values[0], values[1], rtol=2e-3)  # The ratio of means differs from the mean of ratios.
+    assert float(tables["elastic"]["reading_difference"].max()) < 1e-3
+    assert {name: table.attrs["reading"] for name, table in tables.items()} == {
+        name: name for name in tables
+    }  # fmt: skip
+
+
+def test_friction_of_generated_profiles_at_a_load_equals_the_friction_map():
+    study = Study.named("quick").with_changes({
+        "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.3],
+    })  # fmt: skip
+    result = run(study).dataset
+    load = float(choose_loads_in_range(result, 5)[2])
+    table, friction = at_load(result, [load]), friction_map(result, [load])
+    np.testing.assert_array_equal(table["friction_coefficient"].sel(statistic="mean"), friction["friction_coefficient"])
+    np.testing.assert_array_equal(table["friction_coefficient"].sel(statistic="upper"), friction["upper"])
+    assert int(table["members"]) == 4
+    elastic_table = at_load(result, [load], reading="elastic")
+    assert elastic_table["friction_coefficient"].dims == (
+        "fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0", "statistic",
+    )  # fmt: skip
+
+
+def test_selected_quantities_at_a_load_equal_those_of_a_complete_evaluation(areal_study_and_dataset):
+    study, result = areal_study_and_dataset
+    loads = study.contact.loading_steps()[1:3]
+    complete_table = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02])
+    selected_table = at_load(
+        result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02], names=("contact_count", "gentle_friction")
+    )
+    assert set(selected_table.data_vars) < set(complete_table.data_vars)
+    assert {"friction_all_round", "contact_area", "contact_count", "gentle_friction"} <= set(selected_table.data_vars)
+    assert "reading_difference" not in selected_table
+    for name in selected_table.data_vars:
+        assert selected_table[name].equals(complete_table[name]), name
+
+
+def test_stiffnesses_per_area_have_one_unit(areal_study_and_dataset):
+    _, dataset = areal_study_and_dataset
+    values = at_load(dataset, dataset["load"].values[:2]).squeeze()
+    stiffness_per_area = values["normal_stiffness"] / values["nominal_area"] * 1e6  # GPa/µm to MPa/mm
+    np.testing.assert_allclose(values["stiffness_per_area"], stiffness_per_area, rtol=1e-12)
+    names = ("stiffness_per_area", "unloading_stiffness_per_area", "closure_stiffness")
+    assert {values[name].attrs["units"] for name in names if name in values} == {"MPa/mm"}
+
+
+def test_intervals_of_generated_results_are_computed_after_averaging_directions():
+    study = Study().with_changes({
+        "ensemble.repetitions": 6, "surfaces.kind": "surface", "surfaces.shape": [24, 24], "contact.direction": [0, 90],
+        "surfaces.extent": ["1.5 um", "1.5 um"], "surfaces.band_limit": "nyquist", "contact.approach.count": 5,
+        "surfaces.fractal_dimension": [1.2, 1.5], "surfaces.amplitude": ["50 nm"],
+    })  # fmt: skip
+    result = run(study).dataset
+    load = [float(choose_loads_in_range(result, 5)[2])]
+    table, dataset_over_directions = at_load(result, load), result.mean("direction", keep_attrs=True)
+    for name, quantity_map in (
+        ("contact_area", area_map(dataset_over_directions, load)),
+        ("normal_stiffness", stiffness_map(dataset_over_directions, load)),
+    ):
+        for statistic, variable in (("mean", name), ("lower", "lower"), ("upper", "upper")):
+            np.testing.assert_allclose(table[name].sel(statistic=statistic), quantity_map[variable], rtol=ROUND_OFF)
+
+
+def test_intervals_of_measured_results_are_computed_after_averaging_directions(areal_study_and_dataset):
+    _, result = areal_study_and_dataset
+    values = member_values(result, [2.0], mu0=0.3)
+    point = at_load(result, [2.0], mu0=0.3)
+    friction = values["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing")
+    expected = intervals.average_independent_values(friction.mean("direction").values)
+    computed_interval = (
+        point["friction_all_round"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing").values
+    )
+    np.testing.assert_allclose(computed_interval, expected, rtol=ROUND_OFF)
+    axis_means = friction.sel(direction=[60.0, 240.0]).mean("direction").values
+    friction_along_axis = (
+        point["friction_by_axis"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing", axis=60.0)
+    )
+    np.testing.assert_allclose(friction_along_axis, intervals.average_independent_values(axis_means), rtol=ROUND_OFF)
+    low, high = (
+        float(point[name].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing"))
+        for name in ("spread_low", "spread_high")
+    )
+    assert (low, high) == pytest.approx(tuple(np.quantile(friction.values, [0.1, 0.9])))
+
+
+def test_axis_of_motion_consists_of_two_opposite_directions():
+    axes, indices = find_axes_with_both_directions(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
+    assert axes.tolist() == [0.0, 30.0]
+    assert indices.tolist() == [[1, 4], [0, 2]]
+    assert find_axes_with_both_directions(np.array([0.0, 45.0]))[0].size == 0
+
+
+def test_unreached_loads_have_the_status_not_reached(areal_study_and_dataset, profile_study_and_dataset):
+    for _, result in (areal_study_and_dataset, profile_study_and_dataset):
+        highest = float(result["load"][-1])
+        table = at_load(result, [2 * highest])
+        assert np.isnan(table["friction_coefficient"]).all()
+        assert set(np.unique(table["status"])) <= {"not-reached", "not-solved"}
+        assert int(table["ok"].max()) == 0
+
+
+def test_member_without_solution_at_a_load_is_omitted_from_the_mean(areal_study_and_dataset):
+    _, result = areal_study_and_dataset
+    incomplete = result.copy(deep=True)
+    incomplete["normal_elastic"].values[0, 1] = np.nan
+    incomplete["status"].values[0, 1] = 5
+    table = at_load(incomplete, [2.0])
+    assert int(table["ok"].max()) == 4
+    assert np.isfinite(table["friction_all_round"]).all()
+    assert member_values(incomplete, [2.0])["status"].isel(repetition=1).values.ravel()[0] == "not-solved"
+
+
+@pytest.mark.parametrize("reading", ["elastic", "normal"])
+def test_unsolved_load_has_the_status_not_solved_and_no_interpolated_value(areal_study_and_dataset, reading):
+    _, result = areal_study_and_dataset
+    step = 1
+    incomplete = result.copy(deep=True)
+    incomplete["status"].values[0, 0, step] = STATUSES.index("not-solved")
+    for values in incomplete.data_vars.values():
+        if values.dtype.kind == "f" and "load" in values.dims:
+            values.loc[{"repetition": 0, "load": values["load"][step]}] = np.nan
+    loads = incomplete["load"].values[step] * np.array([0.9, 1.0])
+    status = member_values(incomplete, loads, reading=reading)["status"].transpose("repetition", ...)
+    assert (status[0] == "not-solved").all()
+    assert (status[1:] == "ok").all()
+    area_of_incomplete, area_of_complete = (
+        member_values(item, result["load"].values[2:3])["contact_area"] for item in (incomplete, result)
+    )
+    np.testing.assert_array_equal(area_of_incomplete, area_of_complete)
+
+
+def test_load_between_distant_load_steps_has_the_status_not_reached():
+    curve, values = np.array([1e-3, 1.0, 10.0]), np.array([2e-3, 1.5, 12.0])
+    crossing = intervals.LoadCrossings.from_curves(curve, np.array([1e-3, 0.1, 1.0, 3.0]), interpolates_ratio=True)
+    assert crossing.reached.tolist() == [True, False, True, True]
+    assert np.isnan(crossing.interpolate(values)).tolist() == [False, True, False, False]
+
+
+def test_load_steps_are_inserted_between_given_loads_that_are_far_apart():
+    loads = choose_load_steps([1e-3, 2e-3, 2.0], press="areas", mechanics="half-space")
+    assert {1e-3, 2e-3, 2.0} <= set(loads.tolist())
+    assert (loads[1:] / loads[:-1]).max() < 1.02 * MAX_AREAL_LOAD_RATIO
+    close_loads = choose_load_steps([1.0, 3.0], press="areas", mechanics="half-space")
+    assert close_loads.size == 4
+
+
+def test_evaluation_at_a_load_rejects_invalid_input(areal_study_and_dataset):
+    _, result = areal_study_and_dataset
+    for changes, pattern in (
+        ({"loads": [0.0]}, "loads must be above 0"), ({"mu0": -1.0}, "mu0 must not be negative"),
+        ({"reading": "median"}, "reading must be one of"),
+        ({"member_kind": "surrogates"}, "member_kind must be .shifts."),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=pattern):
+            at_load(result, **({"loads": [2.0]} | changes))
+
+
+INTERPOLATED_QUANTITIES = ("contact_area", "contact_count", "stiffness_per_area", "closure", "friction_all_round")
+MAX_WIDENING = 2.2  # largest width of an interval between computed loads, relative to the width without its error
+MIN_COVERAGE = 0.93  # minimum fraction of solved values within the interpolation error, which is a 95 % error
+
+
+def compute_interpolation_errors(seed, *, points, longest_wavelength, shifts, hardness):
+    """Return quantity, error between two loads, estimated error, and half width of the interval without this error.
+
+    All numbers are logarithms. The estimated error is the part of the interval that is not due to the limited number of
+    members.
+    """
+    bodies = [
+        self_affine_surface(
+            seed, side=side, hurst_exponent=0.8, rms=0.02, shape=(points, points), spacing=0.1, shortest_wavelength=0.4,
+            longest_wavelength=longest_wavelength,
+        )
+        for side in ("upper", "lower")
+    ]  # fmt: skip
+    options = {
+        "effective_modulus": 80.0, "onset": 0, "cutoff": "none", "mu0": 0.2, "tau0": 0.05, "shifts": shifts,
+        "direction": [0, 180], "hardness": hardness,
+    }  # fmt: skip
+    result = pair(*bodies, load=["10 MPa", "30 MPa"], **options)
+    loads = ["13 MPa", "17 MPa", "22 MPa"]
+    interpolated = result.at(loads)
+    solved = pair(*bodies, load=["10 MPa", *loads, "30 MPa"], **options).at(loads)
+    members = member_values(result, interpolated["load"].values)
+    members["friction_all_round"] = members["friction_coefficient"].mean("direction")
+    rows = []
+    for name in INTERPOLATED_QUANTITIES:
+        dims = [dim for dim in interpolated[name].dims if dim != "statistic"]
+        values = members[name].transpose("repetition", *dims).values
+        mean, _, upper = np.log(intervals.average_independent_values(values))
+        estimate = np.log(interpolated[name].transpose(*dims, "statistic").values)
+        np.testing.assert_allclose(estimate[..., 0], mean)
+        error = np.sqrt(np.maximum((estimate[..., 2] - mean) ** 2 - (upper - mean) ** 2, 0))
+        difference = np.log(solved[name].sel(statistic="mean").transpose(*dims).values) - mean
+        numbers = (difference, error, upper - mean)
+        rows += list(zip([name] * mean.size, *(each.ravel().tolist() for each in numbers), strict=True))
+    return rows
+
+
+def test_interval_between_computed_loads_contains_the_solution_for_few_contacts():
+    rows = [
+        row
+        for seed in range(12)
+        for row in compute_interpolation_errors(
+            seed, points=32, longest_wavelength=3.2, shifts=3 + seed % 3, hardness=None if seed % 2 else 2.0
+        )
+    ]
+    difference, error = (np.array([row[index] for row in rows]) for index in (1, 2))
+    assert np.abs(difference).max() > 0.1  # jumps of single contacts
+    assert np.mean(np.abs(difference) <= error) > MIN_COVERAGE
+
+
+def test_interval_between_computed_loads_is_narrow_for_many_contacts():
+    rows = compute_interpolation_errors(3, points=128, longest_wavelength=0.8, shifts=8, hardness=None)
+    widening = np.array([np.hypot(1, error / half_width) for _, _, error, half_width in rows])
+    assert widening.max() < MAX_WIDENING
+    friction_errors = [error for name, _, error, _ in rows if name == "friction_all_round"]
+    assert min(friction_errors) < 0.01
+    assert max(friction_errors) < 0.05
+
+
+def test_value_at_a_computed_load_does_not_depend_on_an_interpolated_load(areal_study_and_dataset):
+    study, result = areal_study_and_dataset
+    load = study.contact.loading_steps()[:1]
+    both = at_load(result, [*load, 1.2 * load[0]]).isel(load=[0])
+    assert both.drop_attrs().equals(at_load(result, load).drop_attrs())

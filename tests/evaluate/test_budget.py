@@ -1,0 +1,548 @@
+"""Test the combined uncertainty against simple limits, direct solutions over hardness and E*, and true values."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+from scipy.stats import halfnorm
+from stiction import Study, Surface, cut_off, pair, self_affine_surface
+from stiction.evaluate import budget
+from stiction.evaluate import hardness_nodes as hardness
+from stiction.evaluate.at_load import at_load
+from stiction.evaluate.budget import _compute_pressure_and_growth_under_shear, _get_arrays_over_dims, add_uncertainty
+from stiction.evaluate.coefficient_samples import CoefficientSamples, compute_equal_tailed_interval
+from stiction.evaluate.hardness_nodes import choose_hardness_and_modulus_nodes, compute_areas_at_nodes
+from stiction.evaluate.junction_growth import build_area_interpolator
+from stiction.evaluate.member_values import compute_mean_areas, interpolate_member_sums
+from stiction.mechanics.friction import STATUS_OK, ForcesPerLoad
+from stiction.solve.executors import thread_pool_executor
+from stiction.study.input_distributions import Z_95, parse_uncertain_input
+from stiction.study.uncertain_inputs import find_uncertain_inputs
+from stiction.study.values import StudyError
+from stiction.summary.summary import summarize
+from support.rough_surfaces import rough_maps
+from support.studies_of_files import pair_study
+
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
+SIDES = ("upper", "lower")
+MAX_SAMPLING_ERROR = 0.02  # largest error of an interval end due to random samples, relative to the interval width
+# Largest relative errors of friction that is interpolated between solutions, for a narrow and a wide range of E*.
+MAX_INTERPOLATION_ERROR, MAX_WIDE_INTERPOLATION_ERROR = 0.005, 0.008
+PAIR_OPTIONS = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
+THREE_POSITION_OPTIONS = PAIR_OPTIONS | {
+    "shifts": 3
+}  # This number is enough for comparisons of solutions at equal positions.
+
+
+LARGE_MAP_POINTS = 64  # number of points along a side of the maps in tests of interpolation between solutions
+
+
+def rough_surfaces(seed: int = 5, rms: float = 0.01, points: int = 48, refinement: int = 1) -> list[Surface]:
+    return rough_maps(
+        seed,
+        hurst_exponent=0.7,
+        rms=rms,
+        points=points * refinement,
+        spacing=0.05 / refinement,
+        shortest_wavelength=0.3 / refinement,
+    )
+
+
+def test_combined_interval_for_exact_inputs_equals_the_confidence_interval_due_to_sampling() -> None:
+    result = pair(*rough_surfaces(), load="2 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS)
+    assert result.interval == pytest.approx(result.of_positions, rel=1e-9)
+    assert result.budget["input"].tolist() == ["positions"]
+    low, high = result.next_test
+    assert low < result.of_positions[0] < result.of_positions[1] < high
+
+
+def test_interval_at_a_load_is_independent_of_the_other_requested_loads() -> None:
+    result = pair(
+        *rough_surfaces(), load=["2 MPa", "4 MPa"], mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa",
+        hardness="0.5..1.5 GPa", mechanics="half-space", **PAIR_OPTIONS,
+    )  # fmt: skip
+    study_loads = result.at_study_loads["load"].values.tolist()
+    table = add_uncertainty(at_load(result.source, [*study_loads, 1.5 * study_loads[0]]), result.source, budget=False)
+    assert table["load"].values.tolist() == sorted([*study_loads, 1.5 * study_loads[0]])
+    for name in ("friction_combined", "friction_known", "friction_next_test"):
+        assert table[name].dims == result.at_study_loads[name].dims
+        np.testing.assert_array_equal(table[name].sel(load=study_loads), result.at_study_loads[name])
+
+
+@pytest.mark.parametrize("hardness", [None, "2 GPa ± 10 %"])
+def test_budget_at_a_load_is_independent_of_the_number_of_other_loads(monkeypatch, hardness) -> None:
+    options = PAIR_OPTIONS | {"hardness": hardness, "mu0": "0.2..0.3", "tau0": "50 MPa"}
+    result = pair(*rough_surfaces(), load="2 MPa", effective_modulus="80 GPa", **options)
+    study_load = float(result.study.friction.load[0])
+    friction = result.at_study_loads["friction_all_round"]
+    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", friction.size // friction.sizes["statistic"])
+    other_loads = [factor * study_load for factor in (1.1, 1.2, 1.3)]
+    all_loads = [study_load, *other_loads]
+    table_of_all = result.at(all_loads, budget=True)
+    assert (table_of_all["width_if_known"].sel(input="mu0", sliding="all") > 0).all()
+    for load in all_loads:
+        for name in ("friction_if_known", "width_if_known"):
+            expected = result.at(load, budget=True)[name].sel(load=load)
+            np.testing.assert_allclose(table_of_all[name].sel(load=load), expected, rtol=1e-12)
+
+
+def test_friction_interval_equals_the_interval_of_mu0_if_only_mu0_is_uncertain() -> None:
+    kwargs = dict(load="2 MPa", tau0=0.0, effective_modulus="80 GPa", **PAIR_OPTIONS)
+    result = pair(*rough_surfaces(rms=0.001), mu0="0.2±0.02", **kwargs)
+    assert result.interval == pytest.approx((0.2 - Z_95 * 0.02, 0.2 + Z_95 * 0.02), abs=MAX_SAMPLING_ERROR * 4 * 0.02)
+    assert result.budget["input"][0] == "μ0"
+    uniform_result = pair(*rough_surfaces(rms=0.001), mu0="uniform 0.1..0.3", **kwargs)
+    assert uniform_result.interval == pytest.approx((0.105, 0.295), abs=MAX_SAMPLING_ERROR * 0.2)
+    assert uniform_result.value == pytest.approx(0.2, rel=1e-3)
+
+
+def test_adhesive_friction_at_the_ends_of_the_interval_is_proportional_to_tau0() -> None:
+    result = pair(
+        *rough_surfaces(rms=0.001), load="2 MPa", mu0=0.2, tau0="20..80 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS
+    )  # fmt: skip
+    _, adhesion, _ = result.summary().points[0].parts
+    positions_row = result.budget.set_index("input").loc["positions"]
+    assert (positions_row.lower, positions_row.upper) == pytest.approx(
+        (0.2 + adhesion / 2, 0.2 + 2 * adhesion), rel=MAX_SAMPLING_ERROR
+    )
+
+
+def test_replacing_a_result_also_replaces_its_solutions_at_other_hardnesses(tmp_path) -> None:
+    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", hardness="1..3 GPa", **THREE_POSITION_OPTIONS)
+    pair(*rough_surfaces(), effective_modulus="80 GPa", directory=tmp_path, **kwargs)
+    softer_result = pair(*rough_surfaces(), effective_modulus="20 GPa", directory=tmp_path, replace=True, **kwargs)
+    assert softer_result.interval == pair(*rough_surfaces(), effective_modulus="20 GPa", **kwargs).interval
+
+
+# The first two cases are a plastic contact and an elastic-plastic contact.
+# The range of E* in the third case is so wide that it needs solutions at other loads.
+@pytest.mark.parametrize(("rms", "modulus"), [(0.03, "70..90 GPa"), (0.003, "70..90 GPa"), (0.003, "48..112 GPa")])
+def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solutions(rms, modulus) -> None:
+    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **THREE_POSITION_OPTIONS)
+    result = pair(
+        *rough_surfaces(rms=rms, points=LARGE_MAP_POINTS), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs
+    )
+    inputs = find_uncertain_inputs(result.study)
+    assert sorted(inputs) == ["effective_modulus", "hardness"]
+    assert choose_hardness_and_modulus_nodes(result.study)[1].size == (3 if modulus.startswith("48") else 1)
+    table = result.at_study_loads
+    point_index = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
+    sums, areas = (
+        interpolate_member_sums(result.source, table["load"].values),
+        build_area_interpolator(table, result, compute_mean_areas(result)),
+    )
+    friction = ForcesPerLoad.from_contact_sums(sums.sel(sliding="all").mean())
+    variables = dict(table.variables) | _compute_pressure_and_growth_under_shear(table, result.study, areas)
+    numbers = {
+        name: values[0, 0, 0, 0, 0] for name, values in _get_arrays_over_dims(variables, table, point_index).items()
+    }
+    samples = CoefficientSamples(numbers, 0, result.study, inputs, friction, areas)
+    # The samples must not contain errors of the mean over positions.
+    samples.names, samples.standard_errors = tuple(inputs), {}
+    for probability in (0.03, 0.7):
+        hardness = float(inputs["hardness"].estimate.quantile(probability))
+        effective_modulus = float(inputs["effective_modulus"].estimate.quantile(probability))
+        direct_result = pair(
+            *rough_surfaces(rms=rms, points=LARGE_MAP_POINTS),
+            hardness=hardness,
+            effective_modulus=effective_modulus,
+            **kwargs,
+        )
+        friction_samples = samples._compute_friction_samples(
+            {"hardness": probability, "effective_modulus": probability}
+        )
+        assert friction_samples[0] == pytest.approx(
+            direct_result.value,
+            rel=MAX_WIDE_INTERPOLATION_ERROR if modulus.startswith("48") else MAX_INTERPOLATION_ERROR,
+        )
+
+
+@pytest.mark.parametrize("dwell_hours", range(1, 20))
+def test_hardness_nodes_include_the_hardness_after_a_dwell_and_are_distinct(dwell_hours) -> None:
+    options = {"hardness": "0.2 GPa", "wait": f"{dwell_hours} h", "creep": 0.05, "effective_modulus": "5 GPa"}
+    study = pair_study(*rough_surfaces(), load="5 MPa", mu0=0.2, tau0="50 MPa", cutoff="none", **options)
+    nodes, _ = choose_hardness_and_modulus_nodes(study)
+    assert nodes[-2:] == pytest.approx([0.2, np.inf], rel=1e-12)
+    assert nodes[0] == pytest.approx(0.2 * (3600 * dwell_hours) ** -0.05, rel=1e-9)
+    assert np.diff(np.log(nodes)).min() > 0.01
+
+
+@pytest.mark.parametrize("infinite", [0, 300, 500])
+def test_ends_of_the_combined_interval_equal_quantiles_of_the_samples(infinite) -> None:
+    samples = np.random.default_rng(3).lognormal(size=2**14)
+    samples[:infinite] = np.inf
+    method = "inverted_cdf" if infinite else "linear"
+    assert compute_equal_tailed_interval(samples) == pytest.approx(
+        np.quantile(samples, [0.025, 0.975], method=method).tolist(), rel=1e-14
+    )
+    samples[0] = np.nan
+    with pytest.raises(ValueError, match="have no coefficient"):
+        compute_equal_tailed_interval(samples)
+
+
+# In the periodic samples, every 61st value is the largest, so that the estimated bounds of the tails are wrong.
+SAMPLES_WITH_UNUSUAL_TAILS = {
+    "two": np.array([1.0, 2.0]),
+    "forty": np.random.default_rng(1).lognormal(size=40),
+    "equal": np.full(2**14, 3.0),
+    "rounded": np.random.default_rng(2).lognormal(size=2**14).round(1),
+    "ascending": np.sort(np.random.default_rng(3).lognormal(size=2**14)),
+    "periodic": np.where(np.arange(2**14) % 61 == 0, 5.0, np.random.default_rng(4).random(2**14)),
+}
+
+
+@pytest.mark.parametrize("samples", SAMPLES_WITH_UNUSUAL_TAILS.values(), ids=SAMPLES_WITH_UNUSUAL_TAILS)
+def test_interval_ends_equal_quantiles_of_samples_with_unusual_tails(samples) -> None:
+    expected_ends = np.quantile(samples, [0.025, 0.975]).tolist()
+    assert compute_equal_tailed_interval(samples) == pytest.approx(expected_ends, rel=1e-14)
+    assert compute_equal_tailed_interval(-samples) == pytest.approx([-expected_ends[1], -expected_ends[0]], rel=1e-14)
+
+
+def test_areas_at_other_hardnesses_are_solved_for_only_two_members_of_large_maps(monkeypatch) -> None:
+    options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
+    study = pair_study(*rough_surfaces(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **options)
+    with thread_pool_executor(1) as executor:
+        areas_of_small_maps = compute_areas_at_nodes(study, executor)
+        monkeypatch.setattr(hardness, "MIN_LARGE_MAP_POINTS", 1)
+        areas_of_large_maps = compute_areas_at_nodes(study, executor)
+    assert (areas_of_small_maps.sizes["repetition"], areas_of_large_maps.sizes["repetition"]) == (4, 2)
+    np.testing.assert_array_equal(areas_of_large_maps["contact_area"], areas_of_small_maps["contact_area"][:2])
+
+
+@pytest.mark.parametrize("rms", [0.03, 0.003])  # These are a plastic and an elastic-plastic contact.
+def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None:
+    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS)
+    aged_point = (
+        pair(
+            *rough_surfaces(rms=rms, points=LARGE_MAP_POINTS),
+            hardness="0.8 GPa",
+            wait=["1 s", "1 h", "10 d"],
+            creep=0.04,
+            **kwargs,
+        )
+        .summary()
+        .points[0]
+    )
+    assert [dwell.seconds for dwell in aged_point.waited] == [1, 3600, 864000]
+    assert aged_point.waited[0].value == pytest.approx(aged_point.value, rel=1e-9)
+    for dwell in aged_point.waited[1:]:
+        softer_result = pair(
+            *rough_surfaces(rms=rms, points=LARGE_MAP_POINTS), hardness=0.8 * dwell.seconds**-0.04, **kwargs
+        )
+        assert dwell.value == pytest.approx(softer_result.value, rel=MAX_INTERPOLATION_ERROR)
+        assert dwell.lower < dwell.value < dwell.upper
+    if rms == 0.03:  # All contacts yield, so the exact area grows as a power of the dwell time.
+        increase_per_log_time = 0.05 / 0.8 * (864000**0.04 - 1) / np.log(864000)
+        assert aged_point.ageing == pytest.approx(increase_per_log_time, rel=0.02)
+
+
+def test_range_of_creep_exponent_widens_only_intervals_after_a_dwell() -> None:
+    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="0.8 GPa", **PAIR_OPTIONS)
+    exact_point, ranged_point = (
+        pair(*rough_surfaces(rms=0.03, points=LARGE_MAP_POINTS), wait="1 d", creep=m, **kwargs).summary().points[0]
+        for m in ("0.03", "0.02..0.04")
+    )
+    assert exact_point.waited[0].value == pytest.approx(
+        ranged_point.waited[0].value, rel=1e-3
+    )  # The two ranges are solved at different hardnesses.
+    assert (exact_point.lower, exact_point.upper) == pytest.approx((ranged_point.lower, ranged_point.upper), rel=1e-9)
+    low, high = (0.2 + 0.05 / 0.8 * 86400**m for m in (0.02, 0.04))
+    assert ranged_point.waited[0].upper - ranged_point.waited[0].lower > 0.9 * (high - low)
+    assert exact_point.waited[0].upper - exact_point.waited[0].lower < 0.3 * (high - low)
+
+
+def test_hardness_of_named_materials_has_a_range_and_explicit_hardness_is_exact() -> None:
+    kwargs = dict(load="2 MPa", mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", junction_growth=0, **PAIR_OPTIONS)
+    named_result = pair(*rough_surfaces(rms=0.02), **kwargs)
+    assert named_result.budget["input"][0] == "the hardness of the brass"
+    assert named_result.budget["share"][0] > 0.5
+    exact_result = pair(*rough_surfaces(rms=0.02), hardness=named_result.study.contact.hardness.text, **kwargs)
+    assert exact_result.value == named_result.value
+    assert np.ptp(exact_result.interval) < 0.5 * np.ptp(named_result.interval)
+    lower, upper = named_result.budget.loc[0, ["lower", "upper"]]
+    assert exact_result.interval == pytest.approx(
+        (lower, upper), abs=MAX_SAMPLING_ERROR * np.ptp(named_result.interval)
+    )
+
+
+def test_area_interpolated_over_modulus_agrees_with_direct_elastic_solutions() -> None:
+    kwargs = dict(load="0.2 MPa", mu0=0.2, tau0="50 kPa", **PAIR_OPTIONS)
+    result = pair(*rough_surfaces(rms=0.01, points=LARGE_MAP_POINTS), effective_modulus="1.5..6 MPa", **kwargs)
+    table, study = result.at_study_loads, result.study
+    areas = build_area_interpolator(table, result, compute_mean_areas(result))
+
+    def mean_contact_area(pair_result):
+        return pair_result.at_study_loads["contact_area"].sel(statistic="mean").item()
+
+    for ratio in (0.6, 1.5):
+        scaled_result = pair(
+            *rough_surfaces(rms=0.01, points=LARGE_MAP_POINTS),
+            effective_modulus=float(study.contact.effective_modulus) * ratio,
+            **kwargs,
+        )
+        assert mean_contact_area(scaled_result) / mean_contact_area(result) == pytest.approx(
+            areas.area_ratio(0, None, ratio).item(), rel=MAX_INTERPOLATION_ERROR
+        )
+
+
+def test_interval_of_a_gap_map_includes_only_input_uncertainty_and_adds_a_caveat() -> None:
+    upper, lower = rough_surfaces(rms=0.03, points=128)
+    options = {
+        "load": "50 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "work_of_adhesion": 0,
+        "onset": 0,
+    }  # fmt: skip
+    gap = Surface(lower.heights - upper.heights, spacing=0.05)
+    ranged_result, exact_result = pair(gap=gap, hardness="0.5..1.5 GPa", **options), pair(gap=gap, **options)
+    assert ranged_result.interval[0] < ranged_result.value < ranged_result.interval[1]
+    assert "positions" not in ranged_result.budget["input"].tolist()
+    assert np.isnan(ranged_result.of_positions).all()
+    assert np.isnan(exact_result.interval).all()
+    for result in (ranged_result, exact_result):
+        assert any("a gap has one position" in caveat.text for caveat in result.caveats)
+        assert not any("members that differ" in caveat.remedy for caveat in result.caveats)
+
+
+def test_material_name_can_be_combined_with_numbers_for_the_other_body() -> None:
+    def contact_settings(**materials):
+        return pair_study(*rough_surfaces(), load="50 kPa", mu0=0.2, tau0="0.2 MPa", **materials).contact
+
+    rubber_on_glass = contact_settings(lower_material="glass", young="3 MPa", poisson=0.49)
+    assert rubber_on_glass.hardness is None
+    numeric_contact = contact_settings(young="3 MPa,69.5 GPa", poisson="0.49,0.2")
+    assert float(rubber_on_glass.effective_modulus) == pytest.approx(float(numeric_contact.effective_modulus))
+    brass_on_steel = contact_settings(upper_material="brass", young="210 GPa", poisson=0.3)
+    assert float(brass_on_steel.hardness) == pytest.approx(0.625)
+    with pytest.raises(ValueError, match="single values for the upper body"):
+        contact_settings(lower_material="glass", young="3 MPa,70 GPa", poisson=0.49)
+
+
+def test_hardness_option_accepts_vickers_and_rockwell_numbers() -> None:
+    assert parse_uncertain_input("hardness", "150 HV", "hardness").value == pytest.approx(150 * 9.80665e-3 / 0.9272)
+    rockwell = parse_uncertain_input("hardness", "60 HRC", "hardness")
+    assert rockwell.value == pytest.approx(697 * 9.80665e-3 / 0.9272)
+    assert rockwell.low < rockwell.value < rockwell.high
+    assert parse_uncertain_input("hardness", "58..62 HRC", "hardness").distribution == "log-normal"
+    with pytest.raises(ValueError, match="from 20 to 68 HRC"):
+        parse_uncertain_input("hardness", "12 HRC", "hardness")
+    study = pair_study(*rough_surfaces(), load="2 MPa", mu0=0.2, effective_modulus="80 GPa", hardness="150±15 HV")
+    assert float(study.contact.hardness) == pytest.approx(1.586, rel=1e-3)
+    assert study.known.hardness == "150±15 HV"
+
+
+@pytest.mark.parametrize(
+    ("options", "pattern"),
+    [
+        ({"mu0": "0.3..0.2"}, "mu0 must be a range from a smaller"),
+        ({"mu0": "0.2±0.02,0.3"}, "mu0 must not be a list"),
+        ({"hardness": "3 HB"}, "hardness .*unit"),
+        ({"effective_modulus": "3±5 GPa"}, "effective_modulus must be at least twice its standard uncertainty"),
+        ({"hardness": "1 GPa", "wait": "1 h", "creep": 5}, "creep must be at most 0.5"),
+    ],
+)
+def test_pair_function_rejects_invalid_ranges_of_inputs(options, pattern) -> None:
+    with pytest.raises(ValueError, match=pattern):
+        pair(
+            *rough_surfaces(), **{"load": "2 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", **PAIR_OPTIONS, **options}
+        )
+
+
+def test_stored_study_preserves_uncertain_inputs() -> None:
+    result = pair(*rough_surfaces(), load="2 MPa", mu0="0.1..0.3", effective_modulus="80 GPa", **PAIR_OPTIONS)
+    stored_study = Study.from_toml(result.path / "study.toml")
+    assert find_uncertain_inputs(stored_study)["mu0"].estimate == parse_uncertain_input("mu0", "0.1..0.3")
+    with pytest.raises(StudyError, match=r"known.tau0.*unit"):
+        stored_study.with_changes({"known.tau0": "20..80"})
+
+
+TRUTH_COUNT_CASES = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
+MIN_COVERAGE = 0.92  # 95 % intervals must contain at least this fraction of 300 true values.
+
+
+@pytest.mark.parametrize("num_truths", TRUTH_COUNT_CASES)
+def test_combined_interval_contains_the_true_friction_for_random_inputs(num_truths) -> None:
+    ranges = {"mu0": "0.15..0.25", "tau0": "20..80 MPa", "hardness": "0.5..1.5 GPa", "effective_modulus": "70..90 GPa"}
+    num_covered = num_covered_tests = 0
+    rng = np.random.default_rng(2016)
+    for seed in range(num_truths):
+        # The true surfaces have 1, 2 or 4 times the resolution of the scans, and wavelengths shorter by this factor.
+        refinement = int(rng.choice([1, 2, 4]))
+        true_surfaces = rough_surfaces(
+            seed, rms=float(rng.choice([0.003, 0.01, 0.03])), points=48, refinement=refinement
+        )
+        filtered_surfaces = [
+            cut_off(surface, 0.3, periodic=True) if refinement > 1 else surface for surface in true_surfaces
+        ]
+        scans = [Surface(surface.heights[::refinement, ::refinement], spacing=0.05) for surface in filtered_surfaces]
+        options = dict(load="4 MPa", **PAIR_OPTIONS)
+        predicted = pair(*scans, **ranges, **options)
+        inputs = find_uncertain_inputs(predicted.study)
+        true_inputs = {name: float(inputs[name].estimate.quantile(rng.random())) for name in ranges}
+        truth = pair(*true_surfaces, **true_inputs, **(options | {"shifts": 40}))
+        num_covered += predicted.interval[0] <= truth.value <= predicted.interval[1]
+        tested_coefficient = simulate_friction_test(truth, rng)
+        num_covered_tests += predicted.next_test[0] <= tested_coefficient <= predicted.next_test[1]
+    if num_truths < 100:
+        assert min(num_covered, num_covered_tests) >= num_truths - 1
+        return
+    print(f"covers {num_covered / num_truths:.3f}, next test {num_covered_tests / num_truths:.3f}")
+    assert num_covered / num_truths >= MIN_COVERAGE
+    assert num_covered_tests / num_truths >= MIN_COVERAGE
+
+
+def simulate_friction_test(truth, rng) -> float:
+    """Return the coefficient of a random member of the result in a random direction."""
+    from stiction.evaluate.member_values import member_values
+
+    members = member_values(truth.source, truth.at_study_loads["load"].values).sel(sliding="all").squeeze()
+    assert (members["status"] == STATUS_OK).all()
+    return float(rng.choice(members["friction_coefficient"].values.ravel()))
+
+
+@pytest.mark.parametrize("tau0", ["0±50 MPa", "5±50 MPa", "20±200 MPa"])
+def test_interval_contains_the_friction_coefficient_for_truncated_distributions_of_tau0(tau0: str) -> None:
+    result = pair(
+        *rough_surfaces(),
+        load="2 MPa",
+        mu0=0.2,
+        tau0=tau0,
+        hardness="3 GPa",
+        effective_modulus="80 GPa",
+        **PAIR_OPTIONS,
+    )
+    assert result.interval[0] <= result.value <= result.interval[1]
+
+
+def test_combined_interval_contains_the_confidence_interval_due_to_sampling_for_random_statistics(monkeypatch) -> None:
+    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # This saves the time for computing budgets.
+    # Replace values by random statistics. Some have a bracket wider than the interval of the inputs.
+    random = np.random.default_rng(5)
+    result = pair(
+        *rough_surfaces(),
+        load="2 MPa",
+        mu0=0.2,
+        tau0="20..80 MPa",
+        hardness="1 GPa",
+        effective_modulus="80 GPa",
+        **PAIR_OPTIONS,
+    )
+    count, ends, scatters, contact_counts = 300, [], [], []
+    for _ in range(count):
+        value, scatter, half_width = random.uniform(0.21, 1.0), random.uniform(0.001, 1.5), random.uniform(0.001, 0.6)
+        ends.append(value * np.array([1.0, 1 - half_width, 1 + half_width * random.uniform(0.5, 2)]))
+        scatters.append([value * (1 - scatter / 2), value * (1 + scatter)])
+        contact_counts.append(random.uniform(0.2, 30))
+    # One table contains all cases along the dimension of mu0, which takes a third of the time of one table per case.
+    table = result.at_study_loads.isel(mu0=[0] * count)
+    spread_low, spread_high = (xarray.DataArray(values, dims="mu0") for values in np.transpose(scatters))
+    cases = table.assign(
+        friction_all_round=table["friction_all_round"] * 0 + xarray.DataArray(ends, dims=("mu0", "statistic")),
+        contact_count=table["contact_count"] * 0 + xarray.DataArray(contact_counts, dims="mu0"),
+        spread_low=table["spread_low"] * 0 + spread_low,
+        spread_high=table["spread_high"] * 0 + spread_high,
+    )
+    computed_points = summarize(add_uncertainty(cases, result.source), result.study).points
+    assert len(computed_points) == count
+    for computed_point in computed_points:
+        rule = computed_point.rules[0]
+        assert rule.rule == "all"
+        assert 0 < rule.lower <= rule.sampling_interval[0] <= rule.value <= rule.sampling_interval[1] <= rule.upper
+        assert 0 < rule.next_test[0] <= rule.value <= rule.next_test[1]
+        if computed_point.bracket is not None:
+            assert rule.lower <= computed_point.bracket[0] <= computed_point.bracket[1] <= rule.upper
+
+
+def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
+    result = pair(
+        *rough_surfaces(), load="2 MPa", mu0="0.2±0.025", tau0="20..80 MPa", young="6..16 GPa,6..16 GPa",
+        poisson="0.3,0.3", hardness="1 GPa", **PAIR_OPTIONS,
+    )  # fmt: skip
+    budget_shares = result.budget.set_index("input")["share"]
+    upper, lower = (budget_shares[f"Young's modulus of the {side} body"] for side in ("upper", "lower"))
+    assert upper == pytest.approx(lower, abs=0.01)
+    assert budget_shares.min() >= 0
+
+
+def test_budget_of_a_yielding_pair_lists_positions_and_unresolved_roughness() -> None:
+    result = pair(
+        *rough_surfaces(), load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="1 GPa",
+        **PAIR_OPTIONS,
+    )  # fmt: skip
+    fractions = result.budget.set_index("input")["share"]
+    assert set(fractions.index) == {"positions", "unresolved roughness"}
+    assert fractions.min() > 0.05
+
+
+SIX_DIRECTION_OPTIONS = PAIR_OPTIONS | {
+    "load": "20 MPa", "effective_modulus": "80 GPa", "cutoff": "none", "shifts": 8,
+    "direction": list(range(0, 360, 60)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", [5, 6, 7, 8])
+def test_interval_for_zero_mu0_extends_from_zero_to_a_half_normal_quantile(seed: int) -> None:
+    result = pair(*rough_surfaces(seed, points=24), mu0="0±0.1", **SIX_DIRECTION_OPTIONS)
+    assert result.value == 0
+    low, high = result.interval
+    assert low == 0
+    assert high == pytest.approx(0.1 * halfnorm.ppf(0.975), rel=0.02)
+
+
+def test_friction_coefficient_is_exactly_zero_if_mu0_and_tau0_are_zero() -> None:
+    result = pair(*rough_surfaces(points=24), mu0=0.0, **SIX_DIRECTION_OPTIONS)
+    assert (result.value, *result.interval) == (0, 0, 0)
+    assert not result.at().friction_by_axis.sel(sliding="all").values.any()
+    assert "τ0 is 0, so the coefficient is the given μ0; the surfaces add 0" in [each.text for each in result.caveats]
+
+
+@pytest.mark.parametrize("seed", [0, 1, 5])
+def test_friction_coefficient_of_two_members_is_exactly_zero_if_mu0_and_tau0_are_zero(seed: int) -> None:
+    result = pair(*rough_surfaces(seed, points=24), mu0=0.0, **SIX_DIRECTION_OPTIONS | {"shifts": 2})
+    assert result.value == 0
+    assert not np.nan_to_num(result.at().friction_by_axis.sel(sliding="all", statistic="mean").values).any()
+
+
+UNCERTAIN_INPUT_CASES = (
+    {"mu0": "0.2±0.05", "tau0": "20..80 MPa", "effective_modulus": "40..60 GPa"},
+    {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "50 GPa", "hardness": "1..3 GPa"},
+    {"mu0": "0.2±0.05", "tau0": "20..80 MPa", "effective_modulus": "50 GPa", "hardness": "2 GPa"},
+)
+
+
+@pytest.mark.parametrize("inputs", UNCERTAIN_INPUT_CASES)
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+def test_combined_interval_contains_the_confidence_interval_due_to_sampling_and_the_range_for_finer_scans(
+    inputs: dict[str, Any], noise: float
+) -> None:
+    """Check the nested intervals of pairs with and without noise; the value must not be close to an end."""
+    random = np.random.default_rng(7)
+    roughness = {"hurst_exponent": 0.7, "rms": 0.01, "shape": (48, 48), "spacing": 0.1, "shortest_wavelength": 0.5}
+    heights = [self_affine_surface(5, side=side, **roughness).heights for side in ("upper", "lower")]
+    surfaces = [Surface(z + noise * z.std() * random.standard_normal(z.shape), spacing=0.1) for z in heights]
+    result = pair(*surfaces, load="200 MPa", shifts=4, onset=0, direction=[0, 90], **inputs)
+    points = [point for point in result.summary().points if not point.covered]
+    assert points
+    for point in points:
+        for rule in point.rules:
+            width = rule.upper - rule.lower
+            assert rule.lower + 0.01 * width < rule.value < rule.upper - 0.01 * width
+            assert rule.lower <= rule.sampling_interval[0] < rule.sampling_interval[1] <= rule.upper
+        if "hardness" in inputs and point.bracket is not None:
+            assert point.rules[0].lower <= point.bracket[0] <= point.bracket[1] <= point.rules[0].upper
+
+
+def test_interval_for_zero_mu0_and_tau0_ignores_the_uncertainty_of_mu0():
+    upper, lower = (
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.03, shape=(32, 32), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    )
+    result = pair(
+        upper, lower, load="20 MPa", mu0="0.2 ± 0.02", tau0="30 MPa", effective_modulus="80 GPa", shifts=4, onset=0,
+        cutoff="none",
+    )  # fmt: skip
+    loads = np.geomspace(0.05, 0.5, 12)
+    combined = result.at(loads, mu0=[0.0], tau0=[0.0])["friction_combined"].sel(sliding="all")
+    assert float(combined.sel(statistic="upper").max()) < 1e-9

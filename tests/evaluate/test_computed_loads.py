@@ -1,0 +1,57 @@
+"""Tests of the range of computed loads, and of loads without values."""
+
+import numpy as np
+import pytest
+from stiction import Result, run
+from stiction.evaluate.computed_loads import (
+    find_computed_load_range,
+    find_loads_outside_range,
+    find_loads_without_values,
+)
+from support.generated_studies import SMALL_STUDY
+
+
+@pytest.fixture(scope="module")
+def result():
+    return run(SMALL_STUDY.with_changes({"ensemble.repetitions": 3}))
+
+
+def test_computed_load_range_of_a_selection_covers_only_its_cells(result):
+    elastic_loads = result.mean_elastic_loads
+    lowest, highest = find_computed_load_range(result)
+    assert highest == elastic_loads.max()
+    assert lowest == elastic_loads.where(elastic_loads > 0).min()
+    values = result.at(1e-3).isel(fractal_dimension=[0])
+    assert find_computed_load_range(result, values)[1] == elastic_loads.isel(fractal_dimension=0).max()
+
+
+def test_computed_load_range_ignores_members_without_a_solution(result):
+    elastic_loads = result.dataset["normal_elastic"]
+    first, last = elastic_loads["repetition"].values[[0, -1]]
+    is_solved = (elastic_loads["repetition"] != first) | (elastic_loads["approach"] < elastic_loads["approach"][-1])
+    is_solved &= elastic_loads["repetition"] != last
+    incomplete = Result.of(result.dataset.assign(normal_elastic=elastic_loads.where(is_solved)))
+    expected = elastic_loads.where(is_solved).mean("repetition")
+    lowest, highest = find_computed_load_range(incomplete)
+    assert lowest == pytest.approx(float(expected.where(expected > 0).min()))
+    assert highest == pytest.approx(float(expected.max()))
+    loads = [0.99 * highest, 1.01 * highest]
+    assert find_loads_outside_range(incomplete, incomplete.at(loads)) == loads[1:]
+    assert incomplete.reached_loads()[-1] == highest
+
+
+def test_loads_outside_the_computed_range_have_no_values_even_if_a_cell_is_self_locked(result):
+    highest_load = find_computed_load_range(result)[1]
+    loads = [1e-3, 2 * highest_load]
+    values = result.at(loads)
+    assert find_loads_without_values(result, values) == loads[1:]
+    values["status"].loc[{"load": loads[1], "fractal_dimension": values["fractal_dimension"][0]}] = "self-locked"
+    assert find_loads_without_values(result, values) == loads[1:]
+
+
+def test_computed_load_without_coefficients_has_values_if_the_surfaces_are_self_locked(result):
+    values = result.at(1e-3)
+    values["status"][:] = np.array("self-locked", values["status"].dtype)
+    assert find_loads_without_values(result, values) == []
+    values["status"][:] = np.array("not-solved", values["status"].dtype)
+    assert find_loads_without_values(result, values) == [1e-3]

@@ -1,0 +1,193 @@
+"""Test friction tables: values against direct solutions, monotonic quantities, fitted laws and the command."""
+
+import csv
+import re
+
+import numpy as np
+import pytest
+import xarray
+from stiction import half_space, pair_of, run
+from stiction.evaluate.friction_table import friction_table, table_study
+from stiction.views.friction_table import friction_table_csv, friction_table_text
+from support.command import assert_rejected, call_stiction, check_stiction
+
+TABLE_OPTIONS = {
+    "hurst_exponents": [0.6, 0.8], "rms": [0.01, 0.03], "pressures": [0.003, 0.01, 0.03, 0.1], "points": 48,
+    "shortest_wavelength": 0.625, "repetitions": 4, "mu0": [0.3], "tau0": [0.0, 0.05],
+}  # fmt: skip
+
+SOLUTION_TOLERANCE = 1e-4  # relative difference between two solutions that start from different pressures
+
+
+@pytest.fixture(scope="module")
+def dataset():
+    return run(table_study(**TABLE_OPTIONS)).dataset
+
+
+@pytest.fixture(scope="module")
+def table(dataset):
+    return friction_table(dataset)
+
+
+def test_friction_table_equals_direct_computation(dataset, table):
+    study = table_study(**TABLE_OPTIONS)
+    loads = [pressure * 100 for pressure in TABLE_OPTIONS["pressures"]]
+    curves = {rule: [] for rule in ("opposing", "all")}
+    for repetition in range(4):
+        upper, lower = pair_of(study, repetition, fractal_dimension=1.4, amplitude=0.03)
+        assert upper.heights.std() == pytest.approx(0.03)
+        for rule, result in curves.items():
+            result.append(
+                half_space(upper, lower, loads, boundary="periodic", direction=[0.0, 90.0, 180.0, 270.0], sliding=rule)
+            )
+    cell = table.sel(hurst_exponent=0.6, method="nearest").sel(rms=0.03, method="nearest")
+    area = np.mean([curve.contact_area for curve in curves["all"]], axis=0) / 100
+    np.testing.assert_allclose(cell["contact_area_fraction"].sel(statistic="mean"), area, rtol=SOLUTION_TOLERANCE)
+    for rule, result in curves.items():
+        normal, tangential = (
+            np.mean([getattr(curve, f"{component}_load")(mu0=0.3, tau0=0.05) for curve in result], axis=(0, 1))
+            for component in ("normal", "tangential")
+        )
+        mean = cell["friction_coefficient"].sel(sliding=rule, mu0=0.3, tau0=0.05, statistic="mean")
+        np.testing.assert_allclose(mean, tangential / normal, rtol=SOLUTION_TOLERANCE)
+    # The stiffness of fixed contact patches differs from dF/dδ, because contact patches also appear and merge.
+    stiffness_of_fixed_patches = 1e6 * np.mean([curve.stiffness for curve in curves["all"]], axis=0) / 100  # MPa/mm
+    ratio = cell["normal_stiffness"].sel(statistic="mean").values[1:-1] / stiffness_of_fixed_patches[1:-1]
+    assert ((ratio > 0.8) & (ratio < 1.3)).all()
+
+
+def test_stiffness_law_is_undefined_if_the_approach_decreases_as_the_load_increases(dataset, table):
+    # With one approach negated, the approach no longer increases with the load.
+    changed_dataset = dataset.copy(deep=True)
+    changed_dataset["approach"].values[0, 0, 1] *= -1
+    result = friction_table(changed_dataset)
+    for name in ("stiffness_factor", "stiffness_exponent", "stiffness_deviation"):
+        assert np.isnan(result[name].isel(hurst_exponent=1, rms=0)).all()
+        assert result[name].isel(hurst_exponent=0).equals(table[name].isel(hurst_exponent=0))
+
+
+def test_tabulated_area_decreases_with_slope_and_friction_increases_with_tau0(table):
+    mean = table.sel(statistic="mean")
+    for name in ("contact_area_fraction", "normal_stiffness", "approach"):
+        assert (mean[name].diff("pressure") > 0).all(), name
+    # A larger rms slope reduces the contact area; a larger tau0 increases friction.
+    assert (mean["contact_area_fraction"].diff("rms") < 0).all()
+    assert (mean["contact_area_fraction"].diff("hurst_exponent") > 0).all()
+    assert (mean["friction_coefficient"].diff("tau0") > 0).all()
+    lower, upper = (table["contact_area_fraction"].sel(statistic=item) for item in ("lower", "upper"))
+    assert ((lower < mean["contact_area_fraction"]) & (mean["contact_area_fraction"] < upper)).all()
+
+
+def test_fitted_area_law_agrees_with_areas_at_light_pressures(table):
+    for index in np.ndindex(2, 2):
+        cell = table.isel(hurst_exponent=index[0], rms=index[1])
+        mean = cell.sel(statistic="mean")
+        is_light = mean["contact_area_fraction"].values <= 0.1
+        pressure = table["pressure"].values[is_light]
+        deviation = np.abs(
+            mean["contact_area_fraction"].values[is_light] / (float(mean["area_factor"]) * pressure) - 1
+        ).max()
+        assert deviation == pytest.approx(float(cell["area_deviation"]))
+        assert deviation < 0.25
+        assert 0.6 < float(mean["stiffness_exponent"]) < 1.1
+
+
+def test_fit_of_laws_recovers_exact_power_laws(dataset):
+    """Fit laws to areas and approaches that follow the laws exactly."""
+    exact_dataset = dataset.copy(deep=True)
+    pressure = exact_dataset["load"].values / 100
+    exact_dataset["contact_area"].values[...] = 100 * 1.5 * pressure
+    # This approach follows the stiffness law k = p / 0.02.
+    exact_dataset["approach"].values[...] = 0.02 * np.log(pressure) + 1
+    result = friction_table(exact_dataset)
+    assert result["area_factor"].values == pytest.approx(1.5)
+    assert result["area_deviation"].values == pytest.approx(0, abs=1e-12)
+    assert result["stiffness_factor"].values == pytest.approx(50e6)  # 50 GPa/µm at 1 GPa
+    assert result["normal_stiffness"].attrs["units"] == "MPa/mm"
+    assert "stiffness over area (MPa/mm)" in friction_table_csv(result)
+    assert re.search(r"\b50\b", friction_table_text(result))  # b (GPa/µm)
+    assert result["stiffness_exponent"].values == pytest.approx(1)
+
+
+def test_half_width_of_intervals_in_the_friction_table_is_2_to_14_times_the_standard_error(dataset, table):
+    """Compare the upper half-width with the standard error of the coefficients of the pairs."""
+    friction = table["friction_coefficient"].isel(hurst_exponent=0, rms=0, mu0=0, tau0=0, pressure=3).sel(sliding="all")
+    mean, lower, upper = friction.values
+    assert lower < mean < upper
+    pairs = dataset.isel(fractal_dimension=1, amplitude=0, load=3).sel(sliding="all").mean("direction")
+    coefficients = (pairs["tangential_elastic"] + 0.3 * pairs["tangential_frictional"]) / (
+        pairs["normal_elastic"] + 0.3 * pairs["normal_frictional"]
+    )
+    error = float(coefficients.std(ddof=1)) / 2
+    assert 2 * error < upper - mean < 14 * error
+
+
+def test_friction_table_rejects_a_study_of_profiles(small_result):
+    with pytest.raises(ValueError, match="must be from a study of generated height maps"):
+        friction_table(small_result)
+
+
+COMMAND_OPTIONS = [
+    "--effective-modulus", "10 GPa", "--hurst", "0.8", "--rms", "20 nm", "--load", "3 MPa,10 MPa,30 MPa",
+    "--points", "32", "--wavelengths", "0.625 um,2.5 um", "--repetitions", "3",
+]  # fmt: skip
+
+
+def test_table_command_writes_the_same_table_as_the_library(tmp_path):
+    check_stiction("table", *COMMAND_OPTIONS, cwd=tmp_path)
+    study = table_study(
+        hurst_exponents=[0.8], rms=[0.02], pressures=[0.003, 0.01, 0.03], points=32, shortest_wavelength=0.625,
+        repetitions=3,
+    )  # fmt: skip
+    expected = friction_table(run(study))
+    with xarray.open_dataset(tmp_path / "table" / "table.nc", engine="h5netcdf") as file_dataset:
+        for name in expected.data_vars:
+            np.testing.assert_allclose(file_dataset[name].values, expected[name].values, rtol=1e-9, err_msg=name)
+    rows = list(csv.DictReader((tmp_path / "table" / "table.csv").read_text().splitlines()))
+    assert len(rows) == 2 * 3 * 3
+    assert [float(row["pressure (MPa)"]) for row in rows[::3]] == pytest.approx([3, 10, 30, 3, 10, 30])
+    coefficient = expected["friction_coefficient"].isel(sliding=0, hurst_exponent=0, rms=0, pressure=0, mu0=0, tau0=0)
+    assert float(rows[0]["mu_s"]) == pytest.approx(float(coefficient[0]))
+    laws = list(csv.DictReader((tmp_path / "table" / "laws.csv").read_text().splitlines()))
+    assert float(laws[0]["c of k/A0 = b p^c"]) == pytest.approx(float(expected["stiffness_exponent"][0, 0, 0]))
+    # A second command with another mu0 replaces the table.
+    check_stiction("table", *COMMAND_OPTIONS, "--mu0", "0.1", cwd=tmp_path)
+    assert len((tmp_path / "table" / "table.csv").read_text().splitlines()) == 1 + 2 * 3
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (["--load", "1 mN"], "--load must be a pressure"),
+        (["--wavelengths", "1 um"], "--wavelengths must be two lengths"),
+        (["--hurst", "rough"], "--hurst must be one or more numbers"),
+    ],
+)
+def test_table_command_rejects_invalid_options(tmp_path, changes, message):
+    assert_rejected(call_stiction("table", *COMMAND_OPTIONS, *changes, cwd=tmp_path), message)
+    assert not (tmp_path / "table" / "table.nc").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"hurst_exponents": [1.2]}, r"hurst_exponents must be above 0 and at most 1, got \[1.2\]"),
+        ({"hurst_exponents": ["a"]}, "hurst_exponents must be an array of real numbers"),
+        ({"hurst_exponents": []}, "hurst_exponents must be numbers above 0"),
+        ({"rms": [-1]}, "rms must be numbers above 0"), ({"pressures": [0.0]}, "pressures must be numbers above 0"),
+        ({"mu0": [-1]}, "mu0 must not be negative"), ({"extent": "x"}, "extent must be"),
+        ({"effective_modulus": 0}, "effective_modulus must be a finite number above 0"),
+        ({"points": 3}, "surfaces.shape.*must be at least 4"), ({"repetitions": 0}, "ensemble.repetitions.*at least 1"),
+        ({"shortest_wavelength": 100}, "must be below the longest wavelength"),
+    ],
+)  # fmt: skip
+def test_study_of_a_friction_table_rejects_impossible_values_without_mentioning_pydantic(arguments, message):
+    with pytest.raises(ValueError, match=message) as error:
+        table_study(**arguments)
+    assert "pydantic" not in str(error.value)
+
+
+def test_study_of_a_friction_table_accepts_single_numbers_instead_of_lists():
+    assert table_study(rms=0.03, mu0=0.3, hurst_exponents=0.8) == table_study(
+        rms=[0.03], mu0=[0.3], hurst_exponents=[0.8]
+    )

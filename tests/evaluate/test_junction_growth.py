@@ -1,0 +1,202 @@
+"""Test junction growth of a measured pair, in which plastic contacts grow under shear."""
+
+import numpy as np
+import pytest
+from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
+from stiction.calibration.friction_tests import StrengthSamples
+from stiction.evaluate.hardness_nodes import AreasAtNodes, TabulatedAreaFunction, find_table_positions
+from stiction.mechanics.hardness import interpolate_area_per_load
+
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
+TABOR_TOLERANCE = 5e-3
+"""Relative difference of the friction of a fully plastic pair from Tabor's closed form."""
+
+INTERPOLATION_TOLERANCES = {"all": 0.01, "opposing": 0.03}
+"""Relative differences of interpolated coefficients from pairs solved at the hardness under shear, by sliding rule."""
+
+INTERFACE_STRENGTH = {"mu0": 0.2, "tau0": 0.05}
+PLASTIC_OPTIONS = {"effective_modulus": 100.0, "hardness": 0.5, "load": "20 MPa", "cutoff": "none", "shifts": 8}
+
+
+def rough_surfaces(rms=0.05):
+    roughness = {"shape": (48, 48), "spacing": 0.1, "hurst_exponent": 0.8, "rms": rms, "shortest_wavelength": 0.4}
+    return tuple(
+        Surface(self_affine_surface(5, side=side, **roughness).heights, spacing=0.1) for side in ("upper", "lower")
+    )
+
+
+def mean_coefficient(result, rule="all", **at):
+    point = result.at(**at) if at else result.at()
+    return float(point["friction_all_round"].sel(statistic="mean", sliding=rule).isel(cut_off=0, load=0, mu0=0, tau0=0))
+
+
+@pytest.fixture(scope="module")
+def growth_result():
+    return pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth=27)
+
+
+@pytest.fixture(scope="module")
+def result_without_growth():
+    return pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth=0)
+
+
+def test_friction_of_fully_plastic_contacts_equals_tabor_friction():
+    result = pair(
+        *rough_surfaces(0.01), **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"effective_modulus": 1e4}, junction_growth=27
+    )
+    expected = float(tabor_friction(PLASTIC_OPTIONS["hardness"], **INTERFACE_STRENGTH, alpha=27))
+    assert mean_coefficient(result) == pytest.approx(expected, rel=TABOR_TOLERANCE)
+
+
+@pytest.mark.parametrize("hardness", [0.5, 3.0])
+def test_friction_with_junction_growth_equals_solution_at_hardness_under_shear(hardness):
+    tau0 = 0.1 * hardness
+    inputs = PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": tau0, "hardness": hardness}
+    pressure = float(hardness_under_shear(hardness, 0.2, tau0, 27.0))
+    direct_result = pair(*rough_surfaces(), **inputs | {"hardness": pressure}, junction_growth=0)
+    result = pair(*rough_surfaces(), **inputs, junction_growth=27)
+    for rule, tolerance in INTERPOLATION_TOLERANCES.items():
+        assert mean_coefficient(result, rule) == pytest.approx(mean_coefficient(direct_result, rule), rel=tolerance)
+    area = result.at()["contact_area_at_onset"].sel(statistic="mean").squeeze()
+    assert float(area) == pytest.approx(
+        float(direct_result.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02
+    )
+
+
+def test_result_at_zero_junction_growth_equals_default_result(result_without_growth):
+    default_result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH)
+    assert result_without_growth.study.contact.junction_growth == 0
+    assert default_result.study.contact.junction_growth is None
+    assert result_without_growth.at().equals(default_result.at())
+    assert result_without_growth.interval == default_result.interval
+
+
+def test_friction_without_adhesive_strength_is_independent_of_junction_growth(growth_result, result_without_growth):
+    assert mean_coefficient(growth_result, tau0=[0.0]) == mean_coefficient(result_without_growth, tau0=[0.0])
+    table = growth_result.at(tau0=[0.0])
+    assert (
+        table["contact_area_at_onset"].sel(statistic="mean") > 1.1 * table["contact_area"].sel(statistic="mean")
+    ).all()
+
+
+def test_interval_at_zero_tau0_is_unaffected_by_seizure(growth_result, result_without_growth):
+    high_friction = {"mu0": [5.0], "tau0": [0.0]}  # the hardness under shear is below the nominal pressure
+    interval, expected = (
+        result.at(**high_friction)["friction_combined"].values for result in (growth_result, result_without_growth)
+    )
+    assert np.isfinite(interval).all()
+    assert interval == pytest.approx(expected, rel=1e-12)
+
+
+def test_friction_with_junction_growth_at_other_mu0_and_tau0_agrees_with_direct_solution(growth_result):
+    direct_result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.1, "tau0": 0.03}, junction_growth=27)
+    assert mean_coefficient(growth_result, mu0=[0.1], tau0=[0.03]) == pytest.approx(
+        mean_coefficient(direct_result), rel=5e-3
+    )
+
+
+def test_contact_area_and_stiffness_before_shear_are_independent_of_junction_growth(
+    growth_result, result_without_growth
+):
+    for name in ("contact_area", "contact_count", "mean_pressure", "normal_stiffness"):
+        assert growth_result.at()[name].equals(result_without_growth.at()[name])
+
+
+def test_friction_interval_contains_results_at_both_ends_of_the_junction_growth_range():
+    result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth="0..27")
+    results_at_ends = [
+        pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth=value)
+        for value in (0.675, 26.325)
+    ]
+    assert result.study.contact.junction_growth == 13.5
+    lower, upper = result.interval
+    assert lower == pytest.approx(mean_coefficient(results_at_ends[0]), rel=0.02)
+    assert upper == pytest.approx(mean_coefficient(results_at_ends[1]), rel=0.02)
+    assert result.budget["input"].iloc[0] == "the junction growth α"
+
+
+def test_interface_stronger_than_the_bulk_gives_the_status_seizure():
+    result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": 0.11}, junction_growth=27)
+    assert (result.at()["status"] == "seizure").all()
+    assert np.isnan(result.value)
+    assert result.verdict == "Do not quote"
+
+
+@pytest.mark.parametrize(("tau0", "has_end"), [("60..90 MPa", True), ("70..130 MPa", False)])
+def test_friction_interval_has_no_upper_end_if_seizure_occurs_in_many_samples(tau0, has_end):
+    result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": tau0}, junction_growth="20..27")
+    assert np.isfinite(result.interval[1]) == has_end
+    assert np.isfinite(result.interval[0])
+    assert (result.at()["status"] == "ok").all()
+
+
+def test_uncertainty_budget_includes_junction_growth_if_seizure_occurs_in_few_samples():
+    result = pair(
+        *rough_surfaces(),
+        **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"hardness": "0.23..1.7 GPa"},
+        junction_growth="0..27",
+    )
+    assert 0 < result.at()["fraction_seizing"].sel(sliding="all").item() < 0.025
+    assert np.isfinite(result.interval[1])
+    budget = result.budget.set_index("input")
+    assert 0.01 < budget.loc["the junction growth α", "share"] < budget.loc["the hardness", "share"] < 1
+
+
+def test_junction_growth_after_a_dwell_uses_the_reduced_hardness():
+    inputs = PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"wait": "100 s", "creep": 0.05}
+    aged_coefficient = pair(*rough_surfaces(), **inputs, junction_growth=27).summary().points[0].waited[-1].value
+    softer_result = pair(
+        *rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"hardness": 0.5 * 100**-0.05}, junction_growth=27
+    )
+    assert aged_coefficient == pytest.approx(mean_coefficient(softer_result), rel=0.01)
+
+
+@pytest.mark.parametrize(("upper", "lower", "text"), [
+    ("steel", "brass", "0..27"), ("PMMA", "steel", None), ("silicon", "silicon", None),
+])  # fmt: skip
+def test_junction_growth_is_included_for_metals_by_default(upper, lower, text):
+    result = pair(
+        *rough_surfaces(), upper=upper, lower=lower, load="10 MPa", mu0=0.2, tau0=0.001, shifts=2, cutoff="none"
+    )
+    assert result.study.known.junction_growth == text
+
+
+@pytest.mark.parametrize(("arguments", "term"), [
+    ({"junction_growth": -1.0}, "junction_growth"), ({"junction_growth": 101}, "100"),
+    ({"junction_growth": "27..0"}, "smaller"), ({"junction_growth": 9, "hardness": None}, "hardness"),
+    ({"junction_growth": 9, "mechanics": "asperities", "hardness": None}, "half-space"),
+    ({"junction_growth": 9, "work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion"),
+    ({"junction_growth": float("nan")}, "junction_growth"),
+])  # fmt: skip
+def test_pair_function_rejects_invalid_values_of_junction_growth(arguments, term):
+    with pytest.raises(ValueError, match=term):
+        pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH | arguments)
+
+
+def test_contact_area_between_solved_loads_is_interpolated_as_a_power_of_the_load():
+    loads, areas = np.array([1.0, 4.0, 100.0]), np.array([3.0, 6.0, np.nan])
+    areas_at_nodes = AreasAtNodes(
+        loads, np.ones(1), np.ones(1), areas[:, np.newaxis, np.newaxis], None, np.zeros((3, 1))
+    )
+    interpolated = areas_at_nodes.interpolate_at_loads(areas_at_nodes.areas, np.array([0.1, 1.0, 2.0, 4.0]))
+    assert interpolated.ravel() == pytest.approx([3.0, 3.0, 3.0 * 2**0.5, 6.0])
+
+
+@pytest.mark.parametrize("alpha", [0.0, 9.0, 27.0])
+def test_pressure_under_shear_satisfies_the_yield_condition(alpha):
+    hardness, mu = np.array([0.5, 2.0]), np.array([0.2, 0.6])
+    pressure = StrengthSamples("all", mu).pressure_under_shear(hardness, alpha)
+    assert pressure**2 + alpha * (mu * pressure) ** 2 == pytest.approx(hardness**2, rel=1e-12)
+
+
+def test_tabulated_areas_agree_with_exact_areas_inside_and_outside_the_range_of_nodes():
+    nodes, areas_at_nodes = np.array([0.15, 0.5, 1.3]), np.array([[6.5, 2.1, 0.95], [7.0, 2.3, 1.1]])
+    elastic_areas = np.array([0.4, 0.5])
+    areas = TabulatedAreaFunction(nodes, areas_at_nodes, elastic_areas)
+    hardness = np.geomspace(0.04, 5.0, 20_000)
+    for part, tolerance in ((hardness, 1e-5), (hardness[:50], 1e-12), (3 * hardness, 1e-12)):
+        exact_areas = interpolate_area_per_load(part, nodes, areas_at_nodes, elastic_areas)
+        table_positions = find_table_positions(np.log(part), *areas.limits)
+        assert (table_positions is not None) == (tolerance == 1e-5)
+        assert areas(np.log(part), table_positions) == pytest.approx(exact_areas, rel=tolerance)

@@ -1,0 +1,31 @@
+"""Fixtures for tests of stored results and of runs that compute a part of a result."""
+
+import pytest
+from stiction import run
+from stiction.solve import runner
+from support.generated_studies import TINY_STUDY
+
+
+@pytest.fixture
+def write_blocks_of_four_members(monkeypatch):
+    """Make stored results write blocks of four members."""
+    monkeypatch.setattr(runner, "choose_block_size", lambda study: 4)
+
+
+@pytest.fixture(scope="session")
+def uninterrupted_dataset():
+    """Return the dataset of the study `TINY_STUDY`, computed in one run; tests must not change it."""
+    return run(TINY_STUDY).dataset
+
+
+@pytest.fixture
+def computed_repetitions(monkeypatch):
+    """Return a list to which each computed repetition is appended."""
+    numbers, sums = [], runner.compute_member_arrays
+
+    def record_repetition(study, number, *record):
+        numbers.append(number)
+        return sums(study, number, *record)
+
+    monkeypatch.setattr(runner, "compute_member_arrays", record_repetition)
+    return numbers

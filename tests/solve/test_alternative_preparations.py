@@ -1,0 +1,376 @@
+"""Test alternative preparations of scans: masked spikes, and an estimate of what a blunt tip did not reach."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import astuple, replace
+
+import numpy as np
+import pytest
+from scipy.ndimage import grey_dilation
+from stiction import Profile, Study, Surface, open_result, pair, tip_reconstructed
+from stiction.evaluate.at_load import at_load
+from stiction.evaluate.budget import add_uncertainty
+from stiction.solve import alternative_preparations
+from stiction.solve.alternative_preparations import (
+    ALTERNATIVE_LABELS,
+    ALTERNATIVES_FOLDER,
+    TIP_CORRECTION,
+    build_alternative_study,
+)
+from stiction.summary.assessment import Caveat
+from stiction.summary.summary import summarize
+from stiction.summary.values_at_nodes import evaluate_measured_nodes
+from stiction.surfaces.preparation import levelled
+from stiction.surfaces.tip import sharpened
+from stiction.views.assessment import most_useful_measurement_text
+from stiction.views.rows import summary_json
+from support.rough_surfaces import rough_maps, rough_profile
+
+SPACING = 0.1
+TIP_RADIUS = 5.0  # µm
+NUM_SPIKES = 4
+PAIR_OPTIONS = {
+    "load": "20 MPa", "mu0": 0.2, "tau0": "100 MPa", "effective_modulus": "80 GPa", "shifts": 4, "onset": 0,
+    "direction": [0, 180],
+}  # fmt: skip
+
+
+def open_without_alternatives(result):
+    """Return a stored result whose interval does not include alternative preparations of the scans."""
+    folder = result.path.with_name(f"{result.path.name}-without-alternatives")
+    if not folder.exists():
+        shutil.copytree(result.path, folder, ignore=shutil.ignore_patterns(ALTERNATIVES_FOLDER))
+    return open_result(folder)
+
+
+def scan_with_tip(surface, radius=TIP_RADIUS):
+    """Return the scan of a surface that a spherical tip of a given radius records."""
+    half_width = int(np.sqrt(2 * radius * np.ptp(surface.heights)) / SPACING) + 1
+    offsets = SPACING * np.arange(-half_width, half_width + 1)
+    tip_shape = np.sqrt(radius**2 - offsets[:, None] ** 2 - offsets**2) - radius
+    heights = grey_dilation(
+        surface.heights, footprint=np.ones_like(tip_shape, bool), structure=tip_shape, mode="constant", cval=-np.inf
+    )
+    return Surface(heights, spacing=SPACING)
+
+
+def add_spikes(surface, seed=2):
+    """Return a scan with a few points that are 10 rms heights too high or too low."""
+    generator = np.random.default_rng(seed)
+    heights = surface.heights.copy()
+    points = generator.choice(heights.size, NUM_SPIKES, replace=False)
+    heights.flat[points] += 10 * heights.std() * np.array([1, -1, 1, 1])
+    return Surface(heights, spacing=SPACING)
+
+
+def contains(interval, value):
+    return interval[0] <= value <= interval[1]
+
+
+def covers(interval, other):
+    return contains(interval, other[0]) and contains(interval, other[1])
+
+
+@pytest.fixture(scope="module")
+def true_surfaces():
+    return rough_maps(5, points=40, rms=0.02)
+
+
+@pytest.fixture(scope="module")
+def true_value(true_surfaces):
+    return pair(*true_surfaces, cutoff="none", **PAIR_OPTIONS).value
+
+
+@pytest.fixture(scope="module")
+def blunt_scans(true_surfaces):
+    return [scan_with_tip(surface) for surface in true_surfaces]
+
+
+@pytest.fixture(scope="module")
+def blunt_result(blunt_scans, tmp_path_factory):
+    return pair(*blunt_scans, tip=TIP_RADIUS, directory=tmp_path_factory.mktemp("blunt") / "result", **PAIR_OPTIONS)
+
+
+@pytest.fixture(scope="module")
+def spiked_scans(true_surfaces):
+    return [add_spikes(surface) for surface in true_surfaces]
+
+
+@pytest.fixture(scope="module")
+def spiked_result(spiked_scans, tmp_path_factory):
+    return pair(*spiked_scans, cutoff="none", directory=tmp_path_factory.mktemp("spikes") / "result", **PAIR_OPTIONS)
+
+
+def test_interval_of_elastic_pair_includes_result_without_blunt_tip(blunt_result, true_value):
+    result_without_estimate = open_without_alternatives(blunt_result)
+    assert blunt_result.value == result_without_estimate.value > true_value
+    assert contains(blunt_result.interval, true_value)
+    assert not contains(result_without_estimate.interval, true_value)
+    assert covers(blunt_result.next_test, result_without_estimate.next_test)
+    (tip_caveat,) = (each for each in blunt_result.caveats if "tip does not resolve" in each.text)
+    assert "the interval includes an estimate of this" in tip_caveat.text
+    assert tip_caveat.severity == "fault"
+    assert blunt_result.verdict == result_without_estimate.verdict == "Do not quote"
+
+
+def test_interval_of_pair_with_spikes_includes_result_for_masked_outliers(spiked_result, spiked_scans, tmp_path):
+    files = [tmp_path / f"{name}.npy" for name in ("upper", "lower")]
+    for path, scan in zip(files, spiked_scans, strict=True):
+        np.save(path, scan.heights)
+    masked_result = pair(
+        *files, unit="um", spacing=SPACING, outliers="mask", cutoff="none", **PAIR_OPTIONS | {"load": "20 MPa"}
+    )
+    alternative = spiked_result.alternatives["spikes"]
+    # The same load acts on a nominal area without the masked points.
+    assert alternative.value == pytest.approx(masked_result.value, rel=1e-2)
+    assert covers(spiked_result.interval, alternative.interval)
+    result_without_estimate = open_without_alternatives(spiked_result)
+    assert covers(spiked_result.interval, result_without_estimate.interval)
+    assert spiked_result.interval != result_without_estimate.interval
+    (spike_caveat,) = (each for each in spiked_result.caveats if "rms heights" in each.text)
+    assert "the interval includes the result for masked outliers" in spike_caveat.text
+    assert spiked_result.verdict == result_without_estimate.verdict
+
+
+@pytest.mark.parametrize("name", ["blunt_result", "spiked_result"])
+def test_interval_with_alternative_is_the_same_in_all_outputs(name, request):
+    result = request.getfixturevalue(name)
+    for each in (result, open_result(result.path)):
+        point = each.summary().first
+        assert result.interval == (point.lower, point.upper)
+        combined = each.at()["friction_combined"].sel(sliding="all").squeeze()
+        assert combined.values.tolist() == [point.value, *result.interval]
+        record = json.loads(summary_json("pair", each.summary()))
+        rule = record["answers"][0]["rules"][0]
+        assert (rule["lower"], rule["upper"]) == result.interval
+        (entry,) = (
+            value
+            for value in record["values"]
+            if value["name"] == "friction_combined" and value["at"].get("sliding") == "all"
+        )
+        assert (entry["lower"], entry["upper"]) == result.interval
+        row = next(row for _, row in each.to_dataframe().iterrows() if row["sliding"] == "all")
+        limits = [value for name, value in row.items() if name.endswith((": lower", ": upper")) and "mu_s" in name]
+        assert set(result.interval) <= set(limits) or set(result.interval) <= set(row.tolist())
+
+
+@pytest.mark.parametrize("name", ["blunt_result", "spiked_result"])
+def test_interval_of_the_true_area_includes_the_alternative(name, request):
+    result = request.getfixturevalue(name)
+    own = open_without_alternatives(result).summary().first
+    (alternative,) = result.alternatives.values()
+    for quantity in ("contact_area", "contact_area_fraction", "mean_pressure"):
+        estimate = result.summary().first.quantities[quantity]
+        assert estimate.value == own.quantities[quantity].value
+        assert covers(estimate.interval, own.quantities[quantity].interval)
+        assert contains(estimate.interval, alternative.summary().first.quantities[quantity].value)
+
+
+def test_figure_states_that_the_area_band_includes_errors_of_the_scans(blunt_result):
+    legend_titles = [
+        result.figure("friction").legends[0].get_title().get_text()
+        for result in (blunt_result, open_without_alternatives(blunt_result))
+    ]
+    assert ["errors of the scans" in title for title in legend_titles] == [True, False]
+
+
+def test_budget_lists_the_interval_without_the_alternative(blunt_result):
+    budget = blunt_result.budget.set_index("input")
+    own_interval = open_without_alternatives(blunt_result).interval
+    row = budget.loc[ALTERNATIVE_LABELS["tip"]]
+    assert (row["lower"], row["upper"]) == own_interval
+    assert row["width"] == pytest.approx(own_interval[1] - own_interval[0])
+    assert (budget["width"] <= blunt_result.interval[1] - blunt_result.interval[0]).all()
+
+
+def test_combined_interval_covers_alternatives_at_every_load_and_strength(blunt_result):
+    loads, strengths = [0.1, 0.2], {"mu0": [0.1, 0.3], "tau0": [0.0, 0.05]}
+    combined, other = (
+        each.at(loads, **strengths, budget=True)["friction_combined"].values
+        for each in (blunt_result, blunt_result.alternatives["tip"])
+    )
+    own = add_uncertainty(
+        at_load(blunt_result, loads, **strengths), open_without_alternatives(blunt_result), budget=False
+    )["friction_combined"].values
+    np.testing.assert_array_equal(combined[..., 0], own[..., 0])
+    np.testing.assert_array_equal(combined[..., 1], np.minimum(own[..., 1], other[..., 1]))
+    np.testing.assert_array_equal(combined[..., 2], np.maximum(own[..., 2], other[..., 2]))
+
+
+@pytest.mark.parametrize("is_evaluated", [True, False])
+def test_caveat_mentions_the_alternative_only_where_the_interval_covers_it(spiked_result, is_evaluated):
+    at, study = spiked_result.at(), spiked_result.study
+    other_at = add_uncertainty(at_load(spiked_result.alternatives["spikes"], at["load"].values), spiked_result)
+    if not is_evaluated:
+        for name in ("friction_all_round", "friction_combined", "friction_known"):
+            other_at[name] = other_at[name] * np.nan
+    other_summary = summarize(other_at, study)
+    summary = summarize(at, study, input_caveats=spiked_result.input_caveats, alternatives={"spikes": other_summary})
+    (spike_caveat,) = (each for each in summary.first.caveats if "rms heights" in each.text)
+    assert ("the interval includes the result for masked outliers" in spike_caveat.text) == is_evaluated
+
+
+def test_pair_without_spikes_and_tip_has_no_alternatives(true_surfaces, tmp_path):
+    result = pair(*true_surfaces, directory=tmp_path / "result", **PAIR_OPTIONS)
+    assert result.alternatives == {}
+    assert not (result.path / ALTERNATIVES_FOLDER).exists()
+
+
+def test_area_interval_of_pair_with_hardness_includes_result_without_blunt_tip(true_surfaces, tmp_path):
+    options, tip_radius = PAIR_OPTIONS | {"hardness": "2 GPa"}, 4 * TIP_RADIUS
+    scans = [scan_with_tip(surface, tip_radius) for surface in true_surfaces]
+    result = pair(*scans, tip=tip_radius, directory=tmp_path / "result", **options)
+    true_result = pair(*true_surfaces, cutoff="none", **options)
+    estimate, own_estimate, true_estimate = (
+        each.summary().first.quantities["contact_area"]
+        for each in (result, open_without_alternatives(result), true_result)
+    )
+    assert estimate.value == own_estimate.value
+    assert contains(estimate.interval, true_estimate.value)
+    assert not contains(own_estimate.interval, true_estimate.value)
+    (tip_caveat,) = (each for each in result.caveats if "tip does not resolve" in each.text)
+    assert "the interval includes an estimate of this" in tip_caveat.text
+    assert tip_caveat.severity == "caution"
+
+
+def test_wide_interval_of_an_alternative_does_not_hide_the_most_useful_measurement(spiked_result):
+    point = replace(spiked_result.summary().first, caveats=())
+    expected_text = most_useful_measurement_text(point)
+    assert expected_text.startswith("A scan without spikes")
+    faults = {
+        name: Caveat(f"without outliers: {name}", "", "fault", name=name) for name in ("half_width", "contacts_missing")
+    }
+    assert most_useful_measurement_text(replace(point, caveats=(faults["half_width"],))) == expected_text
+    assert most_useful_measurement_text(replace(point, caveats=tuple(faults.values()))) == ""
+
+
+def test_budget_at_a_load_of_the_study_does_not_depend_on_another_load(spiked_result):
+    (load,) = (float(load) for load in spiked_result.study.friction.load)
+    points = spiked_result.at([load, 3 * load], budget=True).sel(load=[load])
+    expected_points = spiked_result.at(budget=True)
+    for name in ("friction_known", "friction_if_known", "width_if_known", "contact_area"):
+        assert points[name].dims == expected_points[name].dims
+        np.testing.assert_allclose(points[name].values, expected_points[name].values, rtol=1e-12)
+
+
+def test_result_without_stored_alternative_has_own_interval_until_pair_runs_again(blunt_result, blunt_scans, tmp_path):
+    folder = tmp_path / "result"
+    shutil.copytree(blunt_result.path, folder)
+    shutil.rmtree(folder / ALTERNATIVES_FOLDER)
+    old_result = open_result(folder)
+    assert old_result.interval == open_without_alternatives(blunt_result).interval
+    assert any("the interval does not include this" in caveat.text for caveat in old_result.caveats)
+    resumed_result = pair(*blunt_scans, tip=TIP_RADIUS, directory=folder, **PAIR_OPTIONS)
+    assert resumed_result.interval == open_result(folder).interval == blunt_result.interval
+
+
+def test_failure_of_an_alternative_keeps_the_result(blunt_scans, blunt_result, monkeypatch):
+    def fail(*_):
+        raise ValueError("no memory")
+
+    monkeypatch.setattr(alternative_preparations, "build_alternative_study", fail)
+    result = pair(*blunt_scans, tip=TIP_RADIUS, **PAIR_OPTIONS)
+    assert result.interval == open_without_alternatives(blunt_result).interval
+    assert any("the interval does not include this" in caveat.text for caveat in result.caveats)
+
+
+def test_alternative_study_masks_outliers_and_corrects_scans_with_tip_radius(blunt_result, spiked_result):
+    study = build_alternative_study(blunt_result.study, "tip")
+    assert {study.surfaces.upper.tip_correction, study.surfaces.lower.tip_correction} == {TIP_CORRECTION}
+    assert build_alternative_study(spiked_result.study, "tip").surfaces.upper.tip_correction is None
+    study = build_alternative_study(spiked_result.study, "spikes")
+    assert study.surfaces.upper.outliers == study.surfaces.lower.outliers == "mask"
+
+
+def test_study_file_contains_the_tip_correction(blunt_result, tmp_path):
+    study = build_alternative_study(blunt_result.study, "tip")
+    (tmp_path / "study.toml").write_text(study.to_toml(), "utf-8")
+    assert Study.from_toml(tmp_path / "study.toml") == study
+    for value in (0.0, 11.0):
+        with pytest.raises(ValueError, match="tip_correction"):
+            blunt_result.study.with_changes({"surfaces.upper.tip_correction": value})
+
+
+@pytest.mark.parametrize("mechanics", ["asperities", "half-space"])
+def test_interval_of_profiles_includes_result_without_spikes(mechanics):
+    profiles = [rough_profile(seed, points=400) for seed in (3, 4)]
+    heights = profiles[0].heights.copy()
+    heights[[100, 250]] += 10 * heights.std()
+    result = pair(
+        Profile(heights, spacing=profiles[0].spacing), profiles[1], load="10 MPa", mu0=0.2, tau0="100 MPa",
+        effective_modulus="80 GPa", mechanics=mechanics, cutoff="none", offsets=16, onset=0,
+    )  # fmt: skip
+    assert np.isfinite(result.interval).all()
+    assert covers(result.interval, result.alternatives["spikes"].interval)
+
+
+@pytest.mark.parametrize("seed", [4, 6])
+def test_spikes_do_not_improve_the_assessment(seed):
+    surfaces = rough_maps(seed, points=40, rms=0.005)
+    options = PAIR_OPTIONS | {"hardness": "2 GPa", "load": "10 MPa", "cutoff": "none"}
+    clean_result, result = pair(*surfaces, **options), pair(*map(add_spikes, surfaces), **options)
+    own_point = open_without_alternatives(result).summary().first
+    assert own_point.verdict == "Quote with care"
+    assert own_point.bracket is not None
+    point = result.summary().first
+    assert point.verdict == clean_result.verdict == "Do not quote"
+    assert {each.name for each in point.faults} == {each.name for each in clean_result.summary().first.faults}
+    assert point.bracket is None
+    assert (point.value, point.rules[0].sampling_interval) == (own_point.value, own_point.rules[0].sampling_interval)
+    (same_point,) = result.summarize_dataset(result.at(budget=True).isel(load=0, mu0=0, tau0=0)).points
+    assert same_point.caveats == point.caveats
+
+
+def test_sharpened_scan_with_factor_one_equals_tip_reconstruction(blunt_scans):
+    scan = levelled(blunt_scans[0], "plane")
+    reconstruction, _ = tip_reconstructed(scan, TIP_RADIUS)
+    np.testing.assert_allclose(sharpened(scan, TIP_RADIUS, 1.0).heights, reconstruction.heights, atol=1e-12)
+    doubled = sharpened(scan, TIP_RADIUS, 2.0).heights
+    np.testing.assert_allclose(doubled, 2 * reconstruction.heights - scan.heights, atol=1e-12)
+
+
+def test_sharpened_scan_keeps_missing_points_and_features_that_the_tip_resolves():
+    x = np.arange(81) * SPACING
+    missing = np.zeros(x.size, bool)
+    missing[7] = True
+    smooth_profile = Profile(0.01 * np.cos(np.pi / 2 * x), spacing=SPACING, missing=missing)  # radius of peaks: 41 µm
+    sharp_profile = sharpened(smooth_profile, 1.0, 3.0)
+    np.testing.assert_array_equal(sharp_profile.missing, missing)
+    assert np.abs(sharp_profile.heights - smooth_profile.heights).max() < 0.05 * 0.01
+
+
+def test_sharpened_scan_does_not_depend_on_tilt(blunt_scans):
+    scan = levelled(blunt_scans[0], "plane")
+    tilt = 0.3 * SPACING * np.arange(scan.heights.shape[0])[:, np.newaxis]
+    tilted_scan = scan.changed(scan.heights + tilt, "tilted")
+    sharp_heights = sharpened(tilted_scan, TIP_RADIUS, 3.0).heights - tilt
+    np.testing.assert_allclose(sharp_heights, sharpened(scan, TIP_RADIUS, 3.0).heights, atol=1e-12)
+
+
+def test_interval_with_uncertain_hardness_and_dwell_times_covers_the_alternative(spiked_scans):
+    options = PAIR_OPTIONS | {"hardness": "1..3 GPa", "wait": "1 h", "junction_growth": 9, "creep": "0.02..0.05"}
+    result = pair(*spiked_scans, cutoff="none", **options)
+    alternative = result.alternatives["spikes"]
+    own = open_without_alternatives(result)
+    assert covers(result.interval, alternative.interval)
+    assert result.interval == (
+        min(own.interval[0], alternative.interval[0]), max(own.interval[1], alternative.interval[1])
+    )  # fmt: skip
+    (waited,), (other_waited,) = result.summary().first.waited, alternative.summary().first.waited
+    assert covers((waited.lower, waited.upper), (other_waited.lower, other_waited.upper))
+    rows, own_rows = result.budget.set_index("input"), own.budget.set_index("input")
+    assert set(rows.index) == {*own_rows.index, ALTERNATIVE_LABELS["spikes"]}
+    shared = own_rows.index
+    assert (rows.loc[shared, "lower"] <= own_rows["lower"]).all()
+    assert (rows.loc[shared, "upper"] >= own_rows["upper"]).all()
+
+
+def test_report_area_and_friction_cover_the_alternative(blunt_result):
+    (quantities,) = blunt_result.nodes.load_quantities
+    load = float(blunt_result.study.friction.load[0])
+    area = quantities["contact_area"].sel(load=load).squeeze().values
+    assert area.tolist() == pytest.approx(astuple(blunt_result.summary().first.quantities["contact_area"]))
+    assert evaluate_measured_nodes(blunt_result.nodes).has_alternatives
+    assert not evaluate_measured_nodes(open_without_alternatives(blunt_result).nodes).has_alternatives

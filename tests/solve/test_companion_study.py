@@ -1,0 +1,91 @@
+"""Test studies in subfolders of a result.
+
+The time for missing members is announced, and members of another study are removed.
+"""
+
+from __future__ import annotations
+
+import pytest
+from stiction import pair
+from stiction.companions.height_scale import scale_study_heights
+from stiction.evaluate.hardness_nodes import compute_missing_areas, lacks_areas_at_nodes
+from stiction.solve.companion_study import CompanionStudy
+from stiction.solve.executors import executor_or_thread_pool
+from stiction.solve.member_solution import estimate_member_time
+from stiction.solve.runner import compute_missing_blocks
+from support.rough_surfaces import rough_maps
+
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
+PAIR_OPTIONS = {"load": "20 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "shifts": 3, "onset": 0}
+
+
+@pytest.fixture(scope="module")
+def studies():
+    """Return a study of two maps, and the same study with doubled heights."""
+    study = pair(*rough_maps(7, points=48, rms=0.02, shortest_wavelength=0.6), **PAIR_OPTIONS).study
+    return study, scale_study_heights(study, 2.0, "both")
+
+
+@pytest.fixture
+def pool():
+    with executor_or_thread_pool(None) as executor:
+        yield executor
+
+
+def test_time_is_announced_for_missing_members_only(studies, pool, tmp_path):
+    study, _ = studies
+    announced_times = []
+    compute_missing_blocks(study, tmp_path, part=(1, 3), executor=pool)
+    CompanionStudy(study, tmp_path).complete(pool, announce_time=announced_times.append)
+    assert announced_times == [2 * estimate_member_time(study)]
+    CompanionStudy(study, tmp_path).complete(pool, announce_time=announced_times.append)
+    assert len(announced_times) == 1
+
+
+def test_changed_study_replaces_the_stored_members(studies, pool, tmp_path):
+    study, study_of_doubled_heights = studies
+    announced_times = []
+    CompanionStudy(study, tmp_path).complete(pool)
+    result = CompanionStudy(study_of_doubled_heights, tmp_path).complete(pool, announce_time=announced_times.append)
+    assert announced_times == [3 * estimate_member_time(study_of_doubled_heights)]
+    assert result.members.tolist() == [0, 1, 2]
+    assert result.study.surfaces.upper.height_factor == 2.0
+
+
+def test_folder_opens_with_finished_members_of_the_same_study_only(studies, pool, tmp_path):
+    study, study_of_doubled_heights = studies
+    companion_study = CompanionStudy(study, tmp_path)
+    assert companion_study.open() is None
+    compute_missing_blocks(study, tmp_path, part=(1, 3), executor=pool)
+    assert companion_study.open() is None
+    assert companion_study.open(allow_unfinished=True).members.size == 1
+    companion_study.complete(pool)
+    assert companion_study.open().members.size == 3
+    assert CompanionStudy(study_of_doubled_heights, tmp_path).open() is None
+
+
+def test_folder_opens_with_the_friction_parameters_of_the_study(studies, pool, tmp_path):
+    study, _ = studies
+    CompanionStudy(study, tmp_path).complete(pool)
+    other_friction = study.with_changes({"friction.mu0": [0.7]})
+    assert CompanionStudy(other_friction, tmp_path).open().study.friction.mu0 == (0.7,)
+
+
+def test_damaged_folder_is_not_opened(studies, pool, tmp_path):
+    study, _ = studies
+    CompanionStudy(study, tmp_path).complete(pool)
+    (tmp_path / "study.toml").write_text("no study", encoding="utf-8")
+    assert CompanionStudy(study, tmp_path).open() is None
+
+
+def test_areas_at_other_hardnesses_are_computed_once(pool, tmp_path):
+    bodies = rough_maps(7, points=48, rms=0.02, shortest_wavelength=0.6)
+    study = pair(*bodies, hardness="2..3 GPa", **PAIR_OPTIONS).study
+    result = CompanionStudy(study, tmp_path).complete(pool)
+    announced_times = []
+    assert lacks_areas_at_nodes(result)
+    for _ in range(2):
+        compute_missing_areas(result, pool, announce_time=announced_times.append)
+        assert not lacks_areas_at_nodes(result)
+    assert len(announced_times) == 1

@@ -1,0 +1,148 @@
+"""Test members of studies of measured surfaces against direct solutions."""
+
+import numpy as np
+import pytest
+from stiction import Profile, approach_at_load, flipped, half_space, levelled, press
+from stiction._errors import NoSolutionError
+from stiction.mechanics.friction import STATUSES
+from stiction.solve import member_solution
+from stiction.solve.layout import (
+    MEMBER_COORDINATE_TYPES,
+    build_dataset,
+    list_variable_names,
+    stack_members,
+    variable_specs,
+)
+from stiction.solve.member_solution import compute_member_arrays, estimate_member_time
+from stiction.study.members import find_body_attributes, load_bodies
+from support.studies_of_files import create_study_from_files, write_maps, write_profiles
+
+ROUND_OFF = 1e-9
+
+
+@pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
+def test_values_of_an_areal_member_equal_direct_computation(tmp_path, mechanics):
+    study = create_study_from_files(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
+    loads, angles = study.contact.loading_steps(), study.contact.direction_angles()
+    values = compute_member_arrays(study, 2)
+    upper, lower = load_bodies(study).member(2, 0.0).pair
+    for rule, sliding in enumerate(study.contact.sliding_rules()):
+        if mechanics == "half-space":
+            curve = half_space(upper, lower, loads, effective_modulus=100.0, direction=angles, sliding=sliding)
+        else:
+            approaches = approach_at_load(upper, lower, loads, mu0=0.0, effective_modulus=100.0)
+            curve = press(upper, lower, approaches, effective_modulus=100.0, direction=angles, sliding=sliding)
+        for name in ("tangential_elastic", "normal_frictional", "tangential_adhesive"):
+            np.testing.assert_allclose(values[name][0, rule], getattr(curve, name), rtol=ROUND_OFF, atol=1e-14)
+        np.testing.assert_allclose(values["contact_area"][0], curve.contact_area, rtol=ROUND_OFF)
+        np.testing.assert_allclose(values["approach"][0], curve.approach, rtol=ROUND_OFF)
+    np.testing.assert_allclose(values["normal_elastic"][0], loads, rtol=1e-6)
+    assert (values["status"] == STATUSES.index("ok")).all()
+
+
+def test_unloading_stiffness_with_hardness_is_computed_for_the_first_members_only(tmp_path):
+    study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
+    study = study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um", "0.6 um"]})
+    is_finite = [
+        np.isfinite(compute_member_arrays(study, member)["unloading_stiffness"]).all(axis=-1).tolist()
+        for member in (3, 4)
+    ]
+    assert is_finite == [[True, True, False], [False, False, False]]
+    elastic_study = study.with_changes({"contact.hardness": None})
+    stiffness = compute_member_arrays(elastic_study, 4)
+    np.testing.assert_array_equal(stiffness["unloading_stiffness"], stiffness["normal_stiffness"])
+
+
+@pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
+def test_values_of_a_profile_member_equal_direct_computation(tmp_path, mechanics):
+    study = create_study_from_files(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
+    loads = study.contact.loading_steps()
+    values, member = compute_member_arrays(study, 3), load_bodies(study).member(3, 0.0)
+    scans = [Profile(np.load(tmp_path / f"{side}.npy"), spacing=0.02) for side in ("upper", "lower")]
+    upper_profile, lower_profile = (levelled(scan, "line") for scan in scans)
+    slider = levelled(Profile(flipped(upper_profile).heights[:600], spacing=0.02), "line")
+    first_point = round(member.x / 0.02)
+    assert 0 < first_point <= 600
+    counterface = Profile(lower_profile.heights[first_point : first_point + 600], spacing=0.02)
+    for direction_index, shear in enumerate(("+x", "-x")):
+        for rule, sliding in enumerate(study.contact.sliding_rules()):
+            if mechanics == "half-space":
+                curve = half_space(
+                    slider, counterface, loads, effective_modulus=100.0, direction=shear, sliding=sliding
+                )
+            else:
+                model = {"effective_modulus": 100.0, "detection": "gap-minimum", "shear": shear}
+                approaches = approach_at_load(slider, counterface, loads, mu0=0.0, **model)
+                curve = press(slider, counterface, approaches, sliding=sliding, **model)
+            for name in ("tangential_elastic", "normal_adhesive", "tangential_frictional"):
+                np.testing.assert_allclose(
+                    values[name][0, rule, direction_index],
+                    getattr(curve, name),
+                    rtol=ROUND_OFF,
+                    atol=1e-14,
+                    err_msg=name,
+                )
+    assert np.isnan(values["approach"]).all() == (mechanics == "half-space")
+
+
+def test_dataset_built_from_member_results_has_the_variables_declared_by_its_study(tmp_path):
+    study = create_study_from_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
+    arrays_of_members = [compute_member_arrays(study, index) for index in range(3)]
+    dataset = build_dataset(study, range(3), stack_members(study, arrays_of_members), find_body_attributes(study))
+    assert set(dataset.data_vars) == set(list_variable_names(study))
+    for name, item in variable_specs(study).items():
+        assert dataset[name].dims == item.dims
+        assert dataset[name].shape == item.shape
+        assert "long_name" in dataset[name].attrs
+    assert set(MEMBER_COORDINATE_TYPES) <= set(dataset.coords)
+    assert float(dataset["nominal_area"]) == pytest.approx(3.6**2)
+    assert "flipped" in dataset.attrs["upper"]
+
+
+def test_member_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, monkeypatch):
+    study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), members=1)
+    loads = study.contact.loading_steps()
+
+    def solve_or_fail(upper, lower, loads, **rest):
+        if np.isclose(loads, study.contact.loading_steps()[1]).any():
+            raise NoSolutionError("no solution")
+        return half_space(upper, lower, loads, **rest)
+
+    monkeypatch.setattr(member_solution, "half_space", solve_or_fail)
+    values = compute_member_arrays(study, 0)
+    assert values["status"][0].tolist() == [
+        STATUSES.index("not-solved" if index == 1 else "ok") for index in range(loads.size)
+    ]
+    assert np.isnan(values["normal_elastic"][0]).tolist() == [index == 1 for index in range(loads.size)]
+    assert values["contact_count"][0, 1] == 0
+
+
+def test_estimated_solution_time_of_a_member_is_independent_of_the_member_count(tmp_path):
+    spacing = write_maps(tmp_path)
+    study_of_few_members, study_of_many_members = (
+        create_study_from_files(tmp_path, spacing=spacing, members=count) for count in (2, 200)
+    )
+    assert estimate_member_time(study_of_few_members) == estimate_member_time(study_of_many_members) > 0
+
+
+def test_estimated_solution_time_of_an_adhesive_member_increases_with_compliance(tmp_path):
+    spacing = write_maps(tmp_path)
+    estimated_times = [
+        estimate_member_time(
+            create_study_from_files(tmp_path, spacing=spacing).with_changes(
+                {"contact.mechanics": "half-space", "contact.work_of_adhesion": "50 mJ/m^2",
+                 "contact.effective_modulus": modulus}
+            )
+        )
+        for modulus in ("1 kPa", "1 GPa", "1 TPa")
+    ]  # fmt: skip
+    assert estimated_times[0] > estimated_times[1] > estimated_times[2] > 0
+    assert estimated_times[0] > 50 * estimated_times[2]
+
+
+def test_changed_scan_file_is_rejected_when_bodies_are_loaded(tmp_path):
+    study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path)).with_checksums()
+    load_bodies(study)
+    np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)
+    with pytest.raises(ValueError, match=r"upper\.npy has changed since"):
+        load_bodies(study.with_changes({"ensemble.seed": 5}))

@@ -1,0 +1,183 @@
+"""Test that interrupted members continue with the same bits, and that their progress is shown."""
+
+import time
+
+import numpy as np
+import pytest
+from stiction import run
+from stiction.mechanics.adhesion import AdhesionSolver
+from stiction.mechanics.half_space_problem import ContactSolver
+from stiction.solve import executors, members_in_progress, runner
+from stiction.solve.member_solution import compute_member_arrays
+from stiction.solve.members_in_progress import (
+    IN_PROGRESS_FOLDER,
+    MembersInProgress,
+    find_members_in_progress,
+    remove_stored_steps,
+)
+from stiction.solve.store import BLOCKS_FOLDER
+from support.generated_studies import assert_same_bits
+from support.studies_of_files import create_study_from_files, write_maps, write_profiles
+
+ADHESION = 'work_of_adhesion = "50 mJ/m^2"'
+LOADS = 'load = ["0.5 mN", "1 mN", "2 mN", "4 mN"]'
+FREE_TILT = 'tilt = "free"\nboundary = "free"'
+
+
+@pytest.fixture
+def study(request, tmp_path, monkeypatch):
+    """Study of one position whose contact keys are the parameter of the fixture; each step is stored immediately."""
+    monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
+    contact, is_areal = request.param
+    spacing = write_maps(tmp_path, shape=(32, 32), rms=0.004) if is_areal else write_profiles(tmp_path, points=300)
+    return create_study_from_files(
+        tmp_path, "areas" if is_areal else "lines", spacing=spacing, members=1, contact=contact
+    )
+
+
+def estimate_iterations():
+    return 100.0
+
+
+class InterruptedCalls:
+    """Method of a class that raises `KeyboardInterrupt` after a number of calls."""
+
+    def __init__(self, monkeypatch, owner, name):
+        self.num_calls, self.max_calls = 0, None
+        original = getattr(owner, name)
+
+        def method(instance, *arguments, **options):
+            if self.max_calls is not None and self.num_calls >= self.max_calls:
+                raise KeyboardInterrupt
+            self.num_calls += 1
+            return original(instance, *arguments, **options)
+
+        monkeypatch.setattr(owner, name, method)
+
+
+@pytest.mark.parametrize(
+    ("study", "owner", "name", "calls_per_attempt"),
+    [
+        ((LOADS, True), ContactSolver, "at", 1),
+        ((LOADS, False), ContactSolver, "at", 1),
+        (('hardness = "5 GPa"\n' + LOADS, True), ContactSolver, "at", 1),
+        ((FREE_TILT + "\n" + LOADS, True), ContactSolver, "at", 5),
+        ((ADHESION + "\n" + LOADS, True), AdhesionSolver, "attraction_at_gap", 7),
+        ((ADHESION, False), AdhesionSolver, "attraction_at_gap", 23),
+    ],
+    indirect=["study"],
+    ids=["maps", "profiles", "hardness", "tilt", "adhesion", "adhesion of profiles"],
+)
+def test_interrupted_member_continues_with_the_same_bits(study, owner, name, calls_per_attempt, tmp_path, monkeypatch):
+    calls = InterruptedCalls(monkeypatch, owner, name)
+    expected = compute_member_arrays(study, 0)
+    num_calls, calls.num_calls = calls.num_calls, 0
+    num_attempts, counts = 0, []
+    while True:
+        num_attempts += 1
+        calls.max_calls = calls.num_calls + calls_per_attempt
+        record = MembersInProgress(study, tmp_path, estimate_iterations).add(0)
+        try:
+            arrays = compute_member_arrays(study, 0, record)
+        except KeyboardInterrupt:
+            counts.append(record.counter.count)
+            assert num_attempts < num_calls
+            continue
+        break
+    assert num_attempts > 2
+    assert counts == sorted(counts)
+    assert record.counter.count >= counts[-1] > 0
+    assert arrays.keys() == expected.keys()
+    for variable, values in expected.items():
+        assert arrays[variable].tobytes() == values.tobytes(), variable
+    remove_stored_steps(tmp_path)
+    assert not (tmp_path / IN_PROGRESS_FOLDER).exists()
+
+
+@pytest.mark.parametrize("study", [(ADHESION, True)], indirect=True)
+def test_interrupted_run_resumes_inside_a_member(study, tmp_path, monkeypatch):
+    expected = run(study).dataset
+    calls = InterruptedCalls(monkeypatch, AdhesionSolver, "attraction_at_gap")
+    run(study)
+    num_calls, calls.num_calls, calls.max_calls = calls.num_calls, 0, calls.num_calls // 2
+    folder = tmp_path / "result"
+    with pytest.raises(KeyboardInterrupt):
+        run(study, store=folder)
+    assert find_members_in_progress(folder) == {0}
+    assert list((folder / BLOCKS_FOLDER).iterdir()) == []
+    calls.max_calls = None
+    assert_same_bits(run(study, store=folder).dataset, expected)
+    assert calls.num_calls < 1.2 * num_calls
+    assert not (folder / IN_PROGRESS_FOLDER).exists()
+
+
+@pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
+def test_damaged_or_foreign_steps_are_computed_again(study, tmp_path, monkeypatch):
+    expected = compute_member_arrays(study, 0)
+    calls = InterruptedCalls(monkeypatch, ContactSolver, "at")
+    compute_member_arrays(study, 0, MembersInProgress(study, tmp_path, estimate_iterations).add(0))
+    (member_folder,) = (tmp_path / IN_PROGRESS_FOLDER).iterdir()
+    paths = sorted(member_folder.iterdir())
+    assert [path.name for path in paths] == [f"{number:05d}.npz" for number in range(4)]
+    for damage, expected_calls in (
+        (lambda: None, 0),
+        (lambda: paths[2].write_bytes(paths[2].read_bytes()[:-40]), 2),
+        (lambda: paths[0].unlink(), 4),
+        (lambda: paths[1].write_bytes(b""), 3),
+    ):
+        damage()
+        calls.num_calls = 0
+        arrays = compute_member_arrays(study, 0, MembersInProgress(study, tmp_path, estimate_iterations).add(0))
+        assert calls.num_calls == expected_calls
+        assert all(arrays[name].tobytes() == values.tobytes() for name, values in expected.items())
+    other_study = study.with_changes({"contact.effective_modulus": "90 GPa"})
+    calls.num_calls = 0
+    compute_member_arrays(other_study, 0, MembersInProgress(other_study, tmp_path, estimate_iterations).add(0))
+    assert calls.num_calls == 4
+
+
+@pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
+def test_member_is_computed_although_its_steps_cannot_be_stored(study, tmp_path):
+    record = MembersInProgress(study, tmp_path / "missing", estimate_iterations).add(0)
+    arrays = compute_member_arrays(study, 0, record)
+    assert np.isfinite(arrays["normal_elastic"]).all()
+    assert not (tmp_path / "missing").exists()
+
+
+@pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
+def test_progress_of_a_member_rises_with_its_iterations(study):
+    members = MembersInProgress(study, None, lambda: 100.0)
+    assert members.estimate_progress() == 0
+    counters = [members.add(index).counter for index in range(2)]
+    progress = []
+    for _ in range(50):
+        for counter in counters:
+            counter.add(10)
+        progress.append(members.estimate_progress())
+    assert progress[0] == pytest.approx(0.2)
+    assert (np.diff(progress) > 0).all()
+    assert progress[-1] < 2
+    members.remove(range(1))
+    assert members.estimate_progress() == pytest.approx(0.75)  # The other member took as many iterations.
+
+
+@pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
+def test_progress_inside_a_member_is_printed_without_a_terminal(study, monkeypatch, capfd):
+    solve = ContactSolver.at
+
+    def solve_slowly(*arguments):
+        solution = solve(*arguments)
+        time.sleep(0.2)  # many times longer than the interval between two lines
+        return solution
+
+    monkeypatch.setattr(ContactSolver, "at", solve_slowly)
+    monkeypatch.setattr(executors, "PROGRESS_LINE_INTERVAL", 0.0)
+    monkeypatch.setattr(runner, "PROGRESS_INTERVAL", 0.01)
+    run(study, progress=True)
+    lines = [line.removeprefix("progress: ") for line in capfd.readouterr().err.splitlines()]
+    percentages = [float(line.split()[2].rstrip("%")) for line in lines]
+    assert lines[0].startswith("0/1 positions, ")
+    assert lines[-1].startswith("1/1 positions, 100.0% after ")
+    assert percentages == sorted(percentages)
+    assert any(0 < percentage < 100 for percentage in percentages)
+    assert any(line.endswith(" left") for line in lines)

@@ -1,0 +1,890 @@
+"""Test stored results: writing, reading, continuing, damaged files, full disks and interrupts."""
+
+import contextlib
+import errno
+import io
+import itertools
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+import zlib
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+from stiction import Result, Study, _files, run
+from stiction.solve import layout, runner, store
+from stiction.solve.runner import compute_missing_blocks
+from stiction.solve.store import BLOCKS_FOLDER, STUDY_FILE, BlockFile, ExportError, StoreError, export
+from stiction.study.study import parse_study
+from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, rewrite_variable, with_repetitions
+
+pytestmark = pytest.mark.usefixtures("write_blocks_of_four_members")
+
+
+@pytest.fixture(scope="module")
+def finished_folder(tmp_path_factory):
+    """Return the folder of a complete result; tests must not change it."""
+    path = tmp_path_factory.mktemp("finished") / "r"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(runner, "choose_block_size", lambda study: 4)
+        compute_missing_blocks(TINY_STUDY, path)
+    return path
+
+
+@pytest.fixture
+def folder_copy(finished_folder, tmp_path):
+    """Return a copy of the folder of a complete result, which the test may change."""
+    return shutil.copytree(finished_folder, tmp_path / "r")
+
+
+def block_states(path):
+    """Return the inode and modification time of each block file by name."""
+    return {file.name: (file.stat().st_ino, file.stat().st_mtime_ns) for file in (path / BLOCKS_FOLDER).iterdir()}
+
+
+def find_block_file(path, first):
+    return next((path / BLOCKS_FOLDER).glob(f"{first:07d}-*.nc"))
+
+
+def replace_block_content(file, content):
+    """Replace the file of a block by other content, and name the new file by the checksum of the content."""
+    first, last, _ = file.stem.split("-")
+    file.unlink()
+    path = file.with_name(BlockFile(int(first), int(last), zlib.crc32(content)).name)
+    path.write_bytes(content)
+    return path
+
+
+def assert_no_partial_files(path):
+    assert not list(path.rglob("*.partial"))
+
+
+# ---- Write and read -------------------------------------------------------------------------------------------------
+
+
+def test_stored_result_equals_the_computed_dataset(tmp_path, uninterrupted_dataset):
+    path = tmp_path / "deep" / "r"
+    assert_same_bits(run(TINY_STUDY, store=path).dataset, uninterrupted_dataset)
+    assert_same_bits(store.read(path), uninterrupted_dataset)
+    assert sorted(os.listdir(path)) == [BLOCKS_FOLDER, STUDY_FILE]
+    assert [file[:15] for file in sorted(block_states(path))] == [
+        f"{k:07d}-{min(k + 3, 21):07d}" for k in range(0, 22, 4)
+    ]
+    info = store.info(path)
+    assert (info.study, info.finished) == (TINY_STUDY, 22)
+    assert info.size == sum(file.stat().st_size for file in (path / BLOCKS_FOLDER).iterdir())
+
+
+def test_two_runs_write_blocks_with_equal_checksums(tmp_path, folder_copy):
+    compute_missing_blocks(TINY_STUDY, tmp_path / "again", executor=InlineExecutor())
+    assert block_states(folder_copy).keys() == block_states(tmp_path / "again").keys()
+
+
+def test_xarray_can_open_blocks_of_a_stored_result(folder_copy, uninterrupted_dataset):
+    pytest.importorskip("dask")
+    find_block_file(folder_copy, 8).unlink()
+    with xarray.open_mfdataset(str(folder_copy / BLOCKS_FOLDER / "*.nc")) as opened_blocks:
+        opened_dataset = opened_blocks.load()
+    expected = uninterrupted_dataset.isel(repetition=[*range(8), *range(12, 22)])
+    for name, variable in expected.variables.items():
+        assert opened_dataset[name].variable.identical(variable), name
+    assert opened_dataset.attrs == uninterrupted_dataset.attrs
+
+
+def test_single_block_can_be_read_as_a_result(folder_copy, uninterrupted_dataset):
+    assert_same_bits(store.read(find_block_file(folder_copy, 4)), uninterrupted_dataset.isel(repetition=slice(4, 8)))
+
+
+def test_stored_values_are_preserved_bit_for_bit(tmp_path, monkeypatch):
+    """Store values with signed zeros, the smallest positive number and a large number."""
+    values = itertools.cycle([-0.0, 0.0, 5e-324, 1e99])
+    shape = run(with_repetitions(1), executor=InlineExecutor()).dataset["contact_area"].values[:, :, 0].shape
+    sums = {
+        name: np.full(shape, 7 if name.endswith("_count") else 0.0 if name in ("contact_area", "normal_elastic") else x)
+        for name, x in zip(TINY_STUDY.contact_sum_names(), values, strict=False)
+    }
+    monkeypatch.setattr(runner, "compute_member_arrays", lambda *_: sums)
+    result = run(with_repetitions(1), store=tmp_path).dataset
+    for name in sums:
+        assert result[name].values.tobytes() == sums[name].tobytes(), name
+
+
+def test_values_at_loads_where_the_solver_failed_are_preserved_bit_for_bit():
+    text = (Path(__file__).parents[1] / "study/stored_studies/half-space_of_generated_lines.toml").read_text("utf-8")
+    study = parse_study(text, "half-space").with_changes({"ensemble.repetitions": 1})
+    arrays = {}
+    for name, spec in layout.variable_specs(study).items():
+        arrays[name] = np.ones(spec.shape, spec.dtype)
+        arrays[name][..., 0] = 0 if spec.dtype.kind == "i" else np.nan  # the first load
+    stored_arrays = store.decode_members(store.encode_members(study, [0], arrays)).arrays
+    for name, values in arrays.items():
+        assert stored_arrays[name].tobytes() == values.tobytes(), name
+
+
+def test_stored_result_read_in_pieces_equals_the_computed_dataset(folder_copy, uninterrupted_dataset, monkeypatch):
+    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
+    find_block_file(folder_copy, 4).unlink()
+    incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])
+    piece_pairs = list(
+        zip(Result(store.open_stored_result(folder_copy)).pieces(), Result(incomplete_dataset).pieces(), strict=True)
+    )
+    assert [piece.sizes["repetition"] for piece, _ in piece_pairs] == [8, 8, 2]
+    for piece, other in piece_pairs:
+        assert_same_bits(piece, other)
+    (piece,) = Result(uninterrupted_dataset.isel(repetition=slice(2))).pieces(["contact_area"])
+    assert list(piece.data_vars) == ["contact_area"]
+
+
+def test_large_result_checks_each_block_once_and_then_decodes_only_named_variables(
+    folder_copy, uninterrupted_dataset, monkeypatch
+):
+    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
+    stored_result, decoded_contents, read_names = store.open_stored_result(folder_copy), [], set()
+    decode_members, read_variable = store.decode_members, store._read_variable
+    monkeypatch.setattr(
+        store, "decode_members", lambda content: decoded_contents.append(content) or decode_members(content)
+    )
+    first_pieces = list(stored_result.pieces(["normal_elastic"]))
+    assert len(decoded_contents) == len(stored_result.blocks)
+    monkeypatch.setattr(
+        store, "_read_variable", lambda file, name, *shape: read_names.add(name) or read_variable(file, name, *shape)
+    )
+    second_pieces = list(stored_result.pieces(["normal_elastic", "contact_count"]))
+    assert len(decoded_contents) == len(stored_result.blocks)
+    assert read_names == {"normal_elastic", "contact_count"}
+    expected_pieces = Result(uninterrupted_dataset).pieces(["normal_elastic", "contact_count"])
+    for first, second, expected in zip(first_pieces, second_pieces, expected_pieces, strict=True):
+        assert_same_bits(second, expected)
+        assert_same_bits(first, expected[["normal_elastic"]])
+    # A block that is removed, or replaced by a block of another shape, leads to an error that names the file.
+    path = find_block_file(folder_copy, 8)
+    path.write_bytes(find_block_file(folder_copy, 20).read_bytes())
+    with pytest.raises(StoreError, match=rf"{path.name}: has normal_elastic with the shape .* instead of"):
+        list(stored_result.pieces(["normal_elastic"]))
+    path.unlink()
+    with pytest.raises(StoreError, match=rf"{path.name}: cannot be read"):
+        list(stored_result.pieces(["normal_elastic"]))
+
+
+def test_result_that_fits_in_one_piece_is_read_once(folder_copy, uninterrupted_dataset, monkeypatch):
+    """Check also that a caller who changes the dataset does not change the cached result."""
+    stored_result, decoded_contents = store.open_stored_result(folder_copy), []
+    decode_members = store.decode_members
+    monkeypatch.setattr(
+        store, "decode_members", lambda content: decoded_contents.append(content) or decode_members(content)
+    )
+    stored_result.dataset()["contact_area"].values[:] = 7.0
+    assert len(decoded_contents) == len(stored_result.blocks)
+    (piece,) = stored_result.pieces()
+    assert_same_bits(piece, uninterrupted_dataset)
+    assert_same_bits(stored_result.dataset(), uninterrupted_dataset)
+    with pytest.raises(ValueError, match="read-only"):
+        piece["contact_area"].values[:] = 7.0
+    assert len(decoded_contents) == len(stored_result.blocks)
+
+
+def test_result_larger_than_memory_is_rejected(folder_copy, monkeypatch):
+    monkeypatch.setattr(store, "MAX_RESULT_BYTES", 1000)
+    with pytest.raises(StoreError, match="GiB of memory"):
+        store.open_stored_result(folder_copy).dataset()
+
+
+# ---- Continue and extend -------------------------------------------------------------------------------------------
+
+
+def test_reading_a_complete_result_computes_nothing(folder_copy, uninterrupted_dataset, computed_repetitions):
+    states_before = block_states(folder_copy)
+    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert block_states(folder_copy) == states_before
+    study_at_other_mu0 = TINY_STUDY.with_changes({"friction.mu0": [0.2], "figures.draw": ["area"]})
+    assert run(study_at_other_mu0, store=folder_copy).dataset.attrs["study"] == study_at_other_mu0.to_toml()
+    assert store.info(folder_copy).study == study_at_other_mu0
+    assert computed_repetitions == []
+
+
+def test_continued_run_computes_only_missing_blocks(folder_copy, uninterrupted_dataset, computed_repetitions):
+    for first in (4, 20):
+        find_block_file(folder_copy, first).unlink()
+    states_before = block_states(folder_copy)
+    with pytest.warns(UserWarning, match="16 of 22"):
+        assert_same_bits(store.read(folder_copy), uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 20)]))
+    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert sorted(computed_repetitions) == [4, 5, 6, 7, 20, 21]
+    assert states_before.items() <= block_states(folder_copy).items()
+
+
+def test_continued_run_with_more_repetitions_computes_only_new_members(
+    tmp_path, uninterrupted_dataset, computed_repetitions
+):
+    states_before = {}
+    for total in (6, 7, 22):
+        result = run(with_repetitions(total), store=tmp_path).dataset
+        assert_same_bits(
+            result.assign_attrs(uninterrupted_dataset.attrs), uninterrupted_dataset.isel(repetition=slice(total))
+        )
+        assert states_before.items() <= block_states(tmp_path).items()
+        states_before = block_states(tmp_path)
+    assert sorted(computed_repetitions) == list(range(22))
+    with pytest.raises(StoreError, match=r"repetition 21 is finished, and ensemble\.repetitions = 21"):
+        run(with_repetitions(21), store=tmp_path)
+
+
+def test_overlapping_blocks_are_accepted(folder_copy, uninterrupted_dataset, monkeypatch):
+    """Blocks overlap if writers used different block sizes; each repetition is read once."""
+    other_folder = folder_copy.with_name("others")
+    for size, first in ((3, 3), (7, 7), (5, 5)):
+        monkeypatch.setattr(runner, "choose_block_size", lambda study, size=size: size)
+        shutil.rmtree(other_folder, ignore_errors=True)
+        compute_missing_blocks(TINY_STUDY, other_folder)
+        shutil.copy(find_block_file(other_folder, first), folder_copy / BLOCKS_FOLDER)
+    find_block_file(folder_copy, 4).unlink()
+    assert_same_bits(store.read(folder_copy), uninterrupted_dataset)
+
+
+def test_concurrent_writers_store_the_same_result(tmp_path, uninterrupted_dataset):
+    with ThreadPoolExecutor(4) as pool:
+        results = list(
+            pool.map(lambda _: run(TINY_STUDY, store=tmp_path / "r", executor=InlineExecutor()).dataset, range(4))
+        )
+    for result in results:
+        assert_same_bits(result, uninterrupted_dataset)
+    assert len(block_states(tmp_path / "r")) == 6
+    assert_no_partial_files(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "change", [{"ensemble.seed": 1}, {"surfaces.gamma": 1.6}, {"contact.effective_modulus": "11 GPa"}], ids=str
+)
+def test_run_function_rejects_the_stored_result_of_another_study_and_names_the_changed_key(folder_copy, change):
+    states_before = block_states(folder_copy)
+    with pytest.raises(StoreError, match=next(iter(change))):
+        run(TINY_STUDY.with_changes(change), store=folder_copy)
+    assert block_states(folder_copy) == states_before
+
+
+def test_edited_study_file_that_contradicts_its_blocks_is_rejected(folder_copy):
+    text = (folder_copy / STUDY_FILE).read_text()
+    (folder_copy / STUDY_FILE).write_text(text.replace("seed = 2_016", "seed = 2_017"))
+    with pytest.raises(StoreError, match=r"does not match study\.toml: ensemble\.seed"):
+        store.read(folder_copy)
+    with pytest.raises(StoreError, match=r"ensemble\.seed"):
+        run(TINY_STUDY.with_changes({"ensemble.seed": 2017}), store=folder_copy)
+    (folder_copy / STUDY_FILE).unlink()
+    with pytest.raises(StoreError, match=r"no study\.toml"):
+        store.read(folder_copy)
+    run(TINY_STUDY, store=folder_copy)
+    assert store.info(folder_copy).study == TINY_STUDY
+
+
+def test_result_of_another_version_can_be_read_but_not_continued(folder_copy, uninterrupted_dataset, monkeypatch):
+    monkeypatch.setattr(store, "__version__", "9.9")
+    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
+    with pytest.raises(StoreError, match=r"was created by stiction .*this version, 9\.9"):
+        run(with_repetitions(23), store=folder_copy)
+
+
+def test_result_is_not_continued_if_its_load_steps_differ_from_those_of_the_study(folder_copy, monkeypatch):
+    steps = type(TINY_STUDY.contact).loading_steps
+    monkeypatch.setattr(type(TINY_STUDY.contact), "loading_steps", lambda self: steps(self) * (1 + 2e-16))
+    with pytest.raises(StoreError, match="so its steps differ slightly"):
+        run(with_repetitions(23), store=folder_copy)
+
+
+def test_study_file_written_by_hand_is_not_overwritten_even_without_blocks(tmp_path, uninterrupted_dataset):
+    (tmp_path / STUDY_FILE).write_text("# by hand\n" + TINY_STUDY.to_toml())
+    with pytest.raises(StoreError, match="contains another study"):
+        run(TINY_STUDY.with_changes({"ensemble.seed": 1}), store=tmp_path)
+    assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
+    assert (tmp_path / STUDY_FILE).read_text().startswith("# by hand")
+
+
+def test_study_file_written_by_stiction_is_replaced_if_there_are_no_blocks(tmp_path):
+    store.create_or_open_result(tmp_path, TINY_STUDY)
+    assert run(with_repetitions(1).with_changes({"ensemble.seed": 1}), store=tmp_path).dataset.sizes["repetition"] == 1
+
+
+def edit_study_file(file, kind):
+    text = file.read_text()
+    if kind == "link":
+        file.rename(file.with_name("mine.toml"))
+        file.symlink_to("mine.toml")
+    elif kind == "first line only":
+        file.write_text(f"{store.STUDY_FILE_SIGNATURE} 0.1.0.\n\n{text.partition(chr(10) * 2)[2]}")
+    else:
+        old, new = {"number": ("= 2_016", "= 2_017"), "comment": ("[surfaces]", "# Tuesday\n[surfaces]")}[kind]
+        assert old in text
+        file.write_text(text.replace(old, new))
+
+
+@pytest.mark.parametrize("kind", ["number", "comment", "link", "first line only"])
+def test_edited_study_file_without_blocks_is_continued_but_never_replaced(tmp_path, kind):
+    store.create_or_open_result(tmp_path, TINY_STUDY)
+    edit_study_file(tmp_path / STUDY_FILE, kind)
+    text = (tmp_path / STUDY_FILE).read_text()
+    with pytest.raises(StoreError, match=r"contains another study in a study\.toml that was written or edited by hand"):
+        run(with_repetitions(1), store=tmp_path)
+    edited_study = Study.from_toml(tmp_path / STUDY_FILE)
+    run(edited_study, store=tmp_path)
+    assert (tmp_path / STUDY_FILE).read_text() == text
+    assert (tmp_path / STUDY_FILE).is_symlink() == (kind == "link")
+    with pytest.raises(StoreError, match="written or edited by hand"):  # only the friction parameters differ
+        run(edited_study.with_changes({"friction.mu0": [0.3]}), store=tmp_path)
+    assert (tmp_path / STUDY_FILE).read_text() == text
+
+
+# ---- Damage ---------------------------------------------------------------------------------------------------------
+
+
+def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
+    folder_copy, uninterrupted_dataset, computed_repetitions
+):
+    file = find_block_file(folder_copy, 4)
+    content = file.read_bytes()
+    bit_indices = random.Random(4).sample(range(8 * len(content)), 60)
+    for bit_index in [0, 8 * len(content) - 1, *bit_indices]:
+        damaged = bytearray(content)
+        damaged[bit_index // 8] ^= 1 << bit_index % 8
+        file.write_bytes(damaged)
+        with pytest.raises(StoreError, match=f"{file.name}: does not match its checksum; remove that file"):
+            store.read(folder_copy)
+    file.unlink()
+    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert computed_repetitions == [4, 5, 6, 7]
+
+
+def test_blocks_that_are_swapped_or_belong_to_another_result_are_detected(folder_copy, tmp_path):
+    content = find_block_file(folder_copy, 8).read_bytes()
+    replace_block_content(find_block_file(folder_copy, 4), content)
+    with pytest.raises(StoreError, match="does not contain the members in its file name"):
+        store.read(folder_copy)
+    other_folder = tmp_path / "other"
+    compute_missing_blocks(TINY_STUDY.with_changes({"ensemble.seed": 1}), other_folder)
+    replace_block_content(find_block_file(folder_copy, 4), find_block_file(other_folder, 4).read_bytes())
+    with pytest.raises(StoreError, match=r"does not match study\.toml: ensemble\.seed"):
+        store.read(folder_copy)
+
+
+def truncate_file(file):
+    file.write_bytes(b"")
+
+
+def replace_by_directory(file):
+    file.unlink()
+    file.mkdir()
+
+
+@pytest.mark.parametrize("damage", [truncate_file, replace_by_directory])
+def test_invalid_block_is_reported_with_a_one_line_error(folder_copy, damage):
+    damage(find_block_file(folder_copy, 4))
+    with pytest.raises(StoreError, match=r"0000004-0000007-.*recompute members 4 to 7") as caught:
+        store.read(folder_copy)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_files_of_other_programs_are_left_unchanged(folder_copy, uninterrupted_dataset):
+    names = ["notes.txt", "0000004-0000007.nc", "0000007-0000004-00000000.nc", ".hidden", "4-7-00000000.nc"]
+    for name in names:
+        (folder_copy / BLOCKS_FOLDER / name).write_text("mine")
+    (folder_copy / "more").mkdir()
+    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert {*names} <= block_states(folder_copy).keys()
+
+
+@pytest.mark.parametrize("kind", ["nothing", "file", "empty", "loop"])
+def test_directory_without_result_is_reported_with_a_one_line_error(tmp_path, kind):
+    path = tmp_path / kind
+    if kind == "file":
+        path.write_text("no result")
+    elif kind == "empty":
+        path.mkdir()
+    elif kind == "loop":
+        path.symlink_to(path)
+    with pytest.raises(StoreError) as caught:
+        store.read(path)
+    assert str(caught.value).startswith(str(path))
+    if kind in ("file", "loop"):
+        with pytest.raises(StoreError, match=str(path)):
+            run(TINY_STUDY, store=path)
+
+
+# ---- Foreign files --------------------------------------------------------------------------------------------------
+
+
+def variable_changer(name, change_values):
+    """Return a function that replaces a variable of a file by changed values."""
+
+    return lambda file: rewrite_variable(file, name, change_values)
+
+
+def attribute_setter(name, value):
+    def set_attribute(file):
+        file.attrs[name] = value
+
+    return set_attribute
+
+
+def link_to_other_file(file):
+    del file["contact_area"]
+    file["contact_area"] = h5py.ExternalLink("other.nc", "contact_area")
+
+
+def use_bytes_of_other_file(file):
+    shape = file["contact_area"].shape
+    del file["contact_area"]
+    file.create_dataset("contact_area", shape, "f8", external=[("/etc/passwd", 0, h5py.h5f.UNLIMITED)])
+
+
+def map_to_other_file(file):
+    shape = file["contact_area"].shape
+    del file["contact_area"]
+    layout = h5py.VirtualLayout(shape, "f8")
+    layout[...] = h5py.VirtualSource("other.nc", "contact_area", shape)
+    file.create_virtual_dataset("contact_area", layout)
+
+
+def create_unwritten_variable(file):
+    shape = file["contact_area"].shape
+    del file["contact_area"]
+    file.create_dataset("contact_area", shape, "f8")
+
+
+BLOCK_FILE_CHANGES = {
+    "no variable": lambda file: file.__delitem__("contact_area"),
+    "another shape": variable_changer("contact_area", lambda values: values[..., :2]),
+    "an infinite area": variable_changer("contact_area", lambda values: np.full_like(values, np.inf)),
+    "no study text": lambda file: file.attrs.__delitem__("study"),
+    "an invalid study text": attribute_setter("study", "seed"),
+    "a link to another file": link_to_other_file,
+    "bytes of another file": use_bytes_of_other_file,
+    "numbers of another file": map_to_other_file,
+    "numbers that were never written": create_unwritten_variable,
+}
+
+
+@pytest.mark.parametrize("change", BLOCK_FILE_CHANGES.values(), ids=BLOCK_FILE_CHANGES)
+def test_block_that_contradicts_its_study_is_reported_with_a_one_line_error(folder_copy, change):
+    file = find_block_file(folder_copy, 4)
+    with h5py.File(file, "r+") as opened_file:
+        change(opened_file)
+    content = file.read_bytes()
+    copy = folder_copy / "result.nc"
+    copy.write_bytes(content)
+    with pytest.raises(StoreError, match=r"result\.nc: ") as caught:
+        store.read(copy)
+    assert len(str(caught.value).splitlines()) <= 2
+    replace_block_content(file, content)
+    with pytest.raises(StoreError, match="recompute members 4 to 7"):
+        store.read(folder_copy)
+
+
+def test_units_stored_in_block_files_are_ignored(folder_copy, uninterrupted_dataset):
+    file = find_block_file(folder_copy, 4)
+    with h5py.File(file, "r+") as opened_file:
+        opened_file["approach"].attrs["units"] = "seconds since 1970-01-01"
+        opened_file["contact_area"].attrs["scale_factor"] = "ten"
+        opened_file["contact_area"].attrs["_FillValue"] = 0.0
+        opened_file.attrs["more"] = "x" * 100_000
+    replace_block_content(file, file.read_bytes())
+    assert_same_bits(store.read(folder_copy), uninterrupted_dataset)
+
+
+# ---- Disks ----------------------------------------------------------------------------------------------------------
+
+
+def test_run_on_full_disk_preserves_finished_blocks(tmp_path, uninterrupted_dataset, monkeypatch):
+    """Let the disk fill up after 0, 1, 2 and 1 more files; each run reports the error, and the next run resumes."""
+    write, num_writes = _files.Path.write_bytes, 0
+
+    def write_until_full(self, content):
+        nonlocal num_writes
+        num_writes -= 1
+        if num_writes < 0:
+            write(self, content[:3])
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return write(self, content)
+
+    monkeypatch.setattr(_files.Path, "write_bytes", write_until_full)
+    for num_writes, num_finished in ((0, 0), (1, 0), (2, 8), (1, 12)):  # noqa: B007 (read by write_until_full)
+        with pytest.raises(StoreError, match="cannot be written: No space left on device") as caught:
+            run(TINY_STUDY, store=tmp_path, executor=InlineExecutor())
+        if num_finished:
+            assert store.open_stored_result(tmp_path).finished_members.size == num_finished
+            assert f"{num_finished} of 22 repetitions are finished and kept" in str(caught.value)
+        assert_no_partial_files(tmp_path)
+    monkeypatch.undo()
+    assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
+
+
+def test_run_does_not_recreate_a_result_folder_removed_during_the_run(tmp_path, monkeypatch):
+    path, write_block = tmp_path / "r", store.write_block
+
+    def write_and_move_folder(folder, first, written, count):
+        write_block(folder, first, written, count)
+        if first == 4:
+            path.rename(tmp_path / "moved")
+
+    monkeypatch.setattr(runner, "write_block", write_and_move_folder)
+    with pytest.raises(StoreError, match="was removed or replaced"):
+        run(TINY_STUDY, store=path, executor=InlineExecutor())
+    assert os.listdir(tmp_path) == ["moved"]
+    assert store.info(tmp_path / "moved").finished == 8
+
+
+def test_run_reports_a_study_file_removed_during_the_run(tmp_path, monkeypatch):
+    write_block = store.write_block
+
+    def write_and_remove_study_file(folder, first, written, count):
+        write_block(folder, first, written, count)
+        (folder / STUDY_FILE).unlink(missing_ok=True)
+
+    monkeypatch.setattr(runner, "write_block", write_and_remove_study_file)
+    with pytest.raises(StoreError, match="files were removed while the study was running; run the study again"):
+        run(TINY_STUDY, store=tmp_path, executor=InlineExecutor())
+
+
+def test_empty_study_file_is_reported_and_restored_by_the_next_run(folder_copy, computed_repetitions):
+    study_text = (folder_copy / STUDY_FILE).read_text(encoding="utf-8")
+    (folder_copy / STUDY_FILE).write_text("\n")
+    with pytest.raises(StoreError, match="is empty; run the study again in this directory to restore the file"):
+        store.read(folder_copy)
+    run(TINY_STUDY, store=folder_copy)
+    assert computed_repetitions == []
+    assert (folder_copy / STUDY_FILE).read_text(encoding="utf-8") == study_text
+
+
+def test_complete_result_on_a_read_only_disk_can_be_read(folder_copy, computed_repetitions, monkeypatch):
+    def fail_read_only(*_):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    monkeypatch.setattr(_files, "remove_stale_partial_files", fail_read_only)
+    study_at_other_mu0 = TINY_STUDY.with_changes({"friction.mu0": [0.2]})
+    assert run(study_at_other_mu0, store=folder_copy).dataset.attrs["study"] == study_at_other_mu0.to_toml()
+    assert computed_repetitions == []
+    for study, folder in ((with_repetitions(23), folder_copy), (TINY_STUDY, folder_copy.with_name("new"))):
+        with pytest.raises(StoreError, match="cannot be written: Read-only file system"):
+            run(study, store=folder)
+
+
+# ---- Interrupts -----------------------------------------------------------------------------------------------------
+
+
+def test_partial_files_of_ended_processes_are_removed(folder_copy):
+    ended_process = subprocess.Popen([sys.executable, "-c", ""])
+    ended_process.wait()
+    machine, _, process_token = _files.PARTIAL_FILE_NAME_PATTERN.fullmatch(_files.new_partial_file_name()).groups()
+    is_kept = {
+        f".stiction-{machine}-{ended_process.pid}-00000000-00000000.partial": False,
+        # An earlier process had the same process id.
+        f".stiction-{machine}-{os.getpid()}-00000000-00000000.partial": False,
+        f".stiction-{machine}-{os.getpid()}-{process_token}-00000000.partial": True,
+        f".stiction-{machine}-{os.getppid()}-00000000-00000000.partial": True,
+        # Another machine wrote this file, which is not old enough to be removed.
+        ".stiction-00000000-1-00000000-00000000.partial": True,
+        ".stiction-00000000-1-00000000-00000001.partial": False,
+        "mine.partial": True,
+    }
+    for folder, name in itertools.product((folder_copy, folder_copy / BLOCKS_FOLDER), is_kept):
+        (folder / name).write_text("half")
+        if name.endswith("1.partial"):
+            os.utime(folder / name, (0, 0))
+    run(TINY_STUDY, store=folder_copy)
+    for folder in (folder_copy, folder_copy / BLOCKS_FOLDER):
+        assert {name for name in os.listdir(folder) if name.endswith(".partial")} == {n for n in is_kept if is_kept[n]}
+
+
+def test_partial_file_removed_by_another_process_is_written_again(tmp_path, uninterrupted_dataset, monkeypatch):
+    replace, removed_files = Path.replace, []
+
+    def remove_and_replace(self, target):
+        if self.suffix == ".partial" and not removed_files:
+            removed_files.append(self)
+            self.unlink()
+        return replace(self, target)
+
+    compute_missing_blocks(with_repetitions(4), tmp_path)
+    store.create_or_open_result(tmp_path, TINY_STUDY)
+    monkeypatch.setattr(Path, "replace", remove_and_replace)
+    assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
+    assert removed_files
+
+
+def test_interrupt_during_a_write_leaves_no_partial_file(tmp_path, monkeypatch):
+    def close_and_interrupt(file):
+        close(file)
+        raise KeyboardInterrupt
+
+    close = os.close
+    monkeypatch.setattr(os, "close", close_and_interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        run(TINY_STUDY, store=tmp_path / "r")
+    assert_no_partial_files(tmp_path)
+
+
+SCRIPT_WITH_KILLS = """
+import os, signal, sys
+from concurrent.futures import Future
+from pathlib import Path
+from stiction import Study, run
+from stiction.solve import runner
+runner.choose_block_size = lambda study: 4
+class InlineExecutor:
+    def submit(self, function, *args):
+        future = Future()
+        future.set_result(function(*args))
+        return future
+def run_until(step):
+    left = step
+    def counted(name):
+        method = getattr(Path, name)
+        def change(self, *args, **kwargs):
+            nonlocal left
+            left -= 1
+            if left == 0:
+                if name == "write_bytes":
+                    method(self, args[0][:len(args[0]) // 2])
+                os.kill(os.getpid(), signal.SIGKILL)
+            return method(self, *args, **kwargs)
+        setattr(Path, name, change)
+    for name in ("write_bytes", "replace", "mkdir", "unlink", "touch"):
+        counted(name)
+    run(Study.from_toml("s.toml"), store="r", executor=InlineExecutor())
+import xarray  # before the children, which need not import it again
+for step in range(1, 1000):
+    child = os.fork()
+    if child == 0:
+        run_until(step)
+        os._exit(0)
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    print(step, status, flush=True)
+    if status == 0:
+        break
+"""
+
+
+def test_run_resumes_after_it_was_killed_at_any_disk_operation(tmp_path, uninterrupted_dataset):
+    """Kill each run at its first, second, ... disk operation, with half of the file written; the next run resumes."""
+    (tmp_path / "s.toml").write_text(TINY_STUDY.to_toml())
+    completed = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", SCRIPT_WITH_KILLS],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert completed.returncode == 0, completed.stderr
+    statuses = [int(line.split()[1]) for line in completed.stdout.splitlines()]
+    assert statuses[-1] == 0
+    assert set(statuses[:-1]) == {-signal.SIGKILL}
+    assert len(statuses) > 5
+    assert_same_bits(run(TINY_STUDY, store=tmp_path / "r").dataset, uninterrupted_dataset)
+    assert_no_partial_files(tmp_path)
+
+
+# ---- Several runs in one folder -------------------------------------------------------------------------------------
+
+OTHER_STUDIES = [{"ensemble.seed": 1}, {"contact.effective_modulus": "11 GPa"}, {"friction.mu0": [0.3]}]
+
+
+class WaitingExecutor(InlineExecutor):
+    """Executor whose first task waits until `proceed` is set."""
+
+    def __init__(self):
+        super().__init__()
+        self.has_started, self.proceed = threading.Event(), threading.Event()
+
+    def submit(self, function, /, *args, **kwargs):
+        self.has_started.set()
+        assert self.proceed.wait(60)
+        return super().submit(function, *args, **kwargs)
+
+
+@pytest.mark.parametrize("change", OTHER_STUDIES, ids=str)
+def test_run_of_another_study_is_rejected_while_a_run_uses_the_folder(tmp_path, uninterrupted_dataset, change):
+    executor, other_study = WaitingExecutor(), TINY_STUDY.with_changes(change)
+    with ThreadPoolExecutor(1) as threads:
+        first_run = threads.submit(run, TINY_STUDY, executor=executor, store=tmp_path)
+        try:
+            assert executor.has_started.wait(60)
+            study_text = (tmp_path / STUDY_FILE).read_text()
+            with pytest.raises(StoreError, match="is in use by another run"):
+                run(other_study, store=tmp_path)
+            assert (tmp_path / STUDY_FILE).read_text() == study_text
+            assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)  # the same study may share
+        finally:
+            executor.proceed.set()
+        assert_same_bits(first_run.result().dataset, uninterrupted_dataset)
+    assert store.info(tmp_path).study == TINY_STUDY
+    assert_no_partial_files(tmp_path)
+
+
+def test_exactly_one_of_two_studies_started_at_once_gets_a_new_folder(tmp_path):
+    for index in range(10):
+        studies = [with_repetitions(4).with_changes({"ensemble.seed": seed}) for seed in (1, 2)]
+        barrier = threading.Barrier(2)
+
+        def run_after_barrier(study, folder=tmp_path / str(index), barrier=barrier):
+            barrier.wait()
+            try:
+                return run(study, store=folder, executor=InlineExecutor())
+            except StoreError:
+                return None
+
+        with ThreadPoolExecutor(2) as threads:
+            results = list(threads.map(run_after_barrier, studies))
+        winners = [study for study, result in zip(studies, results, strict=True) if result is not None]
+        assert len(winners) == 1
+        assert_same_bits(store.read(tmp_path / str(index)), run(winners[0]).dataset)
+
+
+SCRIPT_THAT_WAITS = """
+import sys, time
+from pathlib import Path
+from stiction import Study, run
+from stiction.solve import runner
+runner.compute_member_arrays = lambda *_: print("computing", flush=True) or time.sleep(600)
+run(Study.from_toml("s.toml"), store="r")
+"""
+
+
+def test_killed_process_does_not_lock_its_folder(tmp_path, uninterrupted_dataset):
+    (tmp_path / "s.toml").write_text(TINY_STUDY.with_changes({"ensemble.seed": 1}).to_toml())
+    with subprocess.Popen(
+        [sys.executable, "-c", SCRIPT_THAT_WAITS], cwd=tmp_path, stdout=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            assert process.stdout.readline() == "computing\n"
+            with pytest.raises(StoreError, match="is in use by another run"):
+                run(TINY_STUDY, store=tmp_path / "r")
+        finally:
+            process.kill()
+    assert_same_bits(run(TINY_STUDY, store=tmp_path / "r").dataset, uninterrupted_dataset)
+    assert_no_partial_files(tmp_path)
+
+
+# ---- Export ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["dataset", "folder"])
+def test_exported_dataset_equals_the_computed_dataset(folder_copy, uninterrupted_dataset, tmp_path, monkeypatch, kind):
+    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
+    file = tmp_path / "r.nc"
+    export(uninterrupted_dataset if kind == "dataset" else store.open_stored_result(folder_copy).dataset(), file)
+    assert_same_bits(store.read(file), uninterrupted_dataset)
+    assert_same_bits(xarray.load_dataset(file, engine="h5netcdf"), uninterrupted_dataset)
+    with pytest.raises(ExportError, match="already exists"):
+        export(uninterrupted_dataset, file)
+
+
+def test_reading_a_netcdf_file_of_another_program_raises_store_error(tmp_path, uninterrupted_dataset):
+    means = uninterrupted_dataset.mean("repetition")
+    export(means, tmp_path / "means.nc")
+    xarray.testing.assert_identical(xarray.load_dataset(tmp_path / "means.nc", engine="h5netcdf"), means)
+    for content in (b"", b"\x89HDF\r\n\x1a\n", os.urandom(1000), (tmp_path / "means.nc").read_bytes()):
+        (tmp_path / "x.nc").write_bytes(content)
+        with pytest.raises(StoreError, match=r"x\.nc: "):
+            store.read(tmp_path / "x.nc")
+
+
+def test_files_written_at_different_times_are_byte_identical(uninterrupted_dataset):
+    """File names contain a checksum of the bytes; old versions of h5py store the time of writing in the file."""
+    first_file, second_file = io.BytesIO(), io.BytesIO()
+    store.write_dataset(uninterrupted_dataset, first_file)
+    time.sleep(1.01)
+    store.write_dataset(uninterrupted_dataset, second_file)
+    assert first_file.getvalue() == second_file.getvalue()
+
+
+def test_stored_block_has_the_same_content_as_a_file_written_by_xarray(uninterrupted_dataset):
+    """Compare the variables, types and attributes of files that the store and xarray write."""
+    dataset_part = uninterrupted_dataset.isel(repetition=slice(4, 8))
+    dataset_of_types = dataset_part.assign_coords(
+        place=("repetition", [True, False, True, False]), words=("approach", [*"abcd"]), area=3.0
+    )
+    for dataset in (dataset_part, dataset_of_types, dataset_part.mean("repetition")):
+        store_file, xarray_file = io.BytesIO(), io.BytesIO()
+        store.write_dataset(dataset, store_file)
+        dataset.to_netcdf(
+            xarray_file, engine="h5netcdf", encoding={name: {"_FillValue": None} for name in dataset.variables}
+        )
+        xarray.testing.assert_identical(xarray.load_dataset(store_file, engine="h5netcdf"), dataset)
+        with h5py.File(store_file) as store_variables, h5py.File(xarray_file) as xarray_variables:
+            assert set(store_variables) == set(xarray_variables)
+            assert store_variables.attrs.keys() == xarray_variables.attrs.keys()
+            for name in store_variables:
+                assert store_variables[name].dtype == xarray_variables[name].dtype
+                assert store_variables[name].attrs.keys() == xarray_variables[name].attrs.keys()
+    block = io.BytesIO()
+    store.write_dataset(dataset_part, block)
+    assert (
+        store.encode_members(
+            TINY_STUDY, range(4, 8), {name: dataset_part[name].values for name in TINY_STUDY.contact_sum_names()}
+        )
+        == block.getvalue()
+    )
+
+
+SCRIPT_WITH_INTERRUPT = r"""
+import os, signal, sys, threading
+from stiction import Study
+from stiction.solve import runner
+study, sums, interrupted = Study.from_toml("s.toml"), runner.compute_member_arrays, threading.Event()
+def write_line(word):  # one write for each line: the lines of print() may mix with lines of another thread
+    os.write(1, f"{word}\n".encode())
+def sum_or_wait(study, member):
+    if member >= 20:
+        write_line("waiting")
+        interrupted.wait()
+    return sums(study, member)
+def interrupt(*of):
+    interrupted.set()
+    signal.default_int_handler(*of)
+signal.signal(signal.SIGINT, interrupt)
+runner.compute_member_arrays = sum_or_wait
+runner.choose_block_size = lambda study: 8
+write_line("started")
+try:
+    runner.compute_missing_blocks(study, "r", announce=lambda text: write_line("ready"))
+except KeyboardInterrupt:
+    sys.exit(130)
+"""
+
+
+def test_interrupt_stops_the_run_and_preserves_finished_blocks(tmp_path):
+    study = with_repetitions(1000)
+    (tmp_path / "s.toml").write_text(study.to_toml())
+    with (
+        subprocess.Popen(
+            [sys.executable, "-c", SCRIPT_WITH_INTERRUPT], cwd=tmp_path, stdout=subprocess.PIPE, start_new_session=True
+        ) as process,
+        contextlib.ExitStack() as cleanup,
+    ):
+        cleanup.callback(process.kill)  # This has no effect if the process has ended.
+        assert process.stdout.readline() == b"started\n"
+        pending_lines = {b"ready\n", b"waiting\n"}  # Different threads print these lines, in any order.
+        while pending_lines and (line := process.stdout.readline()):
+            pending_lines.discard(line)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(300) == 130
+    stored_result = store.open_stored_result(tmp_path / "r")
+    # The interrupt leaves many of the 1000 repetitions unfinished, even on a busy machine.
+    assert 8 <= stored_result.finished_members.size < 500
+    assert_no_partial_files(tmp_path)
+    expected = run(with_repetitions(int(stored_result.finished_members[-1]) + 1)).dataset
+    assert_same_bits(
+        stored_result.dataset().assign_attrs(expected.attrs), expected.isel(repetition=stored_result.finished_members)
+    )
+
+
+def test_reading_a_result_without_finished_members_raises_store_error(tmp_path):
+    store.create_or_open_result(tmp_path, TINY_STUDY)
+    with pytest.raises(StoreError, match="none of the 22 repetitions is finished"):
+        Result(store.open_stored_result(tmp_path)).at_study_loads  # noqa: B018

@@ -1,0 +1,220 @@
+"""Test interfaces given by name or by file: their effect on the interval of a pair, and damaged files."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from stiction import (
+    Ball,
+    FrictionTest,
+    Study,
+    calibrate,
+    interface,
+    interfaces,
+    open_result,
+    pair,
+    read_interface,
+    self_affine_surface,
+    write_interface,
+    write_surface,
+)  # fmt: skip
+from stiction.study.input_distributions import Z_95
+from stiction.study.interfaces import find_interface
+from support.command import assert_rejected, call_stiction, check_stiction
+
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
+INTERFACE_KINDS = ("measured", "lumped", "bound")
+
+MAX_SAMPLING_ERROR = 0.04
+"""Largest error of an interval end due to 4000 random samples, as a fraction of the interval width."""
+
+PAIR_OPTIONS = {"load": "20 MPa", "effective_modulus": "3 GPa", "shifts": 4, "onset": 0}
+
+
+def rough_surfaces():
+    return [
+        self_affine_surface(seed, hurst_exponent=0.8, rms=0.005, shape=(48, 48), spacing=0.1, side=side)
+        for side, seed in (("upper", 1), ("lower", 2))
+    ]
+
+
+@pytest.fixture(scope="module")
+def film_file(tmp_path_factory):
+    """Return the path of an interface file with correlated mu0 and tau0, calibrated by tests on a ball."""
+    path = tmp_path_factory.mktemp("film") / "film"
+    ball = Ball("5 mm", "3 GPa")
+    tests = [
+        FrictionTest(ball, load, coefficient=y, uncertainty=0.05 * y)
+        for load in (100.0, 300.0, 1000.0, 2000.0)
+        for y in [0.15 + 0.012 * ball.area_per_load(load)]
+    ]
+    write_interface(calibrate(tests), path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def result(film_file):
+    return pair(*rough_surfaces(), interface=film_file, **PAIR_OPTIONS)
+
+
+def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, result) -> None:
+    _, adhesion, _ = result.summary().points[0].parts
+    fit = interface(film_file).fits[0]
+    area = adhesion / np.median(fit.tau0)
+    friction = fit.mu0 + fit.tau0 * area
+    relative = np.diff(result.of_positions)[0] / 2 / Z_95 / result.value
+    friction = friction * (1 + relative * np.random.default_rng(0).standard_normal(friction.size))
+    expected = np.quantile(friction, [0.025, 0.975]) * result.value / np.median(fit.mu0 + fit.tau0 * area)
+    assert result.interval == pytest.approx(expected, abs=MAX_SAMPLING_ERROR * np.ptp(expected))
+    assert result.budget["input"].tolist()[0] == "the interface"
+    interface_row = result.budget.loc[0]
+    assert (interface_row.lower, interface_row.upper) == pytest.approx(
+        result.of_positions, abs=0.1 * np.ptp(result.interval)
+    )
+    inputs = result.study.known
+    uncorrelated_result = pair(*rough_surfaces(), mu0=inputs.mu0, tau0=inputs.tau0, **PAIR_OPTIONS)
+    assert np.ptp(uncorrelated_result.interval) > 1.2 * np.ptp(result.interval)  # the correlation is lost
+    assert "interface film (measured)" in result.sentence
+
+
+def test_interface_is_ignored_if_mu0_of_the_study_is_changed(result) -> None:
+    study = result.study
+    stored_study = Study.from_toml(result.path / "study.toml")
+    assert find_interface(stored_study) is find_interface(study) is not None
+    assert find_interface(stored_study.with_changes({"friction.mu0": [0.3]})) is None
+
+
+def test_independent_ranges_of_mu0_and_tau0_replace_a_missing_interface_file(film_file, tmp_path) -> None:
+    copy = shutil.copy(film_file, tmp_path)
+    result = pair(*rough_surfaces(), interface=copy, **PAIR_OPTIONS)
+    joint_interval, path = result.interval, result.path
+    Path(copy).unlink()
+    completed = check_stiction("at", path, "--load", "20 MPa", "--json", cwd=tmp_path)
+    (answer,) = json.loads(completed.stdout)["answers"]
+    rule = answer["rules"][0] if "rules" in answer else answer
+    assert np.ptp([rule["lower"], rule["upper"]]) > 1.2 * np.ptp(joint_interval)
+    assert "which is missing" in completed.stdout
+
+
+@pytest.mark.parametrize("name", sorted(interfaces()))
+def test_named_interface_has_kind_and_source_and_is_accepted_by_the_pair_function(name) -> None:
+    entry = interfaces()[name]
+    assert set(entry) == {"kind", "tau0", "mu0", "pressure", "conditions", "motion", "source"}
+    assert entry["kind"] in INTERFACE_KINDS
+    assert entry["motion"] in ("static", "kinetic")
+    assert (entry["kind"] == "lumped") == (entry["tau0"] == "0 MPa")
+    result = pair(*rough_surfaces(), interface=name, **PAIR_OPTIONS)
+    assert f"interface {name} ({entry['kind']}, {entry['motion']}" in result.sentence
+    assert result.interval[0] <= result.value <= result.interval[1]
+
+
+@pytest.mark.parametrize(
+    ("options", "pattern"),
+    [
+        ({}, "give mu0 or interface"),
+        ({"mu0": 0.2, "interface": "steel on ice"}, "mu0 must not be combined with interface"),
+        ({"interface": "steel on butter"}, "interface must be a file or one of"),
+        ({"interface": 3}, "interface must be a name, or a file"),
+    ],
+)
+def test_pair_function_rejects_an_interface_combined_with_mu0(options, pattern) -> None:
+    with pytest.raises(ValueError, match=pattern):
+        pair(*rough_surfaces(), **PAIR_OPTIONS, **options)
+
+
+def test_interfaces_command_lists_interfaces_that_the_pair_command_accepts(tmp_path) -> None:
+    output = call_stiction("interfaces", cwd=tmp_path).stdout
+    record = json.loads(call_stiction("interfaces", "--json", cwd=tmp_path).stdout)
+    assert [item["name"] for item in record["interfaces"]] == list(interfaces())
+    assert all(f"{name}\n  {entry['kind']}, " in output for name, entry in interfaces().items())
+    for side, body in zip(("upper", "lower"), rough_surfaces(), strict=True):
+        write_surface(body, tmp_path / f"{side}.csv")
+    options = ("pair", "upper.csv", "lower.csv", "--load", "20 MPa", "--effective-modulus", "3 GPa", "--shifts", "2")
+    completed = check_stiction(
+        *options, "--interface", "steel on ice", "--onset", 0, cwd=tmp_path, without_figures=True, without_report=True
+    )
+    assert "interface steel on ice (lumped, kinetic)" in " ".join(completed.stdout.split())
+    assert_rejected(call_stiction(*options, cwd=tmp_path), "give --mu0 or --interface")
+    assert_rejected(call_stiction(*options, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be combined")
+
+
+def test_calibrated_interface_is_accepted_by_the_pair_function_and_stored_with_the_result(film_file, result) -> None:
+    result_of_loaded_interface = pair(*rough_surfaces(), interface=interface(film_file), **PAIR_OPTIONS)
+    assert result_of_loaded_interface.interval == pytest.approx(result.interval, rel=1e-6)
+    assert (result_of_loaded_interface.path / "interface.csv").is_file()
+
+
+FILE_DAMAGES = {
+    "a scan": lambda text: "0" * 50_000_001,
+    "another first line": lambda text: text.replace("# stiction interface", "# stiction interfaces", 1),
+    "an unknown rule": lambda text: text.replace("# sliding: ", "# sliding: sideways "),
+    "a long cell": lambda text: text.rstrip("\n") + "\n" + "1" * 200_000 + ",1,nan\n",
+    "a quote": lambda text: text.rstrip("\n") + '\n"1,1,nan\n',
+    "no rows": lambda text: text.partition("mu0,")[0],
+}
+
+
+@pytest.mark.parametrize("kind", FILE_DAMAGES)
+def test_damaged_interface_file_is_reported_by_name_and_is_not_listed(film_file, tmp_path, kind) -> None:
+    (tmp_path / "bad").write_text(FILE_DAMAGES[kind](film_file.read_text()))
+    with pytest.raises(ValueError, match=r"bad is (not an|a damaged) interface"):
+        read_interface(tmp_path / "bad")
+    shutil.copy(film_file, tmp_path / "good")
+    completed = check_stiction("interfaces", ".", "--json", cwd=tmp_path)
+    assert [entry["name"] for entry in json.loads(completed.stdout)["interfaces"]] == ["good"]
+
+
+def test_calibration_functions_reject_arguments_of_wrong_types(film_file) -> None:
+    for function, pattern in (
+        (lambda: calibrate(5), "tests must be a sequence of FrictionTest"),
+        (lambda: calibrate([5]), "tests must be a sequence of FrictionTest"),
+        (lambda: read_interface(film_file).predict(3, 5.0), "result must be"),
+        (lambda: write_interface("x", "y"), "interface must be an Interface"),
+        (lambda: read_interface(3), "path must be a path, got int"),
+        (lambda: interface(3), "interface must be a name or a path"),
+        (lambda: Ball("5 mm", "0 GPa"), "effective_modulus must be above 0"),
+        (lambda: FrictionTest(Ball("5 mm", "3 GPa"), 1.0, coefficient=1e300), "coefficient must be"),
+        (
+            lambda: FrictionTest(SimpleNamespace(nominal_area=1e4), "2 MPa", force="20 N"),
+            "coefficient must be given instead of force",
+        ),
+    ):
+        with pytest.raises(ValueError, match=pattern):
+            function()
+
+
+def test_calibrated_interface_of_another_pair_in_the_directory_is_kept(film_file, tmp_path) -> None:
+    film = interface(film_file)
+    first_result = pair(*rough_surfaces(), interface=film, directory=tmp_path / "r", **PAIR_OPTIONS)
+    content = (tmp_path / "r" / "interface.csv").read_bytes()
+    ball = Ball("5 mm", "3 GPa")
+    other_film = calibrate([FrictionTest(ball, load, coefficient=0.4, uncertainty=0.02) for load in (10.0, 1000.0)])
+    with pytest.raises(ValueError, match="contains another study"):
+        pair(*reversed(rough_surfaces()), interface=other_film, directory=tmp_path / "r", **PAIR_OPTIONS)
+    assert (tmp_path / "r" / "interface.csv").read_bytes() == content
+    assert first_result.interval == open_result(tmp_path / "r").interval
+
+
+def test_pair_rejects_more_positions_than_the_maps_have_before_it_creates_the_directory(tmp_path) -> None:
+    with pytest.raises(ValueError, match=r"the maps have \d+ relative positions"):
+        pair(*rough_surfaces(), mu0=0.2, directory=tmp_path / "r", **PAIR_OPTIONS | {"shifts": 400_000})
+    assert not (tmp_path / "r").exists()
+
+
+@pytest.mark.parametrize("text", ["a#1", "a,b", '"a"', "a: b", "\udcff", "a\0b", "=1+1", "# c"])
+def test_interface_file_preserves_one_line_entries_and_escapes_control_characters(tmp_path, text):
+    write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "a.csv", {"operator": text})
+    expected_text = {"\udcff": "\\udcff", "a\0b": "a\\x00b"}.get(text, text)
+    assert read_interface(tmp_path / "a.csv").about["operator"] == expected_text
+
+
+@pytest.mark.parametrize("key", ["sliding", "a: b", "a\nb", "", "\udcff"])
+def test_interface_entry_that_could_not_be_read_back_is_rejected(tmp_path, key):
+    with pytest.raises(ValueError, match="about must have names of other entries as keys"):
+        write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "a.csv", {key: "x"})

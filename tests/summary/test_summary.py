@@ -1,0 +1,163 @@
+"""Test the summary of a result, which the command, the function and the methods share."""
+
+import json
+import sys
+import traceback
+from collections import Counter
+from dataclasses import astuple
+
+import numpy as np
+import pytest
+from stiction import Result, Study, open_result, pair, run, self_affine_surface, write_surface
+from stiction.cli import application
+from stiction.summary import evaluation
+from support.generated_studies import TINY_STUDY, empty_dataset
+
+COMMAND_OPTIONS = [
+    "--effective-modulus", "80 GPa", "--hardness", "2 GPa", "--mu0", "0.2", "--tau0", "50 MPa", "--load", "20 MPa",
+    "--load", "40 MPa", "--shifts", "3", "--onset", "1", "--workers", "1",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def surface_folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("summary")
+    for seed, side in enumerate(("upper", "lower")):
+        surface = self_affine_surface(seed, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1, side=side)
+        write_surface(surface, path / f"{side}.csv")
+    return path
+
+
+def run_command(monkeypatch, *arguments):
+    monkeypatch.setattr(sys, "argv", ["stiction", *map(str, arguments)])
+    assert application.run_command_line() == 0
+
+
+@pytest.fixture(scope="module")
+def call_counts(surface_folder):
+    """Return how often one `stiction pair` calls functions that read the whole result or its files."""
+    counts = Counter()
+    with pytest.MonkeyPatch.context() as monkeypatch:
+
+        def patch_to_count_calls(module, name):
+            function = getattr(module, name)
+
+            def call_and_count(*args, **kwargs):
+                counts[name] += kwargs.get("budget", True)
+                return function(*args, **kwargs)
+
+            monkeypatch.setattr(module, name, call_and_count)
+
+        patch_to_count_calls(evaluation, "summarize")
+        patch_to_count_calls(evaluation, "add_uncertainty")
+        patch_to_count_calls(evaluation, "find_study_caveats")
+        monkeypatch.setattr("matplotlib.figure.Figure.draw", lambda *_: None)
+        run_command(
+            monkeypatch,
+            "pair",
+            surface_folder / "upper.csv",
+            surface_folder / "lower.csv",
+            *COMMAND_OPTIONS,
+            "-o",
+            surface_folder / "pair",
+        )
+    return counts
+
+
+def test_pair_function_computes_the_summary_and_the_uncertainty_and_input_caveats_only_once(call_counts):
+    assert call_counts == {"summarize": 1, "add_uncertainty": 1, "find_study_caveats": 1}
+
+
+def test_result_caches_its_summary_including_onset_and_resolution(surface_folder, call_counts):
+    result = open_result(surface_folder / "pair")
+    first_summary, second_summary = result.summary(), result.summary()
+    assert first_summary.points is second_summary.points
+    assert first_summary.onset is second_summary.onset is not None
+    assert first_summary.values_at_cutoffs.sizes["cut_off"] > 1
+
+
+def test_caveat_about_steep_scans_contains_the_rms_gradient_of_the_summary():
+    surfaces = (
+        self_affine_surface(seed, hurst_exponent=0.8, rms=1.0, shape=(32, 32), spacing=0.1, side=side)
+        for seed, side in enumerate(("upper", "lower"))
+    )
+    result = pair(*surfaces, effective_modulus="80 GPa", mu0=0.2, load="10 MPa", shifts=2)
+    point = result.summary().first
+    (caveat,) = (each for each in point.caveats if each.name == "rms_gradient")
+    assert caveat.value == pytest.approx(point.quantities["rms_gradient"].value)
+    assert caveat.value > 1
+
+
+def test_result_without_contact_caches_the_error_that_states_the_reason():
+    result = Result(empty_dataset(TINY_STUDY))
+    errors, traceback_lengths = [], set()
+    for _ in range(3):
+        with pytest.raises(ValueError, match="no pair of this result is in contact") as error_info:
+            result.summary()
+        errors.append(error_info.value)
+        traceback_lengths.add(len(traceback.extract_tb(error_info.tb)))
+    assert errors[0] is errors[1] is errors[2]
+    assert len(traceback_lengths) == 1  # the error keeps no frames of earlier calls
+
+
+def test_summary_for_explicitly_given_study_values_equals_the_default_summary(surface_folder, call_counts):
+    """Compare the summary at default values with the summary at the same values given explicitly."""
+    result = open_result(surface_folder / "pair")
+    default_summary = result.summary()
+    explicit_summary = result.summary(["20 MPa", "40 MPa"], mu0=0.2, tau0="50 MPa")
+    for default_point, explicit_point in zip(default_summary.points, explicit_summary.points, strict=True):
+        assert default_point.verdict == explicit_point.verdict
+        assert default_point.caveats == explicit_point.caveats
+        np.testing.assert_allclose(
+            astuple(default_point.quantities["friction_combined"]),
+            astuple(explicit_point.quantities["friction_combined"]),
+            rtol=1e-12,
+        )
+    assert (result.value, result.interval) == (
+        default_summary.first.value,
+        (default_summary.first.lower, default_summary.first.upper),
+    )
+
+
+def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(surface_folder, call_counts):
+    result = open_result(surface_folder / "pair")
+    point = result.summary("20 MPa", mu0=0.3).first
+    combined = result.at("20 MPa", mu0=0.3)["friction_combined"].sel(sliding="all").squeeze()
+    np.testing.assert_allclose([point.value, point.lower, point.upper], combined.values, rtol=1e-12)
+    expected_caveats = [caveat.text for caveat in result.input_caveats if point.at["cut_off"] < caveat.cut_off]
+    assert set(expected_caveats) <= {caveat.text for caveat in point.caveats}
+
+
+def test_averages_of_member_values_equal_the_mean_values_of_the_result(surface_folder, call_counts):
+    result = open_result(surface_folder / "pair")
+    members = result.at("20 MPa", per_member=True)
+    means = result.at("20 MPa")
+    assert members.sizes["repetition"] == 3
+    mean = means["friction_all_round"].sel(statistic="mean")
+    member_mean = members["friction_coefficient"].mean(("repetition", "direction")).transpose(*mean.dims)
+    np.testing.assert_allclose(member_mean, mean, rtol=1e-12)
+    with pytest.raises(ValueError, match="per_member must be False if budget"):
+        result.at("20 MPa", per_member=True, budget=True)
+
+
+def test_commands_info_and_at_report_the_same_assessment_and_caveats(surface_folder, call_counts, monkeypatch, capsys):
+    records = []
+    for arguments in (["info", surface_folder / "pair", "--json"], ["at", surface_folder / "pair", "--json"]):
+        capsys.readouterr()
+        run_command(monkeypatch, *arguments)
+        records.append(json.loads(capsys.readouterr().out)["answers"])
+    for info_answer, at_answer in zip(*records, strict=True):
+        assert [info_answer[name] for name in ("verdict", "caveats", "rules")] == [
+            at_answer[name] for name in ("verdict", "caveats", "rules")
+        ]
+
+
+def test_command_at_advises_against_quoting_a_result_from_few_contacts(tmp_path, monkeypatch, capsys):
+    study = Study.named("quick").with_changes({"ensemble.repetitions": 8, "surfaces.points": 3000})
+    run(study, store=tmp_path / "study")
+    capsys.readouterr()
+    arguments = ("--load", "0.002 mN", "--d", "1.3", "--mu0", "0.4", "--tau0", "20 MPa", "--json")
+    run_command(monkeypatch, "at", tmp_path / "study", *arguments)
+    (answer,) = json.loads(capsys.readouterr().out)["answers"]
+    assert answer["verdict"] == "Do not quote"
+    assert "too few contacts, 1.9 on average" in [caveat["text"] for caveat in answer["caveats"]]
