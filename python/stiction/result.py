@@ -44,7 +44,8 @@ class Result(Evaluation):
         """Sentences to quote, one for each load on a line of its own, with all conditions under which the value holds.
 
         Loads whose coefficient must not be quoted have a sentence with the reason. If `mu0` and `tau0` have several
-        values, each combination has a sentence. For generated surfaces, only the first surfaces, mu0 and tau0 do.
+        values, each combination has a sentence. For generated surfaces, only the first combination of D, amplitude, mu0
+        and tau0 has sentences.
         """
         return "\n".join(quotable_sentences(self.summary()))
 

@@ -372,7 +372,7 @@ def test_contacts_figure_frames_the_contact_with_the_largest_load_even_at_the_ed
         low, high = picture[f"zoom_{axis}"].values[[0, -1]]
         assert low <= picture[f"contact_{axis}"].values[strongest] <= high
     pressure_axes = contacts_and_pressure_figure(picture).axes[1]
-    assert "cut by the edge" in pressure_axes.get_title(loc="left")
+    assert "edge of the pressed area" in pressure_axes.get_title(loc="left")
 
 
 def test_contact_map_draws_every_contact(maps_at_two_cutoffs, profiles_dataset):

@@ -24,7 +24,20 @@ from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, InterfaceStrength, 
 class Interface(InterfaceStrength):
     """Strength of an interface, expressed as a joint distribution of mu0 and tau0, with predictions for other surfaces.
 
-    Attributes as in `InterfaceStrength`.
+    Attributes
+    ----------
+    fits : tuple of StrengthFit
+        Fits for the requested sliding rules, in order of preference.
+    area_per_load : float, 1/GPa
+        True area per load (A/F) of the tests, at which mu0 + tau0 A/F is identified.
+    variation : float
+        Standard deviation of A/F among the tests, divided by the mean.
+    separated : bool
+        True if the tests determine mu0 and tau0 separately, rather than only the sum mu0 + tau0 A/F.
+    advice, tests : tuple
+        Further tests that would separate mu0 and tau0, and the tests of the fit, as in `InterfaceStrength`.
+    about : mapping of str to str
+        Kind ("measured", "lumped" or "bound"), materials, conditions and source.
 
     Examples
     --------

@@ -23,6 +23,6 @@ def app(
         from stiction.app.run import run
     except ImportError:
         raise ValueError(
-            "app requires starlette and uvicorn; run pip install starlette uvicorn, or ./dev setup in a clone"
+            "app requires starlette and uvicorn; run pip install starlette uvicorn, or ./dev setup in a checkout"
         ) from None
     run(print_message=print_message, keep=keep, demo=demo)

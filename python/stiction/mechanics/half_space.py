@@ -457,7 +457,8 @@ def half_space(
     tolerance : float
         Largest accepted `error` of `HalfSpaceCurve`. Approaches have the same tolerance in the same unit. With
         adhesion, the mean error of the attraction is at most ten times the tolerance, relative to the mean contact
-        pressure plus the mean attraction. At a single point it may be larger: 4e-4 of w/ρ in a test with the default.
+        pressure plus the mean attraction. At single points the error can be larger; in a test with the default
+        tolerance it reached 4e-4 w/ρ.
     progress : callable, optional
         Function that is called in every iteration on the finest grid, with the number of solved loads or approaches,
         the iteration and the current error. An exception in this function, such as from Ctrl-C, ends the computation.

@@ -164,7 +164,7 @@ def material(name: str) -> Material:
         names = names or [item.name for item in materials()]
         introduction = "the nearest are" if matches else "there are"
         is_coating = "coat" in name.casefold() or is_coating_formula(name)
-        hint = "; a coating much thinner than the contacts are wide deforms like its substrate" if is_coating else ""
+        hint = "; for a coating much thinner than the contact width, name its substrate" if is_coating else ""
         raise ValueError(
             f"name must be the name of a known material, got {name[:80]!r}; {introduction} {', '.join(names)}{hint}"
         )
@@ -294,7 +294,7 @@ def names_match(text: str, name: str) -> bool:
 
 
 def is_coating_formula(name: str) -> bool:
-    """Return whether a name is a formula of a hard or a solid lubricant coating, in any case."""
+    """Return whether a name is a formula of a hard or a solid lubricant coating, ignoring upper and lower case."""
     return _normalise_name(name) in {_normalise_name(formula) for formula in COATING_FORMULAS}
 
 

@@ -657,7 +657,7 @@ class StudyMismatchError(StoreError):
         is_edited: bool = False,
     ) -> None:
         advice = advice or (
-            "give another directory" if is_edited else "give another directory, or replace the stored result"
+            "choose another directory" if is_edited else "give another directory, or replace the stored result"
         )
         edit_text = f" in a {STUDY_FILE} that was written or edited by hand" if is_edited else ""
         super().__init__(

@@ -347,7 +347,7 @@ def write_interface(interface: InterfaceStrength, path: str | Path, about: Mappi
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = Path(folder) / "film.csv"
     ...     write_interface(interface("MoS2 on bearing steel, dry air"), path, {"operator": "A. B."})
-    ...     InterfaceStrength.read(path).about["operator"]
+    ...     read_interface(path).about["operator"]
     'A. B.'
     """
     check_instance("interface", interface, InterfaceStrength, "an Interface from calibrate()")

@@ -204,8 +204,8 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
         differences = [
             (differences[0][:, 1:] + differences[0][:, :-1]) / 2, (differences[1][1:] + differences[1][:-1]) / 2
         ]  # fmt: skip
-    gradients = [each - each.mean() for each in differences]
-    power = np.sum([np.square(np.abs(rfftn(each))) for each in gradients], axis=0)
+    gradients = [difference - difference.mean() for difference in differences]
+    power = np.sum([np.square(np.abs(rfftn(gradient))) for gradient in gradients], axis=0)
     # Except at both ends, each value also stands for its complex conjugate.
     num_columns = gradients[0].shape[-1]
     weights = np.full(power.shape[-1], 2.0)
@@ -216,7 +216,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
     if not total_power > 0:
         return 0.0
     chance_variance = 3 * float((np.square(power / total_power) * weights).sum())
-    mean_square_slopes = np.sum([np.square(each) for each in gradients], axis=0)
+    mean_square_slopes = np.sum([np.square(gradient) for gradient in gradients], axis=0)
     if body.missing is not None:
         cells = [slice(None, -1), slice(1, None)]
         is_missing = np.any([body.missing[index] for index in itertools.product(cells, repeat=heights.ndim)], axis=0)

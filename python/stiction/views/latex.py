@@ -91,7 +91,7 @@ def _caption_text(summary: Summary, points: Sequence[PointSummary], *, has_area:
         f"Coefficient of static friction{bodies}: {describe_study(summary.study).name}",
         shared_conditions_text(points),
         f"Brackets after μ_s: {intervals_text}" if intervals_text else "",
-        "Brackets after A/A0: 95 % sampling interval for exact inputs" if has_area else "",
+        "Brackets after A/A0: 95 % interval of the mean over positions, for exact inputs" if has_area else "",
         f"Computed with stiction {version}" if version else "",
     ]
     return " ".join(f"{sentence[0].upper()}{sentence[1:]}." for sentence in sentences if sentence)

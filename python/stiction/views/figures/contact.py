@@ -286,7 +286,7 @@ def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, ha
         )
     is_at_edge = picture["contact_at_edge"].values[picture["contact_force"].values.argmax()] > 0
     title = "around the contact with the largest load (frame above)"
-    title += "\nit is cut by the edge of the pressed area" if is_at_edge else ""
+    title += "\nthe edge of the pressed area cuts this contact" if is_at_edge else ""
     axes.set_title(title, loc="left", fontsize=6, pad=3)
     axes.set(xlabel=axis_label("x"), ylabel=axis_label("y"))
 
