@@ -133,7 +133,7 @@ class FolderClaim:
     def refresh(self) -> None:
         """Mark the claim as recent, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`."""
         with suppress(OSError):
-            os.utime(self._file)
+            self._file.touch()  # another machine may have removed a claim that was old
 
     def find_competitor(self) -> str | None:
         """Return the name of a partial file of another active run in this folder, or None.

@@ -355,3 +355,15 @@ def test_status_of_complete_contact_is_reported_in_text_and_rows_and_json(tmp_pa
     assert not any(
         "101 %" in text for text in (repr(soft_result), soft_result.save_report(tmp_path / "page.html").read_text())
     )
+
+
+def test_stiffness_with_adhesion_between_loads_is_interpolated_linearly_and_covers_a_direct_solution():
+    """Check this because adhesive contacts are stiff without a load, so the stiffness is not proportional to it."""
+    loads = ["2 MPa", "6 MPa"]
+    result = run_pair(load=loads, **ADHESION_OPTIONS)
+    stiffness = result.at(["2 MPa", "3.5 MPa", "6 MPa"])["normal_stiffness"].squeeze(drop=True)
+    at_2_mpa, interpolated, at_6_mpa = stiffness.sel(statistic="mean").values
+    low, high = stiffness.isel(load=1).sel(statistic=["lower", "upper"]).values
+    direct = run_pair(load="3.5 MPa", **ADHESION_OPTIONS).at()["normal_stiffness"].sel(statistic="mean").item()
+    assert at_2_mpa < interpolated < at_6_mpa
+    assert low <= direct <= high

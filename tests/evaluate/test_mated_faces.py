@@ -55,3 +55,13 @@ def test_single_downhill_direction_has_no_coefficient(mated_faces):
     assert (point["status"] == "downhill").all()
     assert point["friction_coefficient"].isnull().all()
     assert point["friction_all_round"].isnull().all()
+
+
+def test_small_mu0_of_rough_faces_has_a_coefficient_although_some_directions_lean_downhill():
+    """Check this because the mean over positions of a direction can be below 0 by chance."""
+    faces = [
+        self_affine_surface(7, side=side, hurst_exponent=0.8, rms=0.05, shape=(96, 96), spacing=0.1)
+        for side in ("upper", "lower")
+    ]
+    result = pair(*faces, load="10 MPa", effective_modulus="80 GPa", mu0=0.002, shifts=8, onset=0)
+    assert 0 <= result.value < 0.05

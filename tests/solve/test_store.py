@@ -20,7 +20,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from stiction import Result, Study, _files, run
+from stiction import Result, Study, __version__, _files, run
 from stiction.solve import layout, runner, store
 from stiction.solve.runner import compute_missing_blocks
 from stiction.solve.store import BLOCKS_FOLDER, STUDY_FILE, BlockFile, ExportError, StoreError, export
@@ -888,3 +888,21 @@ def test_reading_a_result_without_finished_members_raises_store_error(tmp_path):
     store.create_or_open_result(tmp_path, TINY_STUDY)
     with pytest.raises(StoreError, match="none of the 22 repetitions is finished"):
         Result(store.open_stored_result(tmp_path)).at_study_loads  # noqa: B018
+
+
+def test_result_of_an_earlier_version_without_a_checksum_can_be_extended(tmp_path):
+    run(with_repetitions(1), store=tmp_path)
+    file = tmp_path / STUDY_FILE
+    text = file.read_text("utf-8").partition("\n\n")[2]
+    file.write_text(f"{store.STUDY_FILE_SIGNATURE} {__version__}.\n\n{text}", encoding="utf-8")
+    assert run(with_repetitions(2), store=tmp_path).members.tolist() == [0, 1]
+
+
+def test_claim_that_another_machine_removed_is_restored_by_a_refresh(tmp_path):
+    with _files.FolderClaim(tmp_path) as claim:
+        claim.acquire()
+        (file,) = tmp_path.iterdir()
+        file.unlink()
+        claim.refresh()
+        assert list(tmp_path.iterdir()) == [file]
+    assert list(tmp_path.iterdir()) == []

@@ -239,3 +239,10 @@ def test_roughness_of_gap_that_is_extrapolated_excludes_spikes():
     clean, spiky = roughnesses
     assert spiky.gradient == pytest.approx(clean.gradient, rel=0.02)
     assert spiky.estimate.value == pytest.approx(clean.estimate.value, abs=0.05)
+
+
+def test_drift_of_a_scan_with_a_step_of_the_roughness_is_limited():
+    """Check this because a straight line through the logarithms of strips overshoots a step."""
+    heights = rough_maps(points=96)[0].heights.copy()
+    heights[:, 48:] *= 0.02
+    assert scan_defects.estimate_roughness_drift(Surface(heights, spacing=0.1)) == scan_defects.MAX_DRIFT

@@ -304,7 +304,7 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
     the alternatives.
     """
     variables = {}
-    for name in (each for each in (*COVERED_NAMES, *AREA_NAMES) if each in own):
+    for name in (each for each in (*COVERED_NAMES, *AREA_NAMES) if each in own and each != "friction_if_known"):
         dims = own[name].dims
         others = [other[name].transpose(*dims).values for other in alternatives.values()]
         variables[name] = (dims, _extend_estimates(own[name].values, others), own[name].attrs)
@@ -312,6 +312,15 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
     if "friction_if_known" not in own:
         return covered
     dims = own["friction_if_known"].dims[1:]
+    input_words = {
+        str(name): str(words)
+        for each in (own, *alternatives.values())
+        for name, words in zip(each["input"].values, each["input_words"].values, strict=True)
+    }
+    remaining_intervals = _extend_estimates(
+        _get_remaining_intervals(own, input_words, dims),
+        [_get_remaining_intervals(each, input_words, dims) for each in alternatives.values()],
+    )
     is_budgeted = ~np.isnan(own["width_if_known"].transpose("input", *dims[:-1]).values).all(axis=0)
     intervals = {name: each["friction_known"].transpose(*dims).values for name, each in alternatives.items()}
     own_intervals = own["friction_known"].transpose(*dims).values
@@ -327,14 +336,26 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
     )
     labels = [ALTERNATIVE_LABELS[name] for name in alternatives]
     other_inputs = covered.drop_vars(["friction_if_known", "width_if_known", "input", "input_words"])
-    remaining = np.concatenate([covered["friction_if_known"].transpose("input", *dims).values, rows])
+    remaining = np.concatenate([remaining_intervals, rows])
     return other_inputs.assign(
         friction_if_known=(("input", *dims), remaining, own["friction_if_known"].attrs),
         width_if_known=(("input", *dims[:-1]), remaining[..., 2] - remaining[..., 1], own["width_if_known"].attrs),
     ).assign_coords(
-        input=("input", [*own["input"].values.tolist(), *alternatives]),
-        input_words=("input", [*own["input_words"].values.tolist(), *labels]),
+        input=("input", [*input_words, *alternatives]), input_words=("input", [*input_words.values(), *labels])
     )
+
+
+def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Sequence[Any]) -> Floats:
+    """Return the intervals that would remain if each of the named inputs were exact.
+
+    An alternative preparation can have other inputs, such as a drift of the roughness. Without an input, the combined
+    interval remains.
+    """
+    rows = at["friction_if_known"].transpose("input", *dims).values
+    rows_by_name = dict(zip(at["input"].values.tolist(), rows, strict=True))
+    is_budgeted = ~np.isnan(at["width_if_known"].transpose("input", *dims[:-1]).values).all(axis=0)
+    combined = np.where(is_budgeted[..., np.newaxis], at["friction_known"].transpose(*dims).values, np.nan)
+    return np.stack([rows_by_name.get(name, combined) for name in names])
 
 
 def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:

@@ -88,7 +88,7 @@ def average_members(
     # A mean over directions has no meaning if the body slides by itself in one of them. Without any strength, the
     # directions cancel, and the mean is 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
-    counts_as_downhill = is_downhill & has_strength
+    counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
 
     def average_coefficients(
         average_over_directions: Callable[[Floats], Floats],
@@ -199,7 +199,8 @@ def include_interpolation_error(
         mean_change = np.where(is_known, change, 0.0).sum(axis=0) / count
         deviation = (change - mean_change) * np.where(is_positive, values / mean, 1.0)
         limits = mean_with_interval(deviation)
-        random_error = np.sqrt(3 * position * (1 - position)) * (limits[..., 2] - limits[..., 1]) / 2
+        half_width = np.where((deviation == 0).all(axis=0), 0.0, (limits[..., 2] - limits[..., 1]) / 2)
+        random_error = np.sqrt(3 * position * (1 - position)) * half_width
         power_law = np.where(is_known, below ** (1 - position) * above**position, 0.0).sum(axis=0) / count
         error = np.where(is_positive, np.hypot(random_error, np.log(power_law / mean)), random_error)
         is_logarithmic = is_positive & (lower > 0)

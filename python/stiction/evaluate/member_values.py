@@ -290,8 +290,10 @@ def _interpolate_quantities(
         stored_values = piece.variables[name]
         if step_dimension in stored_values.dims:
             value_dims = (*member_dims, *(["fraction_below"] if name in DISTRIBUTION_QUANTITIES else []))
+            # Adhesion keeps contacts at zero load, so that their stiffness does not vanish with the load.
+            are_sums = QUANTITIES[name].proportional and not ("pull_off" in piece and "stiffness" in name)
             interpolated = load_crossings.interpolate(
-                _to_float_array(stored_values, (*value_dims, step_dimension)), are_sums=QUANTITIES[name].proportional
+                _to_float_array(stored_values, (*value_dims, step_dimension)), are_sums=are_sums
             )
             variables[name] = (*value_dims, "load"), interpolated, stored_values.attrs
     return variables

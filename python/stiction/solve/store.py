@@ -87,6 +87,7 @@ ONSET_FILE = "onset.nc"  # onset of sliding
 ONSET_TABLE_FILE = "onset.csv"  # mean onset curve as a table, for use in a Masing model
 STUDY_FILE_SIGNATURE = "# Written by stiction"  # first words of every study file written by stiction
 _STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32 of the text below: ([0-9a-f]{8})\.")
+_OLD_STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction (\S+)\.")  # header without a checksum
 MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory as a whole
 MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a companion file that is read
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
@@ -597,7 +598,9 @@ def check_unedited(path: Path) -> None:
         header, _, text = content.partition(b"\n\n")
         match = _STUDY_FILE_HEADER_PATTERN.fullmatch(header)
         if not file.is_symlink() and (
-            not content.strip() or (match is not None and int(match[1], 16) == zlib.crc32(text))
+            not content.strip()
+            or (match is not None and int(match[1], 16) == zlib.crc32(text))
+            or _is_old_study_file(path, header, text)
         ):
             return
     except OSError as error:
@@ -608,6 +611,21 @@ def check_unedited(path: Path) -> None:
         f"{printable_path(file)} was written or edited by hand, so it is not replaced; choose another directory, or "
         "move this file"
     )
+
+
+def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
+    """Return whether a study file without a checksum belongs to the blocks of its folder and has the usual format.
+
+    Earlier versions wrote no checksum. Their results can be extended, although a changed value would not be noticed.
+    """
+    match, blocks = _OLD_STUDY_FILE_HEADER_PATTERN.fullmatch(header), _list_block_files(path)
+    if match is None or not blocks:
+        return False
+    try:
+        study = parse_study(text.decode(), STUDY_FILE)
+        return study.to_toml().encode() == text and StoredResult(path, study, blocks).version.encode() == match[1]
+    except ValueError:
+        return False
 
 
 def _check_replaceable(path: Path, study: Study) -> None:

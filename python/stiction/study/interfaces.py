@@ -323,8 +323,8 @@ def write_interface(interface: InterfaceStrength, path: str | Path, about: Mappi
 
     Parameters
     ----------
-    interface : InterfaceStrength
-        InterfaceStrength to write.
+    interface : Interface
+        Interface to write.
     path : path
         Path of the file. An existing file is replaced only if it is an interface file.
     about : mapping of str to str, optional

@@ -701,10 +701,11 @@ def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleC
     for side in ("upper", "lower"):
         drift, fraction = np.asarray(point.attrs.get(f"{side}_drift", (0.0, 0.0))).tolist()
         if drift * fraction * sensitivity > MIN_DRIFT_EFFECT:
+            factor = format_significant(math.exp(drift), 2)
             text = (
-                f"{side}: the rms slope changes by {format_percent(math.expm1(drift))} from one end of the scan to the "
-                "other, so another place on the part may differ as much; the interval includes this"
-            )
+                f"{side}: the rms slope changes by a factor of {factor} from one end of the scan to the other, so "
+                "another place on the part may differ as much"
+            ) + ("; the interval includes this" if math.isfinite(value.lower) else "")
             yield Caveat(text, "scan several places on the part", "caution")
 
 

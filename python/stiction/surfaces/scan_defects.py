@@ -58,6 +58,9 @@ MAX_LAY_RATIO = 1000.0  # largest ratio of the rms slopes across and along a lay
 _NUM_STRIPS = 8
 # A scan has at least this number of points in each strip, or its drift is not assessed.
 _MIN_STRIP_POINTS = 4
+MAX_DRIFT = math.log(4.0)
+"""Largest drift of ln(rms slope). A straight line overshoots a step between a rough and a smooth part of a scan."""
+
 MIN_DRIFT_DEVIATIONS = 2.5
 """Smallest significant drift of the roughness along an axis, in standard deviations of the drift by chance.
 
@@ -228,7 +231,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
     squares = np.square(trends)
     if not (squares > MIN_DRIFT_DEVIATIONS**2 * variances_by_axis).any():
         return 0.0
-    return math.sqrt(float((squares - variances_by_axis).clip(0).sum()))
+    return min(MAX_DRIFT, math.sqrt(float((squares - variances_by_axis).clip(0).sum())))
 
 
 def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, float]:
