@@ -290,8 +290,8 @@ def _interpolate_quantities(
         stored_values = piece.variables[name]
         if step_dimension in stored_values.dims:
             value_dims = (*member_dims, *(["fraction_below"] if name in DISTRIBUTION_QUANTITIES else []))
-            # Adhesion keeps contacts at zero load, so that their stiffness does not vanish with the load.
-            are_sums = QUANTITIES[name].proportional and not ("pull_off" in piece and "stiffness" in name)
+            quantity = QUANTITIES[name]
+            are_sums = quantity.proportional and (quantity.proportional_with_adhesion or "pull_off" not in piece)
             interpolated = load_crossings.interpolate(
                 _to_float_array(stored_values, (*value_dims, step_dimension)), are_sums=are_sums
             )

@@ -68,6 +68,7 @@ class ResultQuantity:
     # True if the value is roughly proportional to the load.
     # The ratio of such a value to the load is interpolated linearly in the logarithm of the load.
     proportional: bool = False
+    proportional_with_adhesion: bool = True  # False if adhesive contacts have a value without a load, like a stiffness
     weighted: bool = False  # True if the mean over an ensemble is weighted by the load
     # name of the quantity that is the fraction of members for which only a lower bound is known
     bound_fraction: str = ""
@@ -249,7 +250,8 @@ QUANTITIES: dict[str, ResultQuantity] = {
         denominator=("contact_area",), shown=_DEFAULT_VIEWS,
     ),
     "normal_stiffness": _statistic_quantity(
-        "mN/um", "normal stiffness", proportional=True, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS,
+        "mN/um", "normal stiffness", proportional=True,
+        proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS,
         shown=_DEFAULT_VIEWS,
     ),
     "closure": _statistic_quantity(
@@ -258,7 +260,8 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "closure_stiffness": _statistic_quantity(
         STIFFNESS_PER_AREA_UNIT, "derivative of the nominal pressure with respect to the closure",
-        "stiffness of closure", proportional=True, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS,
+        "stiffness of closure", proportional=True,
+        proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS,
         shown=_DEFAULT_VIEWS,
     ),
     "contact_load": ResultQuantity(
@@ -280,7 +283,8 @@ QUANTITIES: dict[str, ResultQuantity] = {
         kind="sum", along=("sliding", "mu0", "tau0"), shown=frozenset({"table", "csv"}),
     ),
     "tangential_stiffness": _statistic_quantity(
-        "mN/um", "initial tangential stiffness", proportional=True, stored=frozenset({"onset"}),
+        "mN/um", "initial tangential stiffness", proportional=True,
+        proportional_with_adhesion=False, stored=frozenset({"onset"}),
         stored_bounds=_STORED_STIFFNESS,
         shown=frozenset({"table", "csv"}),
     ),
@@ -365,6 +369,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "unloading_stiffness": _statistic_quantity(
         "mN/um", "normal stiffness during unloading, as measured by ultrasound", proportional=True,
+        proportional_with_adhesion=False,
         stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS, shown=_CSV_VIEW,
     ),
     "nominal_pressure": ResultQuantity(
