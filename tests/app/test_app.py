@@ -430,21 +430,21 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
 def test_stopped_job_is_stored_and_can_be_resumed(empty_page, tmp_path, app):
     for side, path in zip(("upper", "lower"), write_maps(tmp_path, 64), strict=True):
         choose_scan(empty_page, side, path)
-    fill_fields(empty_page, METAL_FORM_VALUES | {"shifts": "400"})
+    fill_fields(empty_page, METAL_FORM_VALUES | {"shifts": "280"})
     with app.block_commands(40) as unblock:
         press_start_button(empty_page)
         # Wait until the page has drawn an intermediate result and further members are finished.
         wait_until(lambda: app.list_jobs()[-1], lambda job: job["versions"] > 1 and job["finished"] > 8)
-        wait_until(lambda: empty_page.find_element("id", "words").text, lambda text: "of 400" in text)
+        wait_until(lambda: empty_page.find_element("id", "words").text, lambda text: "of 280" in text)
         empty_page.find_element("id", "stop").click()
         wait_until(lambda: app.list_jobs()[-1], is_stopping_or_stopped)
         unblock()
         assert wait_until_finished(empty_page) == "stopped"
     stopped_job = app.list_jobs()[-1]
-    assert 8 < stopped_job["finished"] < 400
-    assert f"{stopped_job['finished']} of 400 are finished" in empty_page.find_element("id", "answer").text
+    assert 8 < stopped_job["finished"] < 280
+    assert f"{stopped_job['finished']} of 280 are finished" in empty_page.find_element("id", "answer").text
     studies = app.find_private_folders()[0].glob("results/*/pair/study.toml")
-    (folder,) = [path.parent for path in studies if "repetitions = 400" in path.read_text("utf-8")]
+    (folder,) = [path.parent for path in studies if "repetitions = 280" in path.read_text("utf-8")]
     info = call_stiction("info", folder, "--json", cwd=app.folder)
     assert read_displayed_result(empty_page) == extract_first_answer(json.loads(info.stdout))
     with app.block_commands(200):
