@@ -321,13 +321,13 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
         _get_remaining_intervals(own, input_words, dims),
         [_get_remaining_intervals(each, input_words, dims) for each in alternatives.values()],
     )
-    is_budgeted = ~np.isnan(own["width_if_known"].transpose("input", *dims[:-1]).values).all(axis=0)
+    is_budgeted = _find_budgeted_coefficients(own, dims)
     intervals = {name: each["friction_known"].transpose(*dims).values for name, each in alternatives.items()}
     own_intervals = own["friction_known"].transpose(*dims).values
     rows = np.stack(
         [
             np.where(
-                is_budgeted[..., np.newaxis],
+                is_budgeted,
                 _extend_estimates(own_intervals, [each for other, each in intervals.items() if other != name]),
                 np.nan,
             )
@@ -353,9 +353,14 @@ def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Seq
     """
     rows = at["friction_if_known"].transpose("input", *dims).values
     rows_by_name = dict(zip(at["input"].values.tolist(), rows, strict=True))
-    is_budgeted = ~np.isnan(at["width_if_known"].transpose("input", *dims[:-1]).values).all(axis=0)
-    combined = np.where(is_budgeted[..., np.newaxis], at["friction_known"].transpose(*dims).values, np.nan)
+    combined = np.where(_find_budgeted_coefficients(at, dims), at["friction_known"].transpose(*dims).values, np.nan)
     return np.stack([rows_by_name.get(name, combined) for name in names])
+
+
+def _find_budgeted_coefficients(at: xarray.Dataset, dims: Sequence[Any]) -> NDArray[np.bool_]:
+    """Return a mask of the coefficients with a budget. Its last axis, for the statistics, has the length 1."""
+    widths = at["width_if_known"].transpose("input", *dims[:-1]).values
+    return np.asarray(~np.isnan(widths).all(axis=0)[..., np.newaxis])
 
 
 def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:

@@ -15,14 +15,7 @@ from stiction._files import FolderClaim
 from stiction.solve.member_solution import estimate_member_time
 from stiction.solve.member_sums import MemberSums
 from stiction.solve.runner import complete_blocks, prepare_result_folder
-from stiction.solve.store import (
-    STUDY_FILE,
-    StoredResult,
-    StoreError,
-    open_result_to_complete,
-    open_stored_result,
-    remove_result,
-)
+from stiction.solve.store import STUDY_FILE, StoredResult, open_result_to_complete, open_stored_result, remove_result
 from stiction.study.study import Study, find_member_differences
 
 TimeAnnouncer = Callable[[float], Any]  # function that receives the estimated time (s) on one core before a computation
@@ -45,7 +38,7 @@ class CompanionStudy:
             return None
         try:
             stored_result = open_stored_result(self.folder)
-        except (StoreError, ValueError):
+        except ValueError:  # the folder is damaged
             return None
         if find_member_differences(stored_result.study, self.study):
             return None
