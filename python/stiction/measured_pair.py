@@ -65,6 +65,7 @@ def pair(
     hardness: QuantityInput | None = None,
     yield_strength: QuantityInput | None = None,
     junction_growth: QuantityInput | None = None,
+    yield_exponent: QuantityInput | None = None,
     wait: QuantityInputs | None = None,
     creep: QuantityInput | None = None,
     work_of_adhesion: QuantityInput | None = None,
@@ -143,6 +144,8 @@ def pair(
     junction_growth : str or float, optional
         α of p² + α s² = H², by which plastic contacts grow under shear, "9" or "0..27"; 0 for none. By default 0..27
         for metals by name.
+    yield_exponent : str or float, optional
+        Exponent of the area of yielding contacts, "1.25" or "uniform 1 .. 1.5". By default "uniform 1 .. 1.5".
     wait : str or float, or several, s, optional
         Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.
     creep : str or float, optional
@@ -281,6 +284,7 @@ def pair(
                 hardness=hardness,
                 yield_strength=yield_strength,
                 junction_growth=junction_growth,
+                yield_exponent=yield_exponent,
                 wait=wait,
                 creep=creep,
                 work_of_adhesion=work_of_adhesion,

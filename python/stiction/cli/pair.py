@@ -84,6 +84,7 @@ def pair(
     hardness: Annotated[str | None, pair_option("hardness")] = None,
     yield_strength: Annotated[str | None, pair_option("yield_strength")] = None,
     junction_growth: Annotated[str | None, pair_option("junction_growth")] = None,
+    yield_exponent: Annotated[str | None, pair_option("yield_exponent")] = None,
     wait: Annotated[str | None, pair_option("wait")] = None,
     creep: Annotated[str | None, pair_option("creep")] = None,
     work_of_adhesion: Annotated[str | None, pair_option("work_of_adhesion")] = None,

@@ -24,7 +24,7 @@ from stiction.mechanics.model import (
     SlidingRule,
 )
 from stiction.study.generated_surfaces import GeneratedProfileSettings, GeneratedSurfaceSettings
-from stiction.study.input_distributions import MAX_JUNCTION_GROWTH_COEFFICIENT
+from stiction.study.input_distributions import MAX_JUNCTION_GROWTH_COEFFICIENT, YieldExponentEntry
 from stiction.study.measured_surfaces import MeasuredSurfaceSettings
 from stiction.study.values import (
     ApproachesOrRange,
@@ -312,6 +312,9 @@ class HalfSpaceSettings(CommonContactSettings):
         le=MAX_JUNCTION_GROWTH_COEFFICIENT,
         description="α of p² + α s² = H², the growth of plastic contacts under shear; 0 with a caveat if omitted.",
     )
+    yield_exponent: YieldExponentEntry | None = Field(
+        default=None, description="Exponent of the area of yielding contacts, 1 to 1.5 for rough surfaces."
+    )
     compliance_share: Fraction = Field(
         default=0.5, description="Fraction of the compliance that the lower body contributes."
     )
@@ -334,6 +337,9 @@ class HalfSpaceSettings(CommonContactSettings):
             raise make_key_error(
                 "junction_growth", "must not be given without a hardness, because elastic contacts do not grow"
             )
+        if self.yield_exponent is not None and (self.hardness is None or self.adheres):
+            reason = "given without a hardness" if self.hardness is None else "given if work_of_adhesion is above 0"
+            raise make_key_error("yield_exponent", f"must not be {reason}, because the contacts then do not yield")
         if self.junction_growth and self.adheres:
             raise make_key_error(
                 "junction_growth",
@@ -385,6 +391,7 @@ class AsperityModelSettings(CommonContactSettings):
     place: ClassVar[str] = "asperities"
     hardness: ClassVar[None] = None
     junction_growth: ClassVar[None] = None
+    yield_exponent: ClassVar[None] = None
     work_of_adhesion: ClassVar[None] = None
     adheres: ClassVar[bool] = False
 

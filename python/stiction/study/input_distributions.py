@@ -17,11 +17,11 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo, field_validator
 
 from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import Floats, make_read_only
-from stiction._units import exact_quantity_text, quantity, short_repr
+from stiction._units import Quantity, exact_quantity_text, quantity, short_repr
 from stiction.study.values import SettingsTable, as_tuple
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
@@ -66,6 +66,8 @@ InputKind = Literal["", "pressure", "modulus", "hardness"]
 MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body
 # Maximum junction-growth coefficient α; α is 27 for a von Mises body with H equal to three times its yield strength.
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
+# Limits of the exponent of the yielding area, from far below the exponent of fine asperities to above that of steps.
+MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 # Maximum creep exponent; at this exponent, the hardness falls to a third in each decade of time.
 MAX_CREEP_EXPONENT = 0.5
 
@@ -286,11 +288,80 @@ def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats
     return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
 
 
+class InputValue(Quantity):
+    """Central value of a study input in core units, with its text and its distribution.
+
+    Contacts are computed with the central value: the number itself, or the middle of a range rounded to four digits.
+    """
+
+    estimate: UncertainInput
+
+    def __new__(cls, value: float, estimate: UncertainInput) -> InputValue:  # type: ignore[override]
+        """Create a value from the central value and the distribution."""
+        result: Any = super().__new__(cls, value, estimate.text)
+        result.estimate = estimate
+        return result  # type: ignore[no-any-return]
+
+    def __getnewargs__(self) -> tuple[float, UncertainInput]:  # type: ignore[override]
+        return float(self), self.estimate
+
+    def __eq__(self, other: object) -> bool:
+        """Compare the numbers and, if both values are inputs, their distributions."""
+        if isinstance(other, InputValue) and replace(self.estimate, text="") != replace(other.estimate, text=""):
+            return False
+        return float(self) == other
+
+    __hash__ = Quantity.__hash__
+
+
+def parse_input_value(name: str, source: Any) -> InputValue:
+    """Parse the entry of a study file for the input with the given name, which is a key of `INPUT_KINDS`.
+
+    The entry is a number, a quantity with its unit, or a text with a range or an uncertainty. Error messages do not
+    include the name.
+    """
+    if isinstance(source, InputValue):
+        return source
+    if isinstance(source, bool) or not isinstance(source, (str, int, float)):
+        raise ValueError(f"must be a number, or a text with a range or an uncertainty, got {short_repr(source)}")
+    try:
+        estimate = parse_study_input(name, source)
+    except ValueError as error:
+        raise ValueError(str(error).strip()) from None
+    is_number = not isinstance(source, str) or not UNCERTAINTY_PATTERN.search(source)
+    return InputValue(estimate.value if is_number else float(f"{estimate.value:.4g}"), estimate)
+
+
+def format_input_value(value: InputValue | None) -> Any:
+    """Return an input as a study file contains it: a number if it has neither a unit nor an uncertainty, or a text."""
+    if value is None or not value.estimate.is_exact or not _is_number(value.text):
+        return value if value is None else value.text
+    return float(value)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _make_input_type(name: str) -> Any:
+    """Return the type of the study-file entry for an input."""
+    return Annotated[
+        InputValue, PlainValidator(lambda source: parse_input_value(name, source)), PlainSerializer(format_input_value)
+    ]
+
+
+YieldExponentEntry = _make_input_type("yield_exponent")
+
+
 # ---- Table of uncertain inputs in a study ----------------------------------------------------------------------------
 
 INPUT_KINDS: dict[str, InputKind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
-    "poisson": "", "creep": "", "junction_growth": "",
+    "poisson": "", "creep": "", "junction_growth": "", "yield_exponent": "",
 }  # fmt: skip
 """Kind of quantity of each input that may be a range."""
 
@@ -308,6 +379,9 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
         parsed = replace(parsed, maximum=MAX_POISSON_RATIO)
     if name == "junction_growth" and parsed.high > MAX_JUNCTION_GROWTH_COEFFICIENT:
         raise ValueError(f"must be from 0 to {MAX_JUNCTION_GROWTH_COEFFICIENT:g}, got {short_repr(source)}")
+    if name == "yield_exponent" and not MIN_YIELD_EXPONENT <= parsed.low <= parsed.high <= MAX_YIELD_EXPONENT:
+        allowed_range = f"from {MIN_YIELD_EXPONENT:g} to {MAX_YIELD_EXPONENT:g}, including its uncertainty"
+        raise ValueError(f"must be {allowed_range}, got {short_repr(source)}")
     if name == "creep" and parsed.high > MAX_CREEP_EXPONENT:
         raise ValueError(f"must be at most {MAX_CREEP_EXPONENT:g}, got {short_repr(source)}")
     return parsed

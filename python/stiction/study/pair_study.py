@@ -29,7 +29,14 @@ from stiction.mechanics.materials import material, softest_material
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.study.contact_tables import choose_load_steps
 from stiction.study.elasticity import PairElasticity, determine_elasticity
-from stiction.study.input_distributions import INPUT_KINDS, UNCERTAINTY_PATTERN, UncertainInput, parse_study_input
+from stiction.study.input_distributions import (
+    INPUT_KINDS,
+    UNCERTAINTY_PATTERN,
+    InputValue,
+    UncertainInput,
+    parse_input_value,
+    parse_study_input,
+)
 from stiction.study.interfaces import InterfaceStrength, interfaces, round_median_strength
 from stiction.study.measured_bodies import MACHINING_PROCESSES, MeasuredBody, MeasuredBodySettings
 from stiction.study.measured_surfaces import DEFAULT_NUM_SHIFTS, DEFAULT_NUM_SURROGATES
@@ -62,6 +69,7 @@ DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4
 ZERO_LOAD_REPLACEMENT = 1e-3  # load that replaces a load of zero, as a fraction of the attraction on a grid cell
 DEFAULT_CONTACT_LAW = "hertz-sphere"  # default contact law of the asperity model
+DEFAULT_YIELD_EXPONENT = "uniform 1 .. 1.5"  # exponent of the area of yielding contacts of rough surfaces
 HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
 
 GAP_REMARK = (
@@ -111,7 +119,7 @@ class MeasuredPair:
         """
         pair = cls(validate_option_values(values), reads_scans=False)
         _ = pair.files, pair._given_loads, pair._strengths, pair.elasticity, pair._hardness
-        _ = pair._adhesion_entries, pair._junction_growth
+        _ = pair._adhesion_entries, pair._junction_growth, pair._yield_exponent
         for name in ("cutoff", "width", "wait"):
             if (value := pair.options.option_value(name)) not in (None, "none"):
                 pair._parse_quantities(name, value)
@@ -359,7 +367,7 @@ class MeasuredPair:
         if names & {"young", "poisson"} and self.options.young is not None and self.options.poisson is not None:
             names |= {"young", "poisson"}
         settings: dict[str, Any] = {}
-        for name in sorted(names):
+        for name in sorted(names - {"yield_exponent"}):
             inputs = self.uncertain_inputs.get(name) or self._parse_inputs(name)
             settings[name] = [item.text for item in inputs] if name in ("young", "poisson") else inputs[0].text
         if (
@@ -639,6 +647,8 @@ class MeasuredPair:
                 table["junction_growth"] = growth.value
             elif self.options.junction_growth is not None:
                 table["junction_growth"] = 0.0
+            if (exponent := self._yield_exponent) is not None:
+                table["yield_exponent"] = exponent
             table |= self._adhesion_entries
         else:
             table |= {"law": self._build_contact_law_entry(), "detection": self.options.detection or "gap-minimum"}
@@ -691,6 +701,20 @@ class MeasuredPair:
                 "{junction_growth} must be 0 if {work_of_adhesion} is given, got {got}", got=repr(alpha_text)
             )
         return alpha if alpha.value else None
+
+    @property
+    def _yield_exponent(self) -> InputValue | None:
+        """Exponent of the area of yielding contacts, or None if the contacts do not yield."""
+        can_yield = self._hardness is not None and not self._adhesion_entries.get("work_of_adhesion")
+        if (text := self.options.yield_exponent) is None:
+            return parse_input_value("yield_exponent", DEFAULT_YIELD_EXPONENT) if can_yield else None
+        if not can_yield:
+            reason = "needs {hardness}" if self._hardness is None else "must not be combined with {work_of_adhesion}"
+            raise ArgumentError(f"{{yield_exponent}} {reason}, because the contacts otherwise do not yield")
+        try:
+            return parse_input_value("yield_exponent", text)
+        except ValueError as error:
+            raise ArgumentError("{yield_exponent} {why}", why=str(error)) from None
 
     @property
     def _hardness(self) -> Quantity | None:

@@ -627,13 +627,13 @@ def find_table_differences(first: SettingsTable, second: SettingsTable, prefix: 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
     """List those differences between two studies that affect the members.
 
-    Members do not depend on the table `[friction]`, on figures, or on file paths.
+    Members do not depend on the table `[friction]`, on the exponent of the yielding area, on figures, or on file paths.
     """
     return [
         difference
         for difference in find_table_differences(first, second)
         if (difference[0].startswith(("surfaces.", "contact.")) or difference[0] == "ensemble.seed")
-        and not difference[0].endswith((".upper.file", ".lower.file"))
+        and not difference[0].endswith((".upper.file", ".lower.file", "contact.yield_exponent"))
     ]
 
 

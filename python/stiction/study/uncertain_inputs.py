@@ -86,6 +86,12 @@ def find_creep_exponent(study: Study) -> UncertainInput | None:
     return parse_uncertain_input("creep", study.known.creep) if study.friction.wait and study.known.creep else None
 
 
+def find_yield_exponent(study: Study) -> UncertainInput | None:
+    """Return the exponent of the yielding area with its uncertainty, or None if the study does not name it."""
+    exponent = study.contact.yield_exponent
+    return None if exponent is None else replace(exponent.estimate, value=float(exponent))
+
+
 def find_moduli(study: Study) -> UncertainModulus:
     """Return the elastic moduli of a study, with their uncertainties."""
     uncertainty_settings, materials, central_modulus = (

@@ -17,7 +17,7 @@ from stiction.study.contact_tables import (
     SHARED_CONTACT_SETTINGS_CLASSES,
 )
 from stiction.study.generated_surfaces import SelfAffineSettings
-from stiction.study.input_distributions import UncertainInputSettings
+from stiction.study.input_distributions import InputValue, UncertainInputSettings
 from stiction.study.measured_bodies import MeasuredBodySettings
 from stiction.study.study import (
     FRICTION_SETTINGS_CLASSES,
@@ -213,6 +213,8 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
     for quantity_type, phrases in _QUANTITY_RANGE_TEXTS:
         if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
             return [phrases]
+    if annotation is InputValue:
+        return ["a number, a range or a value with its uncertainty"]
     if annotation is Quantity:  # lengths in measured files are parsed by a separate function
         return ["a length"]
     if get_origin(annotation) is Literal:
