@@ -8,6 +8,7 @@ import platform
 import re
 import secrets
 import stat
+import threading
 import time
 import zlib
 from collections.abc import Callable, Iterator
@@ -24,6 +25,7 @@ The name contains the machine, the process id, the run and a random number.
 
 # a partial file left by another machine counts as stale if its age in seconds exceeds this limit
 MAX_PARTIAL_FILE_AGE = 3600.0
+CLAIM_REFRESH_INTERVAL = 300.0  # time (s) between two refreshes of a claim, of which several may fail
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
 _PROCESS_TOKEN = secrets.token_hex(4)  # random token that identifies this run; a process id may be reused
 # The mark that identifies a file is searched for in this many bytes at the start and at the end of the file.
@@ -113,36 +115,47 @@ def new_partial_file_name() -> str:
 class FolderClaim:
     """Partial file that marks a folder as in use by a run, from `acquire` until the end of the context.
 
-    If the process is killed, the file stays and becomes stale, so that it does not lock the folder.
+    A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
+    process is killed, the file stays and becomes stale, so that it does not lock the folder.
     """
 
     def __init__(self, folder: str | Path) -> None:
-        self._file = Path(folder) / new_partial_file_name()
+        self.file = Path(folder) / new_partial_file_name()
+        self._has_ended = threading.Event()
+        self._refresh_thread: threading.Thread | None = None
 
     def __enter__(self) -> FolderClaim:
         return self
 
     def __exit__(self, *_: object) -> None:
-        with suppress(OSError):
-            self._file.unlink(missing_ok=True)
+        self._has_ended.set()
+        try:
+            if self._refresh_thread is not None:
+                self._refresh_thread.join()
+        finally:
+            with suppress(OSError):
+                self.file.unlink(missing_ok=True)
 
     def acquire(self) -> None:
         """Create the file of this claim. The folder must exist."""
-        self._file.touch()
+        self.file.touch()
+        if self._refresh_thread is None:
+            self._refresh_thread = threading.Thread(target=self._refresh_regularly, daemon=True)
+            self._refresh_thread.start()
 
-    def refresh(self) -> None:
-        """Mark the claim as recent, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`."""
-        with suppress(OSError):
-            self._file.touch()  # another machine may have removed a claim that was old
+    def _refresh_regularly(self) -> None:
+        while not self._has_ended.wait(CLAIM_REFRESH_INTERVAL):
+            with suppress(OSError):
+                self.file.touch()  # another machine may have removed a claim that was old
 
-    def find_competitor(self) -> str | None:
-        """Return the name of a partial file of another active run in this folder, or None.
+    def find_competitor(self) -> Path | None:
+        """Return the partial file of another active run in this folder, or None.
 
         If two runs acquire their claims first and call this function afterwards, at least one of them finds the other.
         """
-        for entry, is_stale in _scan_partial_files(self._file.parent):
-            if not is_stale and entry.name != self._file.name:
-                return entry.name
+        for entry, is_stale in _scan_partial_files(self.file.parent):
+            if not is_stale and entry.name != self.file.name:
+                return Path(entry)
         return None
 
 

@@ -149,7 +149,6 @@ def complete_result(
         )
         stored_result = complete_blocks(
             stored_result,
-            claim,
             part=part,
             executor=executor,
             progress=progress,

@@ -112,6 +112,17 @@ def test_interrupted_run_resumes_inside_a_member(study, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
+def test_next_run_removes_steps_of_a_member_whose_run_was_killed_after_storing_its_block(study, tmp_path, monkeypatch):
+    folder = tmp_path / "result"
+    monkeypatch.setattr(MembersInProgress, "remove", lambda *_: None)
+    run(study, store=folder)
+    assert find_members_in_progress(folder) == {0}
+    monkeypatch.undo()
+    run(study, store=folder)
+    assert not (folder / IN_PROGRESS_FOLDER).exists()
+
+
+@pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
 def test_damaged_or_foreign_steps_are_computed_again(study, tmp_path, monkeypatch):
     expected = compute_member_arrays(study, 0)
     calls = InterruptedCalls(monkeypatch, ContactSolver, "at")

@@ -9,14 +9,13 @@ import os
 import signal
 import threading
 import time
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import stiction
-from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
-from stiction._files import FolderClaim
+from stiction import Study, _files, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics import half_space_problem
 from stiction.mechanics.quantities import SUM_QUANTITIES
 from stiction.solve import executors, member_solution, runner
@@ -281,17 +280,38 @@ def test_error_other_than_a_missing_solution_ends_a_run(tmp_path, monkeypatch):
         compute_member_arrays(study, 0)
 
 
-def test_run_refreshes_its_claim_after_each_block(tmp_path, monkeypatch, write_blocks_of_four_members):
-    """Check this because other machines ignore a claim that nobody has refreshed for an hour."""
-    ages = []
-    refresh = FolderClaim.refresh
+class AgeingExecutor(Executor):
+    """Executor that is not local; before a task, it makes all partial files old and waits until they are recent."""
 
-    def record_age(claim):
-        os.utime(claim._file, (0, 0))
-        refresh(claim)
-        ages.append(time.time() - claim._file.stat().st_mtime)
+    def __init__(self, folder, wait_until_recent):
+        self.folder, self.wait_until_recent, self.ages = folder, wait_until_recent, []
 
-    monkeypatch.setattr(FolderClaim, "refresh", record_age)
-    run(TINY_STUDY.with_changes({"ensemble.repetitions": 8}), store=tmp_path / "result")
-    assert len(ages) == 2
-    assert max(ages) < 60
+    def submit(self, function, /, *args, **kwargs):
+        files = list(self.folder.rglob("*.partial"))
+        for file in files:
+            os.utime(file, (0, 0))
+        self.ages.append([self.wait_until_recent(file) for file in files])
+        return InlineExecutor.submit(self, function, *args, **kwargs)
+
+
+@pytest.mark.parametrize("is_removed", [False, True], ids=["old", "removed"])
+def test_claims_of_a_run_are_refreshed_while_it_computes(tmp_path, monkeypatch, is_removed):
+    """Check this because other machines ignore, and remove, a claim that nobody has refreshed for an hour."""
+    monkeypatch.setattr(_files, "CLAIM_REFRESH_INTERVAL", 0.01, raising=False)
+
+    def wait_until_recent(file):
+        if is_removed:
+            file.unlink()
+        for _ in range(300):
+            with contextlib.suppress(FileNotFoundError):
+                if time.time() - file.stat().st_mtime < 60:
+                    return True
+            time.sleep(0.01)
+        return False
+
+    executor = AgeingExecutor(tmp_path, wait_until_recent)
+    run(with_repetitions(2), store=tmp_path / "result", executor=executor)
+    # The first task only tests whether the folder can be accessed. All tasks find the claims of folder and blocks.
+    assert len(executor.ages) > 1
+    assert all(is_recent == [True, True] for is_recent in executor.ages)
+    assert list(tmp_path.rglob("*.partial")) == []

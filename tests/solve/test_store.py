@@ -6,6 +6,7 @@ import io
 import itertools
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -715,7 +716,8 @@ def test_run_of_another_study_is_rejected_while_a_run_uses_the_folder(tmp_path, 
         try:
             assert executor.has_started.wait(60)
             study_text = (tmp_path / STUDY_FILE).read_text()
-            with pytest.raises(StoreError, match="is in use by another run"):
+            (claim_file,) = tmp_path.glob("*.partial")
+            with pytest.raises(StoreError, match=rf"is in use by another run.* remove {re.escape(str(claim_file))}"):
                 run(other_study, store=tmp_path)
             assert (tmp_path / STUDY_FILE).read_text() == study_text
             assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)  # the same study may share
@@ -890,19 +892,15 @@ def test_reading_a_result_without_finished_members_raises_store_error(tmp_path):
         Result(store.open_stored_result(tmp_path)).at_study_loads  # noqa: B018
 
 
-def test_result_of_an_earlier_version_without_a_checksum_can_be_extended(tmp_path):
+@pytest.mark.parametrize("newline", ["\n", "\r\n"], ids=["LF", "CRLF"])
+@pytest.mark.parametrize("has_checksum", [False, True])
+def test_result_can_be_extended_if_its_study_file_lacks_a_checksum_or_has_other_line_ends(
+    tmp_path, newline, has_checksum
+):
     run(with_repetitions(1), store=tmp_path)
     file = tmp_path / STUDY_FILE
-    text = file.read_text("utf-8").partition("\n\n")[2]
-    file.write_text(f"{store.STUDY_FILE_SIGNATURE} {__version__}.\n\n{text}", encoding="utf-8")
+    text = file.read_text("utf-8")
+    if not has_checksum:
+        text = f"{store.STUDY_FILE_SIGNATURE} {__version__}.\n\n" + text.partition("\n\n")[2]
+    file.write_text(text, encoding="utf-8", newline=newline)
     assert run(with_repetitions(2), store=tmp_path).members.tolist() == [0, 1]
-
-
-def test_claim_that_another_machine_removed_is_restored_by_a_refresh(tmp_path):
-    with _files.FolderClaim(tmp_path) as claim:
-        claim.acquire()
-        (file,) = tmp_path.iterdir()
-        file.unlink()
-        claim.refresh()
-        assert list(tmp_path.iterdir()) == [file]
-    assert list(tmp_path.iterdir()) == []

@@ -63,4 +63,4 @@ class CompanionStudy:
             stored_result = prepare_result_folder(self.study, self.folder, claim)
             if num_missing := self.study.ensemble.repetitions - stored_result.num_finished:
                 announce_time(num_missing * estimate_member_time(self.study))
-            return MemberSums(complete_blocks(stored_result, claim, executor=executor, progress=progress))
+            return MemberSums(complete_blocks(stored_result, executor=executor, progress=progress))

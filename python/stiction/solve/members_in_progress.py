@@ -19,7 +19,7 @@ import re
 import time
 import zipfile
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from functools import cached_property
 from pathlib import Path
 
@@ -114,7 +114,7 @@ def find_members_in_progress(folder: Path) -> set[int]:
     }
 
 
-def remove_stored_steps(folder: Path, members: range | None = None) -> None:
+def remove_stored_steps(folder: Path, members: Container[int] | None = None) -> None:
     """Remove the stored steps of some members, or of all members, from a result folder. Errors are ignored."""
     for member, member_folder in _list_member_folders(folder):
         if members is None or member in members:

@@ -20,7 +20,7 @@ import numpy as np
 
 from stiction._checks import check_bool, check_instance, parse_path
 from stiction._core import __version__
-from stiction._files import FolderClaim, new_partial_file_name
+from stiction._files import FolderClaim
 from stiction._text import format_bytes, format_duration, printable_path
 from stiction.solve.executors import (
     WORKER_DIED_MESSAGE,
@@ -37,7 +37,7 @@ from stiction.solve.layout import (
 )
 from stiction.solve.member_solution import compute_member_arrays, estimate_member_iterations, estimate_member_time
 from stiction.solve.member_sums import MemberSums
-from stiction.solve.members_in_progress import MembersInProgress
+from stiction.solve.members_in_progress import MembersInProgress, remove_stored_steps
 from stiction.solve.store import (
     BLOCKS_FOLDER,
     STUDY_FILE,
@@ -99,7 +99,7 @@ def compute_member_sums(
     store = parse_path("store", store)
     with FolderClaim(store) as claim:
         stored_result = prepare_result_folder(study, store, claim)
-        return MemberSums(complete_blocks(stored_result, claim, executor=executor, progress=progress))
+        return MemberSums(complete_blocks(stored_result, executor=executor, progress=progress))
 
 
 def compute_missing_blocks(
@@ -117,7 +117,6 @@ def compute_missing_blocks(
     with FolderClaim(folder) as claim:
         stored_result = complete_blocks(
             prepare_result_folder(study, folder, claim, part),
-            claim,
             part=part,
             executor=executor,
             progress=progress,
@@ -149,18 +148,17 @@ def prepare_result_folder(
 
 
 def complete_blocks(
-    stored_result: StoredResult, claim: FolderClaim, *, part: tuple[int, int] | None = None,
-    executor: Executor | None = None,
+    stored_result: StoredResult, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None, update: Callable[[str], None] | None = None,
 ) -> StoredResult:  # fmt: skip
     """Compute the blocks that are missing in a stored result, and return the complete result.
-
-    The claim of the run is refreshed after each block.
 
     `update` receives a new estimate of the run time after the first block, if much time remains and the first estimate
     was too low. Raises the errors of `compute_missing_blocks`.
     """
     unfinished_members = _UnfinishedMembers(stored_result, part)
+    # A run that was killed may have stored the block of a member without removing the member's steps.
+    remove_stored_steps(stored_result.path, stored_result.finished_members)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
         members_in_progress = _create_members_in_progress(stored_result.study, stored_result.path)
@@ -173,16 +171,9 @@ def complete_blocks(
                 members_in_progress.estimate_progress,
             )
         )
-
-        def advance_and_refresh(count: int) -> None:
-            claim.refresh()
-            advance(count)
-
         if unfinished_members.count:
             stack.enter_context(_add_finished_count_to_errors(stored_result))
-            _compute_blocks(
-                stored_result, unfinished_members, members_in_progress, pool, advance_and_refresh, announce, update
-            )
+            _compute_blocks(stored_result, unfinished_members, members_in_progress, pool, advance, announce, update)
     stored_result = stored_result.reload()
     if _UnfinishedMembers(stored_result, part).count or not (stored_result.path / STUDY_FILE).exists():
         raise StoreError(
@@ -253,17 +244,12 @@ def _create_run_token(path: Path) -> Iterator[SharedResultFolder]:
 
     If a worker finds the token file, the worker can access the folder, and the run is still active.
     """
-    folder = SharedResultFolder(path.resolve(), new_partial_file_name())
-    token_file = folder.path / BLOCKS_FOLDER / folder.token
-    try:
+    with FolderClaim(path.resolve() / BLOCKS_FOLDER) as token:
         try:
-            token_file.touch(exist_ok=False)
+            token.acquire()
         except OSError as error:
             raise StoreError(f"{printable_path(path)}: cannot be written: {error.strerror}") from None
-        yield folder
-    finally:
-        with contextlib.suppress(OSError):
-            token_file.unlink(missing_ok=True)
+        yield SharedResultFolder(path.resolve(), token.file.name)
 
 
 @contextlib.contextmanager

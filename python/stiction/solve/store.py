@@ -590,11 +590,11 @@ def _check_resumable(stored_result: StoredResult) -> None:
 def check_unedited(path: Path) -> None:
     """Raise a `StoreError` unless the study file in a folder is exactly as stiction wrote it, or is empty.
 
-    A crash of the machine may leave an empty file. A link is never replaced.
+    A crash of the machine may leave an empty file. Copying may have changed line ends. A link is never replaced.
     """
     file = path / STUDY_FILE
     try:
-        content = read_file_bytes(file, MAX_STUDY_BYTES)
+        content = read_file_bytes(file, MAX_STUDY_BYTES).replace(b"\r\n", b"\n")
         header, _, text = content.partition(b"\n\n")
         match = _STUDY_FILE_HEADER_PATTERN.fullmatch(header)
         if not file.is_symlink() and (
@@ -642,8 +642,8 @@ def check_unused(path: Path, claim: FolderClaim) -> None:
     """Raise a `StoreError` if another active run uses a result folder. The claim must be acquired."""
     if competitor := claim.find_competitor():
         raise StoreError(
-            f"{printable_path(path)} is in use by another run (its file is {competitor}); wait until that run ends, or "
-            "choose another directory"
+            f"{printable_path(path)} is in use by another run; wait until that run ends, or choose another directory; "
+            f"if there is no such run, remove {printable_path(competitor)}"
         )
 
 
