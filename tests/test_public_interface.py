@@ -510,7 +510,7 @@ def test_pair_function_and_pair_command_give_equal_results(command_result, funct
     ]
     assert records[0] == records[1]
     stored_result = open_result(surface_folder / "function")
-    assert (stored_result.value, stored_result.verdict) == (function_result.value, function_result.verdict)
+    assert (stored_result.value, stored_result.assessment) == (function_result.value, function_result.assessment)
 
 
 def test_command_at_reads_a_result_of_the_pair_function(function_result, surface_folder):
@@ -528,14 +528,14 @@ def test_pair_function_gives_equal_results_for_surfaces_in_memory_and_for_files(
     assert result.value == function_result.value
 
 
-def test_result_of_the_pair_function_has_a_value_and_interval_and_verdict_and_table(function_result, tmp_path):
+def test_result_of_the_pair_function_has_a_value_and_interval_and_assessment_and_table(function_result, tmp_path):
     first_point = function_result.summary().points[0]
     assert function_result.value == first_point.value
     assert function_result.interval == (first_point.lower, first_point.upper)
-    assert function_result.verdict in repr(function_result)
+    assert function_result.assessment in repr(function_result)
     assert all(caveat.text in " ".join(repr(function_result).split()) for caveat in first_point.caveats)
     table = function_result.to_dataframe()
-    assert {"verdict", "caveats", "coefficient of static friction"} <= set(table.columns)
+    assert {"assessment", "caveats", "coefficient of static friction"} <= set(table.columns)
     assert "<pre" in (shows := function_result._repr_html_())
     assert "<img" in shows
     assert function_result.save_report(tmp_path / "page.html").stat().st_size > 1000

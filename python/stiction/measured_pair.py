@@ -252,7 +252,7 @@ def pair(
     ...     for side in ("upper", "lower")
     ... )
     >>> result = pair(a, b, load="10 MPa", upper="steel", lower="brass", mu0=0.2, mechanics="asperities", shifts=4)
-    >>> result.verdict in ("Quote it", "Quote with care", "Do not quote")
+    >>> result.assessment in ("Quote it", "Quote with care", "Do not quote")
     True
     """
     for name, body in (("first", first), ("second", second)):

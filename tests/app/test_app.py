@@ -297,15 +297,15 @@ def test_late_response_does_not_replace_newer_progress_of_a_job(empty_page):
 
 def test_values_of_a_job_without_files_are_shown_without_a_report(empty_page):
     rule = {"rule": "all", "text": "0.31 [0.28, 0.34]", "value": 0.31, "lower": 0.28, "upper": 0.34}
-    record = {"at": {}, "rules": [rule], "verdict": "Quote it", "caveats": [], "sentence": ""}
+    record = {"at": {}, "rules": [rule], "assessment": "Quote it", "caveats": [], "sentence": ""}
     job = {"number": 99, "title": "a pair", "state": "running", "finished": 4, "total": 8, "by": "so far", "words": ""}
     job |= {"answer": record, "error": "", "option": "", "command": "stiction pair a b", "versions": 1}
     failed_job = job | {"state": "failed", "by": "", "error": "the disk is full", "versions": 0}
     script = """const show = (job) => {
         [jobs, current, reportAddress] = [[job], job.number, withKey("/jobs/99/page.html?1")];
         render();
-        const verdict = document.querySelector("#answer .verdict")?.textContent ?? "";
-        return [byId("page").hidden, byId("share").hidden, verdict, byId("job-wrong").textContent];
+        const assessment = document.querySelector("#answer .assessment")?.textContent ?? "";
+        return [byId("page").hidden, byId("share").hidden, assessment, byId("job-wrong").textContent];
       };
       return arguments[0].map(show)"""
     assert empty_page.execute_script(script, [job, failed_job]) == [

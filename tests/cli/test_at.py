@@ -72,7 +72,9 @@ def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(result
     if name == "study":
         expected_points = expected_points.sel(fractal_dimension=[1.3], method="nearest").isel(amplitude=[0])
     expected_points = summarize(expected_points, stored_result.study).points
-    assert [answer["verdict"] for answer in output_record["answers"]] == [answer.verdict for answer in expected_points]
+    assert [answer["assessment"] for answer in output_record["answers"]] == [
+        answer.assessment for answer in expected_points
+    ]
     assert [answer["at"]["load"] for answer in output_record["answers"]] == pytest.approx(
         [answer.at["load"] for answer in expected_points]
     )
@@ -81,7 +83,7 @@ def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(result
     text = get_stiction_output("at", name, *options, cwd=results_folder)
     first_rule = expected_points[0].rules[0]
     assert str(first_rule) in text
-    assert expected_points[0].verdict in text
+    assert expected_points[0].assessment in text
 
 
 def test_command_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_status(results_folder):
@@ -202,14 +204,14 @@ def test_info_command_writes_json_with_the_same_schema_for_every_result(results_
         == open_stored_result(results_folder / name).study.ensemble.repetitions
     )
     assert record["values"]
-    assert all({"verdict", "caveats", "sentence"} <= set(answer) for answer in record["answers"])
+    assert all({"assessment", "caveats", "sentence"} <= set(answer) for answer in record["answers"])
     assert get_stiction_output("report", name, "--output", f"{name}.html", cwd=results_folder)
     text = get_stiction_output("info", name, cwd=results_folder)
     assert f"{record['finished']} of {record['repetitions']} finished" in text
     if name == "study":
         assert text.count("μ_s [95 %] at ") == 2, "a table for each amplitude"
         assert "D" in text
-    assert f"\n{record['answers'][0]['verdict']}" in text or " (1 of 2)" in text
+    assert f"\n{record['answers'][0]['assessment']}" in text or " (1 of 2)" in text
     if name == "study":
         return
     loads = [answer["at"]["load"] for answer in record["answers"]]
@@ -275,7 +277,7 @@ def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_f
     get_stiction_output("export", name, str(tmp_path / "r.csv"), cwd=results_folder)
     rows = list(csv.DictReader((tmp_path / "r.csv").read_text(encoding="utf-8").splitlines()))
     record = json.loads(get_stiction_output("info", name, "--json", cwd=results_folder))
-    assert {row["verdict"] for row in rows} == {answer["verdict"] for answer in record["answers"]}
+    assert {row["assessment"] for row in rows} == {answer["assessment"] for answer in record["answers"]}
     for file_name in ("r.nc", "r.csv"):
         assert_rejected(call_stiction("export", name, str(tmp_path / file_name), cwd=results_folder), "already exists")
     for file_name in ("r.xlsx", "r"):

@@ -162,7 +162,7 @@ def test_info_prints_one_sentence_for_each_load_including_loads_that_must_not_be
     result = open_result(scans_folder / "pair")
     assert sentences == result.sentence.splitlines()
     points = result.summary().headlines
-    assert [point.verdict == "Do not quote" for point in points] == [
+    assert [point.assessment == "Do not quote" for point in points] == [
         sentence.startswith("There is no coefficient to quote") for sentence in sentences
     ]
     assert len(sentences) == 3

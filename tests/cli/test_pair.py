@@ -909,7 +909,7 @@ def test_noise_floor_is_filtered_from_the_noisy_scan_only():
     result = stiction.pair(noisy_profile, clean_profile, onset=0, **options)
     filtered_point = result.summary().points[0]
     assert filtered_point.at["cut_off"] == limit.cut_off
-    assert filtered_point.verdict != "Quote it"
+    assert filtered_point.assessment != "Quote it"
     raw_point = next(point for point in result.summary().points if point.at["cut_off"] == 0)
     assert raw_point.covered
     assert filtered_point.lower <= raw_point.lower <= raw_point.upper <= filtered_point.upper

@@ -256,7 +256,7 @@ def test_pair_command_accepts_a_spectrum_from_a_table_without_metadata(tmp_path)
     assert body.history[0].startswith("power spectrum at wavelengths of ")
     elastic_options = MATERIAL_OPTIONS | {"hardness": None, "mechanics": "asperities"}
     result = pair(spectrum, spectrum, **elastic_options, **FEW_DIRECTION_OPTIONS, surrogates=2)
-    assert result.verdict in ("Quote it", "Quote with care", "Do not quote")
+    assert result.assessment in ("Quote it", "Quote with care", "Do not quote")
 
 
 @pytest.mark.parametrize(

@@ -150,7 +150,7 @@ def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
     record = json.loads(summary_json("pair", unloaded_result.summary()))["answers"][0]
     assert record["sticking"]["sticks"] == "yes"
     assert record["sticking"]["pull_off"]["lower"] < record["sticking"]["pull_off"]["value"]
-    assert record["verdict"] == "Do not quote"
+    assert record["assessment"] == "Do not quote"
     assert pull_off_text(unloaded_point.sticking).removesuffix(".") in unloaded_result.sentence
     assert pull_off_text(unloaded_point.sticking, "μ0 = 0.3").endswith(" with μ0 = 0.3.")
     text_of_two_mu0 = main_values_text(unloaded_result.summary(0, mu0=[0.2, 0.3]))

@@ -54,10 +54,10 @@ def rough_surfaces(seed: int = 5, rms: float = 0.01, points: int = 48, refinemen
 
 def test_combined_interval_for_exact_inputs_equals_the_confidence_interval_due_to_sampling() -> None:
     result = pair(*rough_surfaces(), load="2 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS)
-    assert result.interval == pytest.approx(result.of_positions, rel=1e-9)
+    assert result.interval == pytest.approx(result.interval_of_mean, rel=1e-9)
     assert result.budget["input"].tolist() == ["positions"]
-    low, high = result.next_test
-    assert low < result.of_positions[0] < result.of_positions[1] < high
+    low, high = result.prediction_interval
+    assert low < result.interval_of_mean[0] < result.interval_of_mean[1] < high
 
 
 def test_interval_at_a_load_is_independent_of_the_other_requested_loads() -> None:
@@ -299,7 +299,7 @@ def test_interval_of_a_gap_map_includes_only_input_uncertainty_and_adds_a_caveat
     ranged_result, exact_result = pair(gap=gap, hardness="0.5..1.5 GPa", **options), pair(gap=gap, **options)
     assert ranged_result.interval[0] < ranged_result.value < ranged_result.interval[1]
     assert "positions" not in ranged_result.budget["input"].tolist()
-    assert np.isnan(ranged_result.of_positions).all()
+    assert np.isnan(ranged_result.interval_of_mean).all()
     assert np.isnan(exact_result.interval).all()
     for result in (ranged_result, exact_result):
         assert any("a gap has one position" in caveat.text for caveat in result.caveats)
@@ -384,7 +384,7 @@ def test_combined_interval_contains_the_true_friction_for_random_inputs(num_trut
         truth = pair(*true_surfaces, **true_inputs, **(options | {"shifts": 40}))
         num_covered += predicted.interval[0] <= truth.value <= predicted.interval[1]
         tested_coefficient = simulate_friction_test(truth, rng)
-        num_covered_tests += predicted.next_test[0] <= tested_coefficient <= predicted.next_test[1]
+        num_covered_tests += predicted.prediction_interval[0] <= tested_coefficient <= predicted.prediction_interval[1]
     if num_truths < 100:
         assert min(num_covered, num_covered_tests) >= num_truths - 1
         return
@@ -449,8 +449,8 @@ def test_combined_interval_contains_the_confidence_interval_due_to_sampling_for_
     for computed_point in computed_points:
         rule = computed_point.rules[0]
         assert rule.rule == "all"
-        assert 0 < rule.lower <= rule.sampling_interval[0] <= rule.value <= rule.sampling_interval[1] <= rule.upper
-        assert 0 < rule.next_test[0] <= rule.value <= rule.next_test[1]
+        assert 0 < rule.lower <= rule.interval_of_mean[0] <= rule.value <= rule.interval_of_mean[1] <= rule.upper
+        assert 0 < rule.prediction_interval[0] <= rule.value <= rule.prediction_interval[1]
         if computed_point.bracket is not None:
             assert rule.lower <= computed_point.bracket[0] <= computed_point.bracket[1] <= rule.upper
 
@@ -529,7 +529,7 @@ def test_combined_interval_contains_the_confidence_interval_due_to_sampling_and_
         for rule in point.rules:
             width = rule.upper - rule.lower
             assert rule.lower + 0.01 * width < rule.value < rule.upper - 0.01 * width
-            assert rule.lower <= rule.sampling_interval[0] < rule.sampling_interval[1] <= rule.upper
+            assert rule.lower <= rule.interval_of_mean[0] < rule.interval_of_mean[1] <= rule.upper
         if "hardness" in inputs and point.bracket is not None:
             assert point.rules[0].lower <= point.bracket[0] <= point.bracket[1] <= point.rules[0].upper
 

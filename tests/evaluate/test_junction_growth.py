@@ -120,7 +120,7 @@ def test_interface_stronger_than_the_bulk_gives_the_status_seizure():
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": 0.11}, junction_growth=27)
     assert (result.at()["status"] == "seizure").all()
     assert np.isnan(result.value)
-    assert result.verdict == "Do not quote"
+    assert result.assessment == "Do not quote"
 
 
 @pytest.mark.parametrize(("tau0", "has_end"), [("60..90 MPa", True), ("70..130 MPa", False)])

@@ -42,7 +42,7 @@ def test_direction_with_negative_tangential_load_is_downhill_and_has_no_coeffici
 def test_mean_over_directions_with_a_downhill_direction_is_not_reported(mated_faces):
     result = press_mated_faces(mated_faces, "15.625 um", mu0=0.2)
     assert np.isnan(result.value)
-    assert result.verdict == "Do not quote"
+    assert result.assessment == "Do not quote"
     (point,) = result.summary().points
     assert point.status == "downhill"
     assert np.isnan(point.rules[0].by_direction[180.0].value)

@@ -153,7 +153,7 @@ def test_variability_between_scans_contributes_to_interval_and_budget(spread) ->
     single_scan_result = pair(*(scans_of_part[0] for scans_of_part in scans), shifts=32, **arguments)
     assert "one scan of each part" in point_note_text(single_scan_result.summary().first)
     assert np.ptp(result.interval) > (1.5 if spread else 0.0) * np.ptp(single_scan_result.interval)
-    low, high = result.next_test
+    low, high = result.prediction_interval
     assert low <= result.interval[0] < result.interval[1] <= high
 
 
@@ -268,18 +268,18 @@ DRIFT_CAVEAT = "from one end of the scan to the other"
 def test_drift_of_a_single_scan_widens_the_interval_and_is_named_in_budget_and_caveat():
     result = pair(build_map(1, drift=0.8), build_map(2), **DRIFT_OPTIONS)
     lower, upper = result.interval
-    assert lower < result.of_positions[0] < result.of_positions[1] < upper
+    assert lower < result.interval_of_mean[0] < result.interval_of_mean[1] < upper
     budget = result.budget.set_index("input")
     assert budget.index[0] == "which piece of the upper part"
     assert "which piece of the lower part" not in budget.index
     # The remaining interval reflects only the positions.
     assert budget.loc["which piece of the upper part", ["lower", "upper"]].tolist() == pytest.approx(
-        list(result.of_positions), rel=0.01
+        list(result.interval_of_mean), rel=0.01
     )
     caveats = [each for each in result.caveats if DRIFT_CAVEAT in each.text]
     assert [each.severity for each in caveats] == ["caution"]
     assert caveats[0].text.startswith("upper: ")
-    assert result.next_test[0] < lower < upper < result.next_test[1]
+    assert result.prediction_interval[0] < lower < upper < result.prediction_interval[1]
 
 
 def test_drift_hardly_matters_for_plastic_contacts_and_is_not_used_beside_several_scans():

@@ -108,11 +108,11 @@ def test_interval_of_elastic_pair_includes_result_without_blunt_tip(blunt_result
     assert blunt_result.value == result_without_estimate.value > true_value
     assert contains(blunt_result.interval, true_value)
     assert not contains(result_without_estimate.interval, true_value)
-    assert covers(blunt_result.next_test, result_without_estimate.next_test)
+    assert covers(blunt_result.prediction_interval, result_without_estimate.prediction_interval)
     (tip_caveat,) = (each for each in blunt_result.caveats if "tip does not resolve" in each.text)
     assert "the interval includes an estimate of this" in tip_caveat.text
     assert tip_caveat.severity == "fault"
-    assert blunt_result.verdict == result_without_estimate.verdict == "Do not quote"
+    assert blunt_result.assessment == result_without_estimate.assessment == "Do not quote"
 
 
 def test_interval_of_pair_with_spikes_includes_result_for_masked_outliers(spiked_result, spiked_scans, tmp_path):
@@ -131,7 +131,7 @@ def test_interval_of_pair_with_spikes_includes_result_for_masked_outliers(spiked
     assert spiked_result.interval != result_without_estimate.interval
     (spike_caveat,) = (each for each in spiked_result.caveats if "rms heights" in each.text)
     assert "the interval includes the result for masked outliers" in spike_caveat.text
-    assert spiked_result.verdict == result_without_estimate.verdict
+    assert spiked_result.assessment == result_without_estimate.assessment
 
 
 @pytest.mark.parametrize("name", ["blunt_result", "spiked_result"])
@@ -312,13 +312,13 @@ def test_spikes_do_not_improve_the_assessment(seed):
     options = PAIR_OPTIONS | {"hardness": "2 GPa", "load": "10 MPa", "cutoff": "none"}
     clean_result, result = pair(*surfaces, **options), pair(*map(add_spikes, surfaces), **options)
     own_point = open_without_alternatives(result).summary().first
-    assert own_point.verdict == "Quote with care"
+    assert own_point.assessment == "Quote with care"
     assert own_point.bracket is not None
     point = result.summary().first
-    assert point.verdict == clean_result.verdict == "Do not quote"
+    assert point.assessment == clean_result.assessment == "Do not quote"
     assert {each.name for each in point.faults} == {each.name for each in clean_result.summary().first.faults}
     assert point.bracket is None
-    assert (point.value, point.rules[0].sampling_interval) == (own_point.value, own_point.rules[0].sampling_interval)
+    assert (point.value, point.rules[0].interval_of_mean) == (own_point.value, own_point.rules[0].interval_of_mean)
     (same_point,) = result.summarize_dataset(result.at(budget=True).isel(load=0, mu0=0, tau0=0)).points
     assert same_point.caveats == point.caveats
 

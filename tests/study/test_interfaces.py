@@ -68,14 +68,14 @@ def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, r
     fit = interface(film_file).fits[0]
     area = adhesion / np.median(fit.tau0)
     friction = fit.mu0 + fit.tau0 * area
-    relative = np.diff(result.of_positions)[0] / 2 / Z_95 / result.value
+    relative = np.diff(result.interval_of_mean)[0] / 2 / Z_95 / result.value
     friction = friction * (1 + relative * np.random.default_rng(0).standard_normal(friction.size))
     expected = np.quantile(friction, [0.025, 0.975]) * result.value / np.median(fit.mu0 + fit.tau0 * area)
     assert result.interval == pytest.approx(expected, abs=MAX_SAMPLING_ERROR * np.ptp(expected))
     assert result.budget["input"].tolist()[0] == "the interface"
     interface_row = result.budget.loc[0]
     assert (interface_row.lower, interface_row.upper) == pytest.approx(
-        result.of_positions, abs=0.1 * np.ptp(result.interval)
+        result.interval_of_mean, abs=0.1 * np.ptp(result.interval)
     )
     inputs = result.study.known
     uncorrelated_result = pair(*rough_surfaces(), mu0=inputs.mu0, tau0=inputs.tau0, **PAIR_OPTIONS)

@@ -219,7 +219,7 @@ def test_values_at_nodes_of_measured_surfaces_equal_the_summary_at_the_inputs_of
             rule_index = result.study.contact.sliding_rules().index(rule.rule)
             index = (0, 0, rule_index, 0, load_index, mu0_index, tau0_index)
             assert values.friction[index].tolist() == pytest.approx([rule.value, rule.lower, rule.upper], rel=1e-9)
-            assert values.sampling[index].tolist() == pytest.approx([rule.value, *rule.sampling_interval], rel=1e-9)
+            assert values.sampling[index].tolist() == pytest.approx([rule.value, *rule.interval_of_mean], rel=1e-9)
             assert values.slopes[(*index[:4], mu0_index, tau0_index)] == pytest.approx(rule.slopes, rel=1e-9)
             assert ORDERED_STATUSES[values.status_codes[index]] == point.status
             assert values.num_solved[index] == point.members
@@ -234,11 +234,11 @@ def test_values_at_nodes_of_generated_surfaces_contain_an_assessment_of_each_poi
     assert values.status_codes.shape == friction.shape[:-1]
     assert not values.is_valid[values.status_codes > 0].any()
     assert values.assessment_indices.shape == friction[:, :, 0, ..., 0].shape
-    assert values.assessment_indices.max() == len(values.assessments) - 1
-    has_fault = np.array([any(reason.severity == "fault" for reason in reasons) for reasons in values.assessments])
+    assert values.assessment_indices.max() == len(values.caveat_sets) - 1
+    has_fault = np.array([any(reason.severity == "fault" for reason in reasons) for reasons in values.caveat_sets])
     rule_index = list(result.study.contact.sliding_rules()).index("opposing")
     is_missing = np.isnan(friction[:, :, rule_index, ..., 0])
-    assert [verdict == "Do not quote" for verdict in values.verdicts] == has_fault.tolist()
+    assert [assessment == "Do not quote" for assessment in values.assessments] == has_fault.tolist()
     assert has_fault[values.assessment_indices][is_missing].all()
 
 
@@ -301,9 +301,9 @@ def test_assessments_at_nodes_of_generated_surfaces_equal_those_of_summaries(nam
                 int(np.abs(each - point.at[key]).argmin()) for each, key in zip(coordinates, keys, strict=True)
             )
             index = int(values.assessment_indices[cell_index, amplitude_index, 0, load_index, mu0_index, tau0_index])
-            assert values.verdicts[index] == point.verdict
+            assert values.assessments[index] == point.assessment
             reasons, caveats = (
-                sorted(each.name or each.text for each in group) for group in (values.assessments[index], point.caveats)
+                sorted(each.name or each.text for each in group) for group in (values.caveat_sets[index], point.caveats)
             )
             assert reasons == caveats
             if point.is_unloaded:

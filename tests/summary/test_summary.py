@@ -106,7 +106,7 @@ def test_summary_for_explicitly_given_study_values_equals_the_default_summary(su
     default_summary = result.summary()
     explicit_summary = result.summary(["20 MPa", "40 MPa"], mu0=0.2, tau0="50 MPa")
     for default_point, explicit_point in zip(default_summary.points, explicit_summary.points, strict=True):
-        assert default_point.verdict == explicit_point.verdict
+        assert default_point.assessment == explicit_point.assessment
         assert default_point.caveats == explicit_point.caveats
         np.testing.assert_allclose(
             astuple(default_point.quantities["friction_combined"]),
@@ -147,8 +147,8 @@ def test_commands_info_and_at_report_the_same_assessment_and_caveats(surface_fol
         run_command(monkeypatch, *arguments)
         records.append(json.loads(capsys.readouterr().out)["answers"])
     for info_answer, at_answer in zip(*records, strict=True):
-        assert [info_answer[name] for name in ("verdict", "caveats", "rules")] == [
-            at_answer[name] for name in ("verdict", "caveats", "rules")
+        assert [info_answer[name] for name in ("assessment", "caveats", "rules")] == [
+            at_answer[name] for name in ("assessment", "caveats", "rules")
         ]
 
 
@@ -159,5 +159,5 @@ def test_command_at_advises_against_quoting_a_result_from_few_contacts(tmp_path,
     arguments = ("--load", "0.002 mN", "--d", "1.3", "--mu0", "0.4", "--tau0", "20 MPa", "--json")
     run_command(monkeypatch, "at", tmp_path / "study", *arguments)
     (answer,) = json.loads(capsys.readouterr().out)["answers"]
-    assert answer["verdict"] == "Do not quote"
+    assert answer["assessment"] == "Do not quote"
     assert "too few contacts, 1.9 on average" in [caveat["text"] for caveat in answer["caveats"]]

@@ -54,8 +54,8 @@ class ReportEvaluator:
             name, self.coefficient_index(**place), mu0, 1000 * tau0,
         )  # fmt: skip
 
-    def evaluate_verdict(self, mu0, tau0, *, cell, amplitude, way, load):
-        """Return the verdict and the caveats at mu0 and tau0 (GPa)."""
+    def evaluate_assessment(self, mu0, tau0, *, cell, amplitude, way, load):
+        """Return the assessment and the caveats at mu0 and tau0 (GPa)."""
         facts = self.facts
         cell_index = cell * max(1, len(facts["amplitudes"])) + amplitude
         index = (cell_index * len(facts["ways"]) + way) * len(facts["loads"]["values"]) + load

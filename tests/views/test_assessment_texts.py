@@ -40,7 +40,7 @@ def test_summary_of_measured_surfaces_lists_friction_at_all_contacts_first():
     point = summarize_single_point(measured_result(), measured_study(hardness=3.0))
     assert [rule.rule for rule in point.rules] == ["all", "opposing"]
     assert (point.value, point.lower, point.upper) == pytest.approx((0.21, 0.1995, 0.2205))
-    assert (point.verdict, point.caveats) == ("Quote it", ())
+    assert (point.assessment, point.caveats) == ("Quote it", ())
     for words in (
         "μ_s = 0.21 [0.20, 0.22] with friction at all contacts",
         "0.110 [0.104, 0.116] with friction at opposing contacts only",
@@ -152,7 +152,7 @@ def test_quotable_sentence_contains_the_assessment_and_caveats_and_version_and_a
     dataset = measured_result().assign_attrs(stiction_version="1.2.3")
     (point,) = summarize(dataset, measured_study(), input_caveats=[caveat]).points
     sentence = quotable_sentence(point)
-    assert f"assessment: {point.verdict} ({caveat.text}" in sentence
+    assert f"assessment: {point.assessment} ({caveat.text}" in sentence
     assert "stiction 1.2.3" in sentence
     assert "no adhesion" in sentence
 
@@ -161,11 +161,11 @@ def test_quotable_sentence_contains_the_assessment_and_caveats_and_version_and_a
 def test_sentence_about_a_result_with_a_fault_contains_no_coefficient(case_name):
     fault_changes, unaffected_changes, word = FAULT_CASES[case_name]
     point = summarize_single_point(measured_result(**fault_changes), measured_study())
-    assert point.verdict == "Do not quote"
+    assert point.assessment == "Do not quote"
     assert word in " ".join(caveat.text for caveat in point.caveats if caveat.severity == "fault")
     assert "μ_s =" not in quotable_sentence(point)
     assert word in quotable_sentence(point)
-    assert summarize_single_point(measured_result(**unaffected_changes), measured_study()).verdict == "Quote it"
+    assert summarize_single_point(measured_result(**unaffected_changes), measured_study()).assessment == "Quote it"
 
 
 CAUTION_CASES = {
@@ -182,7 +182,7 @@ CAUTION_CASES = {
 def test_result_with_a_caution_has_a_caveat_that_states_the_reason(case_name):
     caution_changes, expected_words = CAUTION_CASES[case_name]
     point = summarize_single_point(measured_result(**caution_changes), measured_study())
-    assert point.verdict == "Quote with care"
+    assert point.assessment == "Quote with care"
     assert expected_words in caveat_texts(point)
     assert "μ_s = 0.21" in quotable_sentence(point)
 
@@ -192,18 +192,18 @@ def test_scan_much_coarser_than_the_other_scan_adds_a_caveat():
         dataset = measured_result().assign_attrs(upper_spacing_um=[0.1, 0.1], lower_spacing_um=spacing)
         point = summarize_single_point(dataset, measured_study())
         assert expected_words in caveat_texts(point)
-        assert point.verdict == ("Quote with care" if expected_words else "Quote it")
+        assert point.assessment == ("Quote with care" if expected_words else "Quote it")
 
 
 def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
     study = measured_study()
     study = study.with_changes({"surfaces.press": "surrogates"})
-    for shape, verdict in ((300, "Quote with care"), (600, "Quote it")):
+    for shape, assessment in ((300, "Quote with care"), (600, "Quote it")):
         dataset = measured_result().assign_attrs(shape=[shape, shape], spacing_um=[0.1, 0.1])
         for side in ("upper", "lower"):
             dataset = dataset.assign_attrs({f"{side}_spacing_um": [0.1], f"{side}_extent_um": [100.0]})
         point = summarize_single_point(dataset, study)
-        assert point.verdict == verdict
+        assert point.assessment == assessment
         expected_words = "pieces of 30 µm are pressed, without the longer wavelengths of the scan of 100 µm"
         assert (expected_words in caveat_texts(point)) == (shape == 300)
 
@@ -219,8 +219,8 @@ def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
         ({"mean_pressure": 20.0}, {"mechanics": "asperities", "law": "jackson-green"}),
     ],
 )
-def test_verdict_on_a_result_without_caveats_recommends_quoting_the_result(numbers, study):
-    assert summarize_single_point(measured_result(**numbers), measured_study(**study)).verdict == "Quote it"
+def test_assessment_on_a_result_without_caveats_recommends_quoting_the_result(numbers, study):
+    assert summarize_single_point(measured_result(**numbers), measured_study(**study)).assessment == "Quote it"
 
 
 @pytest.mark.parametrize("kind", ["measured", "generated"])
@@ -245,16 +245,16 @@ def test_pressure_above_the_yield_strength_of_a_soft_material_adds_a_caveat():
 
 
 def test_high_pressure_of_generated_surfaces_adds_a_caution_but_no_fault():
-    for pressure, verdict in ((0.4, "Quote it"), (0.6, "Quote with care")):
+    for pressure, assessment in ((0.4, "Quote it"), (0.6, "Quote with care")):
         points = summarize(generated_result(mean_pressure=pressure), generated_study()).points
-        assert {point.verdict for point in points} == {verdict}
+        assert {point.assessment for point in points} == {assessment}
 
 
 def test_sentence_without_coefficient_states_the_reason():
     point = summarize_single_point(
         measured_result(status="not-reached", all_contacts=np.nan, opposing=np.nan, ok=0), measured_study()
     )
-    assert (point.status, point.verdict) == ("not-reached", "Do not quote")
+    assert (point.status, point.assessment) == ("not-reached", "Do not quote")
     assert "the load is above the computed loads" in quotable_sentence(point)
     point_without_status = summarize_single_point(
         measured_result(all_contacts=np.nan, opposing=np.nan), measured_study()
@@ -363,7 +363,7 @@ def test_interval_contains_filtered_and_unfiltered_results(is_floor):
     assert [point.covered for point in summary_points] == [False, False, True, True]
     assert [point.at["cut_off"] for point in summary_points] == [cut_offs[0]] * 2 + [cut_offs[1]] * 2
     for point in [other for other in summary_points if not other.covered]:
-        assert point.verdict == ("Quote with care" if is_floor else "Do not quote")
+        assert point.assessment == ("Quote with care" if is_floor else "Do not quote")
         assert (point.value, point.lower, point.upper) == pytest.approx((0.25, 0.21 * 0.98, 0.25 * 1.02))
         word = "with" if is_floor else "without"
         assert point.caveats[0].text.startswith(f"{caveat.text}; {word} them μ_s is 0.210 [0.206, 0.214]")
@@ -393,7 +393,7 @@ def test_faults_of_the_unfiltered_result_also_apply_to_the_filtered_result():
     )
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
     filtered_point, raw_point = summarize(dataset, study).points
-    assert raw_point.verdict == filtered_point.verdict == "Do not quote"
+    assert raw_point.assessment == filtered_point.assessment == "Do not quote"
     assert any(fault.text.startswith("as measured: ") for fault in filtered_point.faults)
 
 
@@ -492,7 +492,7 @@ def test_text_of_inputs_states_no_range_for_a_given_hardness(study):
 
 def test_range_for_finer_scans_is_omitted_if_the_result_has_a_fault():
     point = summarize(measured_result(all_contacts=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
-    assert (point.verdict, point.bracket) == ("Do not quote", None)
+    assert (point.assessment, point.bracket) == ("Do not quote", None)
     assert not any("finer scan" in sentence for sentence in point_detail_sentences(point))
 
 
@@ -508,9 +508,9 @@ def test_range_for_finer_scans_starts_at_a_coefficient_below_the_plastic_limit()
 
 @pytest.mark.parametrize("changes", [{"contact_count": 4.9}, {"share_on_largest": 0.51}])
 def test_few_contacts_are_not_a_fault_if_contacts_have_merged(changes):
-    assert summarize_single_point(measured_result(**changes), measured_study()).verdict == "Do not quote"
+    assert summarize_single_point(measured_result(**changes), measured_study()).assessment == "Do not quote"
     assert (
-        summarize_single_point(measured_result(**changes, contact_area_fraction=0.35), measured_study()).verdict
+        summarize_single_point(measured_result(**changes, contact_area_fraction=0.35), measured_study()).assessment
         != "Do not quote"
     )
 
@@ -535,7 +535,7 @@ def test_text_about_finer_scans_states_the_hardness():
 def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
     point = summarize(generated_result(contact_count=7.0), generated_study()).points[0]
     assert "few contacts, 7 on average" in caveat_texts(point)
-    assert summarize(generated_result(contact_count=3.0), generated_study()).points[0].verdict == "Do not quote"
+    assert summarize(generated_result(contact_count=3.0), generated_study()).points[0].assessment == "Do not quote"
     assert "τ0 is 0, so the coefficient is the given μ0" in caveat_texts(
         summarize(generated_result(friction=0.4), generated_study()).points[0]
     )

@@ -101,14 +101,14 @@ def test_figures_and_table_and_json_and_report_contain_equal_combined_intervals(
     rules, loads = report.facts["rules"], report.facts["loads"]["values"]
     points = summary.headlines
     assert len(points) == 8
-    assert any(point.upper > point.rules[0].sampling_interval[1] for point in points)
+    assert any(point.upper > point.rules[0].interval_of_mean[1] for point in points)
     for point, rule_result in [(other, rule_result) for other in points for rule_result in other.rules]:
         interval = pytest.approx([rule_result.lower, rule_result.upper], rel=1e-12)
         conditions = point.at["load"], point.at["mu0"], 1000 * point.at["tau0"], rule_result.rule
         table_row = rows.loc[(True, *conditions)]
         assert [table_row[f"{title}: lower"], table_row[f"{title}: upper"]] == interval
         assert [table_row[f"{title}: sampling lower"], table_row[f"{title}: sampling upper"]] == list(
-            rule_result.sampling_interval
+            rule_result.interval_of_mean
         )
         value = next(other for other in combined_values if other["at"] == point.at | {"sliding": rule_result.rule})
         assert [value["lower"], value["upper"]] == interval

@@ -273,7 +273,7 @@ class TestNoiseHiddenByRoughness:
         assert (unfiltered_point.at["cut_off"], filtered_point.covered) == (0.0, True)
         assert result.value == unfiltered_point.value < filtered_point.value
         assert result.interval[1] == pytest.approx(filtered_point.upper, rel=1e-9)
-        assert result.interval[1] > result.of_positions[1]
+        assert result.interval[1] > result.interval_of_mean[1]
 
 
 def test_caveats_of_a_gap_do_not_mention_two_scans(tmp_path):

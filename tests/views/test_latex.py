@@ -35,7 +35,7 @@ def test_latex_table_has_one_row_for_each_headline_result(summary_name):
     assert {len(row) for row in rows} == {len(header)}
     assert rf"\begin{{tabular}}{{{'l' * len(header)}}}" in table
     for row, point in zip(rows, summary.headlines, strict=True):
-        assert row[-1] == point.verdict
+        assert row[-1] == point.assessment
         assert all(str(estimate) in row for estimate in point.rules)
     assert not re.search(r"(?<!\\)[%#_]", re.sub(r"^% .*$|\$.*?\$", "", table, flags=re.MULTILINE))
 

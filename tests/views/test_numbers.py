@@ -176,7 +176,8 @@ def test_caveat_between_nodes_contains_the_number_of_the_nearest_node_if_another
         offsets: {name_value: 0, judgement: 6, name_format: 0},
         formats: {name: [{factor: 0.01, digits: 2, text: "{} %"}, {factor: 1, digits: 1, text: "{}"}]}};
       const axes = {mu0: {rising: [0, 1, 2], bounds: []}, tau0: {rising: [0, 1], bounds: []}};
-      const judgements = [{verdict: "", caveats: [{text: "{} of the load", number: "name"}, {text: "few contacts"}]}];
+      const caveats = [{text: "{} of the load", number: "name"}, {text: "few contacts"}];
+      const judgements = [{assessment: "", caveats}];
       return judgementAt(numbers, judgements, 0, placeAt(axes, mu0, 0.5)).caveats.map(({text}) => text);
     }"""
     assert report_evaluator(script, 0.25) == ["13 % of the load", "few contacts"]
@@ -307,7 +308,7 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
         report_evaluator = ReportEvaluator(report_page(dataset))
     study = parse_study_of_dataset(dataset)
     loads = report_evaluator.facts["loads"]["values"]
-    verdicts = set()
+    assessments = set()
     for mu0, tau0 in itertools.product(study.friction.mu0[:2], study.friction.tau0[:2]):
         load_indices = [4, 15, 25, 35]
         reference = at_load(dataset, [loads[index] for index in load_indices], mu0=[mu0], tau0=[float(tau0)])
@@ -316,15 +317,15 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
                 dataset[name].values.tolist().index(point.at[name]) for name in ("fractal_dimension", "amplitude")
             ]
             load_index = int(np.argmin(np.abs(np.array(loads) - point.at["load"])))
-            assessment = report_evaluator.evaluate_verdict(
+            assessment = report_evaluator.evaluate_assessment(
                 mu0, float(tau0), cell=indices[0], amplitude=indices[1], way=0, load=load_index
             )
-            assert assessment["verdict"] == point.verdict
+            assert assessment["assessment"] == point.assessment
             for name in ("text", "remedy"):
                 expected_texts = [getattr(caveat, name) for caveat in point.caveats]
                 assert [caveat[name] for caveat in assessment["caveats"]] == expected_texts
-            verdicts.add(point.verdict)
-    assert "Do not quote" in verdicts
+            assessments.add(point.assessment)
+    assert "Do not quote" in assessments
 
 
 def test_area_in_reports_of_generated_surfaces_has_the_unit_and_digits_of_the_terminal():

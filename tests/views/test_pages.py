@@ -459,7 +459,7 @@ def test_friction_displayed_for_maps_equals_library_values_after_controls_are_ch
     surfaces = [getattr(study.surfaces, side).read() for side in ("upper", "lower")]
     input_caveats = find_input_caveats(*surfaces, study, [0.1, 0.5])
     point = summarize(at_load(maps_dataset, [0.1]), study, input_caveats=input_caveats).points[0]
-    assert maps_report.find_element("css selector", ".verdict").text == point.verdict
+    assert maps_report.find_element("css selector", ".assessment").text == point.assessment
     caveats = maps_report.find_element("css selector", "#judgement").get_attribute("textContent")
     assert all(caveat.text[1:] in caveats for caveat in point.caveats)
     for mu0, tau0, load_index, direction_index in ((0.3, 0.0, 1, 0), (0.62, 0.07, 2, 3), (0.1, 0.0, 0, 1)):
@@ -474,10 +474,10 @@ def test_friction_displayed_for_maps_equals_library_values_after_controls_are_ch
         reference = reference if direction_index == 0 else reference.isel(direction=direction_index - 1)
         expected = {rule: float(reference.sel(sliding=rule)) for rule in ("all", "opposing")}
         assert read_values_by_rule(maps_report) == pytest.approx(expected, rel=1e-4)
-    # The report has verdicts for the conditions of the study only; the button returns to such a condition.
+    # The report has assessments for the conditions of the study only; the button returns to such a condition.
     maps_report.find_element("css selector", "#judgement button").click()
     browser.wait_for_drawing(maps_report)
-    assert maps_report.find_element("css selector", ".verdict").text == point.verdict
+    assert maps_report.find_element("css selector", ".assessment").text == point.assessment
 
 
 def test_compass_sets_direction_and_tooltip_shows_numbers(maps_report):

@@ -74,7 +74,7 @@ def test_data_frame_contains_the_status_of_values():
     assert set(rows[rows["load"] == 1.0]["status"]) == {"ok"}
 
 
-def test_csv_table_has_a_row_with_verdict_and_caveats_for_each_direction():
+def test_csv_table_has_a_row_with_assessment_and_caveats_for_each_direction():
     input_caveat = Caveat("a parabola, which carries the load", "take it off", "caution")
     rows = parse_csv(
         frame_to_csv(
@@ -100,7 +100,7 @@ def test_csv_table_has_a_row_with_verdict_and_caveats_for_each_direction():
     }
     area_column = next(name for name in first_row if name.endswith("(um2)"))
     assert {float(row[area_column]) for row in rows} == {QUANTITIES_AT_LOAD["contact_area"]}
-    assert {row["verdict"] for row in rows} == {"Quote with care"}
+    assert {row["assessment"] for row in rows} == {"Quote with care"}
     assert {row["caveats"] for row in rows} == {"a parabola, which carries the load: take it off"}
     rows = parse_csv(frame_to_csv(summary_table(summarize(generated_result(), generated_study()))))
     assert len(rows) == 2 * 2 * 2
@@ -137,7 +137,7 @@ def test_json_record_has_null_for_infinite_ends_of_intervals():
     summary = summarize(measured_result(), measured_study())
     point = summary.points[0]
     unbounded_interval = UncertaintyBudgetEntry(0.25, 0.2, math.inf, words="the hardness", width=math.inf)
-    rules = tuple(replace(rule, upper=math.inf, next_test=Interval(0.1, math.inf)) for rule in point.rules)
+    rules = tuple(replace(rule, upper=math.inf, prediction_interval=Interval(0.1, math.inf)) for rule in point.rules)
     point = replace(
         point, rules=rules, budget=(unbounded_interval,), bracket=(0.2, math.inf), parts=(0.2, math.inf, 0.0),
         from_roughness=-math.inf,
@@ -150,14 +150,14 @@ def test_json_record_has_null_for_infinite_ends_of_intervals():
     assert (answer["finer_scans"]["to"], answer["parts"]["adhesion"], answer["from_roughness"]) == (None, None, None)
 
 
-def test_json_record_contains_the_verdict_and_caveats_and_values():
+def test_json_record_contains_the_assessment_and_caveats_and_values():
     record = json.loads(
         summary_json(
             "pair", summarize(measured_result(share_at_edge=0.6, half_width_ratio=0.02), measured_study()), positions=3
         )
     )
     (answer,) = record["answers"]
-    assert answer["verdict"] == "Do not quote"
+    assert answer["assessment"] == "Do not quote"
     assert answer["caveats"][0]["severity"] == "fault"
     assert {"text", "remedy", "severity"} == set(answer["caveats"][0])
     assert answer["sentence"].startswith("There is no coefficient to quote")

@@ -9,7 +9,7 @@ import xarray
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_significant, format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.summary.assessment import VERDICTS_BY_SEVERITY, Caveat
+from stiction.summary.assessment import ASSESSMENTS_BY_SEVERITY, Caveat
 from stiction.summary.summary import Summary, UncertaintyBudgetEntry, summarize
 from stiction.views.assessment import assessment_paragraph
 from stiction.views.layout import format_paragraph
@@ -68,12 +68,12 @@ def test_result_text_fits_the_terminal_width(case_name, verbose):
     assert not any(line != line.rstrip() for line in text.splitlines())
 
 
-def test_result_text_starts_with_coefficient_and_verdict():
+def test_result_text_starts_with_coefficient_and_assessment():
     lines = result_text(summarize(*DATASETS_AND_STUDIES["with caveats"])).splitlines()
     assert lines[0].startswith("μ_s = 0.21 [0.20, 0.22]  friction at all contacts")
-    verdict_index = lines.index("Do not quote")
-    assert verdict_index < 10
-    assert lines[verdict_index + 1].startswith("  ! 60 % of the load is on contacts at the edge")
+    assessment_index = lines.index("Do not quote")
+    assert assessment_index < 10
+    assert lines[assessment_index + 1].startswith("  ! 60 % of the load is on contacts at the edge")
 
 
 @pytest.mark.parametrize(("area", "text"), [(2000.0, "2000 µm²"), (5181.6, "5182 µm²"), (2.304e9, "2304 mm²")])
@@ -303,13 +303,13 @@ def test_result_text_for_many_conditions_has_at_most_40_lines():
     summary = summarize(dataset, generated_study())
     lines = result_text(summary, complete_command="--verbose").splitlines()
     assert len(lines) <= 40
-    rows = [line for line in lines if line[0:1].isdigit() and line.endswith(tuple(VERDICTS_BY_SEVERITY.values()))]
+    rows = [line for line in lines if line[0:1].isdigit() and line.endswith(tuple(ASSESSMENTS_BY_SEVERITY.values()))]
     assert 10 <= len(rows) <= MAX_PRINTED_POINTS
     assert f"Shown: {len(rows)} of {len(summary.headlines)} points; --verbose shows all." in lines
     verbose_text = result_text(summary, verbose=True)
     assert "Shown" not in verbose_text
     assert " more caveat" not in verbose_text
-    all_rows = [line for line in verbose_text.splitlines() if line.endswith(tuple(VERDICTS_BY_SEVERITY.values()))]
+    all_rows = [line for line in verbose_text.splitlines() if line.endswith(tuple(ASSESSMENTS_BY_SEVERITY.values()))]
     assert sum(line[0].isdigit() for line in all_rows) == len(summary.headlines)
 
 

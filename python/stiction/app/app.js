@@ -271,7 +271,7 @@ function render() {
 }
 
 // CSS classes by assessment
-const VERDICT_CLASSES = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
+const ASSESSMENT_CLASSES = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
 
 /** Show values, assessment and caveats. Intermediate results are grey and have no assessment. */
 function showResult(answer, scope, isFinal) {
@@ -287,7 +287,7 @@ function showResult(answer, scope, isFinal) {
     Object.assign(line.dataset, {rule, value: mean, lower, upper});
     place.append(line);
   }
-  if (isFinal) place.append(createNode("p", {className: `verdict ${VERDICT_CLASSES[answer.verdict]}`}, answer.verdict),
+  if (isFinal) place.append(createNode("p", {className: `assessment ${ASSESSMENT_CLASSES[answer.assessment]}`}, answer.assessment),
     createNode("ul", {className: "caveats", tabIndex: 0}, ...answer.caveats.map(({text: words, remedy, severity}) => createNode("li", {className: severity}, `${words}; ${remedy}`))),
     createNode("p", {className: "sentence", id: "sentence", hidden: true}, answer.sentence));
 }

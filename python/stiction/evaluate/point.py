@@ -33,8 +33,8 @@ class SlidingRuleCoefficient(Estimate):
     _: KW_ONLY
     rule: str  # "all" or "opposing"
     status: str = STATUS_OK  # "ok", or why a coefficient is missing in at least one direction
-    sampling_interval: Interval = UNKNOWN_INTERVAL  # sampling interval of the mean over positions
-    next_test: Interval = UNKNOWN_INTERVAL  # prediction interval for a single test in a single direction
+    interval_of_mean: Interval = UNKNOWN_INTERVAL  # sampling interval of the mean over positions
+    prediction_interval: Interval = UNKNOWN_INTERVAL  # prediction interval for a single test in a single direction
     low: float = math.nan  # 10 % quantile of the coefficients of single members
     high: float = math.nan  # 90 % quantile of the coefficients of single members
     slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies

@@ -146,7 +146,7 @@ class LimitCheck(NamedTuple):
 
 CheckGroups = Sequence[Sequence[LimitCheck]]  # groups of checks; each group reports only its first failed check
 
-VERDICTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
+ASSESSMENTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
 """Text of the assessment, by the worst severity of all caveats."""
 
 STATUS_EXPLANATIONS = {
@@ -500,10 +500,10 @@ def assess_ensemble_points(
     )
 
 
-def verdict_from_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
+def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
     """Return the assessment that follows from the most severe of the given caveats or failed checks."""
     severities = {reason.severity for reason in reasons}
-    return VERDICTS_BY_SEVERITY["fault" if "fault" in severities else "caution" if severities else ""]
+    return ASSESSMENTS_BY_SEVERITY["fault" if "fault" in severities else "caution" if severities else ""]
 
 
 def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:

@@ -349,15 +349,15 @@ class Evaluation(MemberSums):
         return self._first_reported_point.lower, self._first_reported_point.upper
 
     @property
-    def of_positions(self) -> tuple[float, float]:
+    def interval_of_mean(self) -> tuple[float, float]:
         """Limits of the 95 % confidence interval of the mean over positions. Inputs have their central values."""
-        lower, upper = self._first_reported_point.rules[0].sampling_interval
+        lower, upper = self._first_reported_point.rules[0].interval_of_mean
         return lower, upper
 
     @property
-    def next_test(self) -> tuple[float, float]:
+    def prediction_interval(self) -> tuple[float, float]:
         """Limits of the 95 % prediction interval for one test at one position in one direction of motion."""
-        lower, upper = self._first_reported_point.rules[0].next_test
+        lower, upper = self._first_reported_point.rules[0].prediction_interval
         return lower, upper
 
     @property
@@ -378,14 +378,9 @@ class Evaluation(MemberSums):
         return pandas.DataFrame(rows, columns=["input", "lower", "upper", "width", "share"])
 
     @property
-    def verdict(self) -> str:
-        """Assessment of `value`: "Quote it", "Quote with care" or "Do not quote"."""
-        return self._first_reported_point.verdict
-
-    @property
     def assessment(self) -> str:
-        """Alias of `verdict`."""
-        return self.verdict
+        """Assessment of `value`: "Quote it", "Quote with care" or "Do not quote"."""
+        return self._first_reported_point.assessment
 
     @property
     def caveats(self) -> tuple[Caveat, ...]:

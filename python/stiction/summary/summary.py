@@ -46,9 +46,9 @@ from stiction.summary.assessment import (
     ASPERITY_CHECKS,
     FEW_CONTACTS_CHECK_NAMES,
     Caveat,
+    assess_caveats,
     find_caveats_of_failed_checks,
     find_point_caveats,
-    verdict_from_caveats,
 )
 
 if TYPE_CHECKING:
@@ -271,9 +271,9 @@ class PointSummary:
         return tuple(caveat for caveat in self.caveats if caveat.severity == "fault")
 
     @property
-    def verdict(self) -> str:
+    def assessment(self) -> str:
         """Assessment of `value`: "Quote it", "Quote with care" or "Do not quote"."""
-        return verdict_from_caveats(self.caveats)
+        return assess_caveats(self.caveats)
 
 
 @dataclass(frozen=True, eq=False)
@@ -460,7 +460,10 @@ def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntr
 
 def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient) -> SlidingRuleCoefficient:
     """Extend the intervals of a value to include the intervals of the same value at another cutoff."""
-    return replace(value.extended_to(other_value), next_test=value.next_test.extended_to(other_value.next_test))
+    return replace(
+        value.extended_to(other_value),
+        prediction_interval=value.prediction_interval.extended_to(other_value.prediction_interval),
+    )
 
 
 def summarize_point(
@@ -477,8 +480,8 @@ def summarize_point(
     status = rules[0].status if math.isnan(rules[0].value) else friction.STATUS_OK
     quantities = read_point_quantities(point, rules[0].rule)
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
-    sampling_interval = rules[0].sampling_interval
-    rule_with_sampling_interval = replace(rules[0], lower=sampling_interval.lower, upper=sampling_interval.upper)
+    interval_of_mean = rules[0].interval_of_mean
+    rule_with_interval_of_mean = replace(rules[0], lower=interval_of_mean.lower, upper=interval_of_mean.upper)
     has_interval_note = rules[0].has_interval and covers_alternatives
     # A cutoff removes caveats only if the user requested this cutoff.
     kept_caveats = [
@@ -486,7 +489,7 @@ def summarize_point(
         for each in input_caveats
         if study.surfaces.both_readings or cut_off < each.cut_off
     ]
-    caveats = [*kept_caveats, *find_point_caveats(quoted_values, study, rule_with_sampling_interval, status)]
+    caveats = [*kept_caveats, *find_point_caveats(quoted_values, study, rule_with_interval_of_mean, status)]
     return PointSummary(
         study=study,
         values=point,
@@ -496,7 +499,7 @@ def summarize_point(
         at=_get_point_coordinates(point, study),
         bracket=None
         if any(_invalidates_finer_scan_bounds(caveat) for caveat in caveats)
-        else _find_bounds_for_finer_scans(quoted_values, study, rule_with_sampling_interval),
+        else _find_bounds_for_finer_scans(quoted_values, study, rule_with_interval_of_mean),
         budget=_list_budget_entries(point, rules[0]),
         parts=_compute_friction_contributions(quoted_values, rules[0]),
         from_roughness=_estimate_roughness_contribution(quoted_values, study, rules[0]),
@@ -515,15 +518,15 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
     """Return the coefficient for a sliding rule, given the values of a point for this rule."""
     name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
     mean = read_estimate(table[name])
-    sampling_interval = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
-    combined_interval = _get_interval(table, "friction_known") or sampling_interval
+    interval_of_mean = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
+    combined_interval = _get_interval(table, "friction_known") or interval_of_mean
     low, high, slopes = (mean_over_directions(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
     return SlidingRuleCoefficient(
         mean.value,
         *combined_interval,
         rule=rule,
-        sampling_interval=sampling_interval,
-        next_test=_get_interval(table, "friction_next_test") or UNKNOWN_INTERVAL,
+        interval_of_mean=interval_of_mean,
+        prediction_interval=_get_interval(table, "friction_next_test") or UNKNOWN_INTERVAL,
         status=_find_first_failure(table),
         low=low,
         high=high,

@@ -26,11 +26,11 @@ from stiction.summary.assessment import (
     MIN_MERGED_AREA_FRACTION,
     Caveat,
     LimitCheck,
+    assess_caveats,
     assess_ensemble_points,
     compute_checked_quantities,
     find_smallest_check_limit,
     list_contact_check_names,
-    verdict_from_caveats,
 )
 from stiction.summary.nodes import InterpolationNodes, NodeAxis
 
@@ -225,7 +225,7 @@ class GeneratedValuesAtNodes:
         True for each panel in which values may be interpolated.
     checked_numbers : dict
         Numbers that the assessment compares with limits, for the quoted sliding rule.
-    assessments : list of list of Caveat or LimitCheck
+    caveat_sets : list of list of Caveat or LimitCheck
         Distinct assessments, each with faults first.
     assessment_indices : ndarray of int
         Index of the assessment of each point, for the quoted sliding rule.
@@ -239,13 +239,13 @@ class GeneratedValuesAtNodes:
     is_valid: NDArray[np.bool_]
     is_interpolated: NDArray[np.bool_]
     checked_numbers: dict[str, Any]
-    assessments: list[list[Caveat | LimitCheck]]
+    caveat_sets: list[list[Caveat | LimitCheck]]
     assessment_indices: NDArray[np.intp]
 
     @property
-    def verdicts(self) -> list[str]:
-        """Verdict of each assessment."""
-        return [verdict_from_caveats(assessment) for assessment in self.assessments]
+    def assessments(self) -> list[str]:
+        """Assessment that follows from each set of caveats."""
+        return [assess_caveats(caveats) for caveats in self.caveat_sets]
 
 
 def get_validity_limit(name: str) -> float:

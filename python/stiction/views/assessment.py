@@ -13,7 +13,7 @@ from stiction.evaluate.coefficient_samples import (
     UPPER_SCANS_INPUT_NAME,
 )
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, SPIKES_ALTERNATIVE, TIP_ALTERNATIVE
-from stiction.summary.assessment import VERDICTS_BY_SEVERITY, WIDE_INTERVAL_CHECK_NAME, Caveat
+from stiction.summary.assessment import ASSESSMENTS_BY_SEVERITY, WIDE_INTERVAL_CHECK_NAME, Caveat
 from stiction.summary.summary import POSSIBLE_NOISE_INPUT_NAME, PointSummary
 from stiction.views.layout import Paragraph, ShortenedList, WrappedText
 
@@ -31,7 +31,7 @@ def assessment_paragraph(
     most `max_groups` groups. Faults come first and are always printed. `complete_command` names the option, command or
     method that shows all caveats.
     """
-    if len({(point.verdict, point.caveats) for point in points}) == 1:
+    if len({(point.assessment, point.caveats) for point in points}) == 1:
         caveat_lines, num_faults = [_caveat_line(caveat) for caveat in points[0].caveats], len(points[0].faults)
         return [
             WrappedText(_common_assessment_text(points), hanging_indent="  "),
@@ -51,15 +51,18 @@ def _common_assessment_text(points: Sequence[PointSummary]) -> str:
     """Return the assessment of points with equal caveats; for a single point, add the most useful measurement."""
     point = points[0]
     if point.is_unloaded:
-        return f"{point.verdict} a coefficient"
+        return f"{point.assessment} a coefficient"
     measurement_text = most_useful_measurement_text(point) if len(points) == 1 else ""
-    return f"{point.verdict}. {measurement_text}" if measurement_text else point.verdict
+    return f"{point.assessment}. {measurement_text}" if measurement_text else point.assessment
 
 
 def _assessment_counts_text(points: Sequence[PointSummary]) -> str:
     """Return each assessment with the number of its points."""
-    counts = {verdict: sum(point.verdict == verdict for point in points) for verdict in VERDICTS_BY_SEVERITY.values()}
-    return ", ".join(f"{verdict} ({count} of {len(points)})" for verdict, count in counts.items() if count) + "."
+    counts = {
+        assessment: sum(point.assessment == assessment for point in points)
+        for assessment in ASSESSMENTS_BY_SEVERITY.values()
+    }
+    return ", ".join(f"{assessment} ({count} of {len(points)})" for assessment, count in counts.items() if count) + "."
 
 
 def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]:

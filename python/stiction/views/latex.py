@@ -109,7 +109,7 @@ def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
         fraction = point.quantities["contact_area_fraction"] / 0.01
         is_printed = point.contact_status == STATUS_OK and not math.isnan(fraction.value)
         texts.append(f"{fraction:.2u} %" if is_printed else point.contact_status.replace(STATUS_OK, "none"))
-    return [cell.translate(_LATEX_ESCAPES) for cell in (*texts, point.verdict)]
+    return [cell.translate(_LATEX_ESCAPES) for cell in (*texts, point.assessment)]
 
 
 def _column_heading(name: str) -> str:

@@ -254,7 +254,7 @@ def _assessment_table(
             "headline": [not point.covered for point, _ in rules],
             "assumptions": ["; ".join(list_assumptions(point.study)) for point, _ in rules],
             "contact status": [point.contact_status for point, _ in rules],
-            "verdict": [point.verdict for point, _ in rules],
+            "assessment": [point.assessment for point, _ in rules],
             "caveats": ["; ".join(f"{caveat.text}: {caveat.remedy}" for caveat in point.caveats) for point, _ in rules],
         }
     )
@@ -344,8 +344,8 @@ def point_record(point: PointSummary) -> dict[str, Any]:
                 "members_from": rule.low,
                 "members_to": rule.high,
                 "by_slopes_alone": rule.slopes,
-                "of_positions": rule.sampling_interval._asdict(),
-                "next_test": rule.next_test._asdict(),
+                "interval_of_mean": rule.interval_of_mean._asdict(),
+                "prediction_interval": rule.prediction_interval._asdict(),
             }
             for rule in point.rules
         ],
@@ -361,7 +361,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "scans": dict(zip(("upper", "lower"), point.scans, strict=True)),
         "contact_status": point.contact_status,
         "sticking": None if point.sticking is None else pull_off_record(point.sticking),
-        "verdict": point.verdict,
+        "assessment": point.assessment,
         "sentence": quotable_sentence(point),
         "from_roughness": point.from_roughness,
         "assumptions": list(list_assumptions(point.study)),

@@ -60,7 +60,7 @@ def quotable_sentence(point: PointSummary) -> str:
             point_note_text(point),
         ]
         return "; ".join([*sentence_parts, f"assumed: {', '.join(assumptions)}"]) + "."
-    if point.verdict == "Do not quote":
+    if point.assessment == "Do not quote":
         fault_texts = "; ".join(caveat.text for caveat in point.faults)
         return f"There is no coefficient to quote at {inputs_text(point)}: {fault_texts}."
     coefficients_text = ", ".join(f"{rule} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in point.rules)
@@ -103,7 +103,7 @@ def covered_inputs_text(point: PointSummary) -> str:
 def point_assessment_text(point: PointSummary) -> str:
     """Return the assessment with its caveats and, for stored results, the version that computed the result."""
     caveats = "; ".join(caveat.text for caveat in point.caveats)
-    text = f"assessment: {point.verdict}" + (f" ({caveats})" if caveats else "")
+    text = f"assessment: {point.assessment}" + (f" ({caveats})" if caveats else "")
     version = point.values.attrs.get("stiction_version")
     return f"{text}; computed with stiction {version}" if version else text
 
@@ -348,12 +348,12 @@ def contributions_text(point: PointSummary) -> str:
 def single_test_text(point: PointSummary) -> str:
     """Return text with the prediction interval of a single test and the confidence interval of the mean."""
     estimate = point.rules[0]
-    if not math.isfinite(estimate.next_test.lower) or estimate.next_test == estimate.interval:
+    if not math.isfinite(estimate.prediction_interval.lower) or estimate.prediction_interval == estimate.interval:
         return ""
-    sampling_interval = estimate.sampling_interval
-    is_printed = math.isfinite(sampling_interval.lower) and sampling_interval != estimate.interval
-    sampling_text = f"; sampling interval: {sampling_interval}" if is_printed else ""
-    return f"Single test, one direction: {estimate.next_test}{sampling_text}."
+    interval_of_mean = estimate.interval_of_mean
+    is_printed = math.isfinite(interval_of_mean.lower) and interval_of_mean != estimate.interval
+    sampling_text = f"; sampling interval: {interval_of_mean}" if is_printed else ""
+    return f"Single test, one direction: {estimate.prediction_interval}{sampling_text}."
 
 
 def dwell_time_text(point: PointSummary) -> str:

@@ -308,7 +308,7 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
         coordinates = [
             point_load_text(point) if name == "load" else point_coordinate_text(point, name) for name in varying_names
         ]
-        rows.append([*coordinates, *coefficients, point.verdict])
+        rows.append([*coordinates, *coefficients, point.assessment])
     return [Table(rows, num_labels=len(varying_names)), WrappedText(shared_conditions_text(points), indent="  ")]
 
 

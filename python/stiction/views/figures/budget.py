@@ -30,7 +30,7 @@ def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure
     remaining_inputs = [item for item in point.budget if item.width < (1 - MIN_DRAWN_REDUCTION) * width][
         :MAX_DRAWN_INPUTS
     ]
-    test_interval = point.rules[0].next_test
+    test_interval = point.rules[0].prediction_interval
     rows = [("combined interval", point.lower, point.upper)]
     rows += [(item.words.removeprefix("the "), item.lower, item.upper) for item in remaining_inputs]
     row_labels = [textwrap.fill(label, MAX_ROW_LABEL_WIDTH) for label, _, _ in rows]

@@ -86,8 +86,8 @@ def _node_facts(values: GeneratedValuesAtNodes, study: Study) -> dict[str, Any]:
         ],
         "validity": [_validity_record(name) for name in values.validity],
         "judgements": [
-            {"verdict": verdict, "caveats": [_caveat_or_check_record(reason) for reason in assessment]}
-            for verdict, assessment in zip(values.verdicts, values.assessments, strict=True)
+            {"assessment": assessment, "caveats": [_caveat_or_check_record(caveat) for caveat in caveats]}
+            for assessment, caveats in zip(values.assessments, values.caveat_sets, strict=True)
         ],
         "hasStiffness": "stiffness" in values.estimates,
         "start": _choose_initial_cell_and_load(values, study),
@@ -113,8 +113,8 @@ def _node_arrays(values: GeneratedValuesAtNodes) -> dict[str, ReportArray]:
 def _caveat_number_arrays(values: GeneratedValuesAtNodes) -> dict[str, ReportArray]:
     """Return the numbers in the texts of caveats at the nodes whose assessments contain these caveats."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
-    for index, assessment in enumerate(values.assessments):
-        for check in filter(_has_number, assessment):
+    for index, caveats in enumerate(values.caveat_sets):
+        for check in filter(_has_number, caveats):
             assessments_by_number.setdefault((check.shown_name, check.shown), []).append(index)
     return {
         f"number_{name}": NumberArray(

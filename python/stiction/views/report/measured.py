@@ -206,7 +206,7 @@ def _list_quantity_tables(data: MeasuredReportData) -> list[QuantityTable]:
 
 def _assessment_record(point: PointSummary) -> dict[str, Any]:
     return {
-        "at": point.at, "loadText": format_with_unit(point.at["load"], "mN"), "verdict": point.verdict,
+        "at": point.at, "loadText": format_with_unit(point.at["load"], "mN"), "assessment": point.assessment,
         "covered": point.covered,
         "sentence": printable_text(quotable_sentence(point), MAX_SHOWN_LINE_LENGTH * 4),
         "caveats": [

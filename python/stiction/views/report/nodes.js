@@ -86,11 +86,11 @@ function numberAt({offsets, formats, floats, small}, name, index, place) {
   return {value: Number.isFinite(value) ? value : nearest(floats, "value"), format: formats[name][nearest(small, "format")]};
 }
 
-/** Return the verdict and the caveats at the node nearest to a place. Numbers in caveats are interpolated. */
+/** Return the assessment and the caveats at the node nearest to a place. Numbers in caveats are interpolated. */
 function judgementAt(numbers, judgements, index, place) {
-  const {verdict, caveats} = judgements[atNearest(numbers.floats, numbers.offsets.judgement + index * place.size, place)];
+  const {assessment, caveats} = judgements[atNearest(numbers.floats, numbers.offsets.judgement + index * place.size, place)];
   const filled = ({text, number}) => (number ? text.replace("{}", printed(numberAt(numbers, number, index, place))) : text);
-  return {verdict, caveats: caveats.map((caveat) => ({...caveat, text: filled(caveat)}))};
+  return {assessment, caveats: caveats.map((caveat) => ({...caveat, text: filled(caveat)}))};
 }
 
 // ---- Numbers as text ------------------------------------------------------------------------------------------------

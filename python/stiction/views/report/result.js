@@ -171,40 +171,40 @@ function slopeEstimate(rule, cell) {
 }
 
 /** CSS classes by assessment. */
-const VERDICT_CLASSES = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
+const ASSESSMENT_CLASSES = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
 
 /** Return the elements of the assessment and its caveats. */
 function judgement(points, d, l) {
-  const assessment = (elements, saysSlopes = false, answer = null) => ({elements, saysSlopes, answer,
+  const assemble = (elements, saysSlopes = false, answer = null) => ({elements, saysSlopes, answer,
     more: answer ? [element("p", {class: "sentence"}, answer.sentence), ...(saysSlopes ? [element("p", {class: "hint"}, answer.slopes)] : [])] : []});
   if (!isMeasured) {
     const index = ((d * amplitudeCount + state.amplitude) * facts.ways.length + state.way) * loads.length + l;
-    const {verdict, caveats} = judgementAt(numbers, facts.judgements, index, place());
-    return assessment(verdictElements(verdict, caveats));
+    const {assessment, caveats} = judgementAt(numbers, facts.judgements, index, place());
+    return assemble(assessmentElements(assessment, caveats));
   }
   const isWhole = facts.ways[state.way].isWhole;
   const isHere = ({at}) => isSame(at.load, loads[l]) && (at.cut_off === undefined || isSame(at.cut_off, cells.values[d]));
   const answer = facts.answers.find((each) => isHere(each) && isSame(each.at.mu0, state.mu0) && isSame(1000 * each.at.tau0, state.tau0));
-  if (answer) return assessment(verdictElements(answer.verdict, answer.caveats), isWhole && answer.slopes !== "", isWhole ? answer : null);
+  if (answer) return assemble(assessmentElements(answer.assessment, answer.caveats), isWhole && answer.slopes !== "", isWhole ? answer : null);
   const near = facts.answers.reduce((best, each) => {
     const apart = ({at}) => Math.abs(Math.log(at.load / loads[l])) + (at.cut_off !== undefined && !isSame(at.cut_off, cells.values[d]) ? 10 : 0);
     return !best || apart(each) < apart(best) ? each : best;
   }, null);
   const back = element("button", {type: "button"}, "Back to the values of the study");
   back.addEventListener("click", () => goTo(near.at));
-  return assessment(near ? [element("p", {class: "hint"}, "The assessment applies to the loads, μ0 and τ0 of the study; at " +
-    `${near.loadText} it is: ${near.verdict}. `, back)] : []);
+  return assemble(near ? [element("p", {class: "hint"}, "The assessment applies to the loads, μ0 and τ0 of the study; at " +
+    `${near.loadText} it is: ${near.assessment}. `, back)] : []);
 }
 
 const MAX_OPEN_CAVEATS = 3; // number of caveats above the closed list; faults are never in this list
 
-function verdictElements(verdict, caveats) {
-  const kind = VERDICT_CLASSES[verdict];
+function assessmentElements(assessment, caveats) {
+  const kind = ASSESSMENT_CLASSES[assessment];
   const list = (some) => (some.length ? [element("ul", {class: "caveats"}, ...some.map(({text, remedy, severity}) =>
     element("li", {class: severity}, `${text.replace(/^[a-z]/, (letter) => letter.toUpperCase())}; ${remedy}.`)))] : []);
   const numOpen = Math.max(MAX_OPEN_CAVEATS, caveats.filter(({severity}) => severity === "fault").length);
   const rest = caveats.slice(numOpen);
-  return [element("div", {class: `said ${kind}`}, element("p", {class: `verdict ${kind}`}, verdict), ...list(caveats.slice(0, numOpen)),
+  return [element("div", {class: `said ${kind}`}, element("p", {class: `assessment ${kind}`}, assessment), ...list(caveats.slice(0, numOpen)),
     ...(rest.length ? [element("details", {}, element("summary", {}, `${rest.length} more`), ...list(rest))] : []))];
 }
 
