@@ -30,7 +30,7 @@ for rms, grey in ((0.02, "0.0"), (0.05, "0.35"), (0.1, "0.6")):  # µm
         faces["upper"], faces["lower"], load=[f"{pressure:.4g} MPa" for pressure in PRESSURES], mu0=0.15,
         tau0="200 MPa", effective_modulus=STEEL_MODULUS, cutoff="none", onset=0,
     )  # fmt: skip
-    friction = result.at()["friction_all_round"].sel(sliding="opposing").squeeze()
+    friction = result.at()["mean_friction"].sel(sliding="opposing").squeeze()
     mean_friction, lower, upper = friction.transpose("statistic", "load").values
     print(
         f"Rq = {1000 * rms:3.0f} nm: mu_s = {mean_friction[4]:.3f} [{lower[4]:.3f}, {upper[4]:.3f}] "

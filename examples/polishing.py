@@ -36,7 +36,7 @@ for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):
     for rule, style, rule_text in (("opposing", "-", "opposing contacts"), ("all", "--", "all contacts")):
         # Averaging over all directions cancels the effect of a tilt.
         mean_friction, lower_end, upper_end = np.transpose(
-            [table["friction_all_round"].sel(sliding=rule, tau0=tau0) for table in tables]
+            [table["mean_friction"].sel(sliding=rule, tau0=tau0) for table in tables]
         )
         friction_axes.fill_between(UPPER_RMS_HEIGHTS, lower_end, upper_end, color=colour, alpha=0.15, linewidth=0)
         label = rf"{rule_text}, $\tau_0$ = {1000 * tau0:.0f} MPa"

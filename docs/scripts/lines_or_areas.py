@@ -50,7 +50,7 @@ def compute_pair_results(upper, lower):
         options = {"law": law, "curvature": curvature, "lines": NUM_LINES, "cutoff": "none", "onset": 0}
         result = pair(scan, lower, load=f"{PRESSURE} GPa", mu0=MU0, effective_modulus="10 GPa", **options)
         result_values = result.at().sel(statistic="mean", sliding="opposing").squeeze()
-        results[name] = float(result_values["contact_area_fraction"]), float(result_values["friction_all_round"])
+        results[name] = float(result_values["contact_area_fraction"]), float(result_values["mean_friction"])
     return results
 
 

@@ -157,7 +157,7 @@ def test_friction_test_accepts_a_result_of_the_pair_function() -> None:
         upper, lower, load=["40 MPa", "160 MPa"], mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", shifts=4,
         onset=0,
     )  # fmt: skip
-    coefficient = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["friction_all_round"].sel(sliding="all", statistic="mean")
+    coefficient = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["mean_friction"].sel(sliding="all", statistic="mean")
     truth = float(coefficient.squeeze())
     tests = [FrictionTest(result, load, coefficient=truth, uncertainty=0.01) for load in ("80 MPa", "2 mN")]
     # The pressure acts on the area of the pieces of the maps.
@@ -370,7 +370,7 @@ def solve_coefficient(mu0: float, tau0: float, alpha: float, rms: float = 0.03, 
         **PLASTIC_PAIR_OPTIONS | {"hardness": pressure, "mu0": mu0, "tau0": tau0},
         junction_growth=0,
     )
-    return float(result.at("20 MPa")["friction_all_round"].sel(sliding="all", statistic="mean").squeeze())
+    return float(result.at("20 MPa")["mean_friction"].sel(sliding="all", statistic="mean").squeeze())
 
 
 def simulate_junction_growth_tests(
@@ -399,7 +399,7 @@ def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation(
     tests = simulate_junction_growth_tests(27.0, 27.0)
     interface = calibrate(tests, common=0.0, sliding="all")
     axes = np.linspace(0.17, 0.23, 9), np.linspace(0.043, 0.057, 9)
-    friction = compute_plastic_pair(27.0).at("20 MPa", mu0=axes[0], tau0=axes[1])["friction_all_round"]
+    friction = compute_plastic_pair(27.0).at("20 MPa", mu0=axes[0], tau0=axes[1])["mean_friction"]
     predict = RegularGridInterpolator(
         axes, friction.sel(sliding="all", statistic="mean").squeeze().values, method="cubic"
     )

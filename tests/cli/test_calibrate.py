@@ -59,7 +59,7 @@ def two_finishes_folder(tmp_path_factory):
         )
         result = Result(open_stored_result(folder / name))
         for load in (40, 80, 160):
-            friction = result.at(f"{load} MPa", mu0=TRUE_MU0, tau0="300 MPa")["friction_all_round"].sel(sliding="all")
+            friction = result.at(f"{load} MPa", mu0=TRUE_MU0, tau0="300 MPa")["mean_friction"].sel(sliding="all")
             coefficient, force = float(friction.sel(statistic="mean").squeeze()), 1e-3 * load * result.nominal_area
             rows.append((1e-3 * force, 1e3 * force * coefficient, 20 * force * coefficient, name, f"{name} {load}", 1))
     write_table(folder / "forces.csv", rows, "load (N),force (uN),uncertainty (uN),pair,run,slid")

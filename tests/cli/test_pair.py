@@ -483,7 +483,7 @@ def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeyp
     assert json.loads(completed.stdout)["command"] == "pair"
     with contextlib.chdir(scans_folder):
         preview_study = parse_pair_arguments(scans_folder, *command[1:]).preview_study
-        friction = at_load(run(preview_study), [float(preview_study.friction.load[0])])["friction_all_round"]
+        friction = at_load(run(preview_study), [float(preview_study.friction.load[0])])["mean_friction"]
     mean = float(friction.sel(sliding="all", statistic="mean").squeeze())
     assert f"μ_s = {Estimate(mean)}  friction at all contacts" in completed.stderr
     for arguments in (

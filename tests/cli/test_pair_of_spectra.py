@@ -115,7 +115,7 @@ def test_friction_interval_from_joined_spectra_contains_the_friction_of_the_comp
     result_of_coarse_scans = pair(
         *(create_scans(surface)[0] for surface in surfaces), shifts=8, **elastic_options, **FEW_DIRECTION_OPTIONS
     )
-    for quantity in ("friction_all_round", "contact_area_fraction"):
+    for quantity in ("mean_friction", "contact_area_fraction"):
         estimates = []
         for result in (result_of_spectra, result_of_surfaces, result_of_coarse_scans):
             estimate = result.at()[quantity].squeeze()

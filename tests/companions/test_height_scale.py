@@ -76,13 +76,7 @@ def result(bodies):
 def test_result_at_height_scale_1_equals_the_unscaled_result(result):
     scaled_table = evaluate_at_height_factors(result.source, 1, requested_loads(result)).isel(height_scale=0)
     expected = add_uncertainty(at_load(result.source, requested_loads(result)), result.source).isel(cut_off=0)
-    for name in (
-        "friction_all_round",
-        "friction_combined",
-        "contact_area_fraction",
-        "normal_stiffness",
-        "rms_gradient",
-    ):
+    for name in ("mean_friction", "friction_combined", "contact_area_fraction", "normal_stiffness", "rms_gradient"):
         assert np.array_equal(scaled_table[name], expected[name].transpose(*scaled_table[name].dims), equal_nan=True), (
             name
         )
@@ -120,7 +114,7 @@ def test_result_at_stored_height_factor_equals_result_of_scaled_surfaces(bodies,
     expected = add_uncertainty(
         at_load(scaled_result.source, requested_loads(scaled_result)), scaled_result.source
     ).isel(cut_off=0)
-    for name in ("friction_all_round", "friction_combined", "contact_area", "normal_stiffness", "rms_gradient"):
+    for name in ("mean_friction", "friction_combined", "contact_area", "normal_stiffness", "rms_gradient"):
         np.testing.assert_allclose(
             table[name], expected[name].transpose(*table[name].dims), rtol=SCALING_TOLERANCE, err_msg=name
         )
@@ -180,7 +174,7 @@ def test_heights_of_profiles_can_be_scaled_in_both_contact_models(mechanics):
     }
     table = pair(*profiles, **kwargs).at(height_scale=0.5, compute=True)
     expected = pair(*scale_heights(profiles, 0.5), **kwargs).at().isel(cut_off=0)
-    for name in ("friction_all_round", "contact_area", "rms_gradient"):
+    for name in ("mean_friction", "contact_area", "rms_gradient"):
         reference = expected[name].transpose(*table[name].dims[1:])
         np.testing.assert_allclose(table[name].isel(height_scale=0), reference, rtol=SCALING_TOLERANCE, err_msg=name)
 
@@ -210,8 +204,8 @@ def test_interpolation_between_height_factors_has_at_most_the_stated_error(hardn
         exact_table = pair(
             *scale_heights(create_smooth_maps(rms=0.01), factor), **PAIR_OPTIONS | hardness | {"load": "100 MPa"}
         ).at()
-        coefficient, area = mean_values(table["friction_all_round"])[index], mean_values(table["contact_area"])[index]
-        assert coefficient == pytest.approx(mean_values(exact_table["friction_all_round"]), rel=MAX_FRICTION_ERROR)
+        coefficient, area = mean_values(table["mean_friction"])[index], mean_values(table["contact_area"])[index]
+        assert coefficient == pytest.approx(mean_values(exact_table["mean_friction"]), rel=MAX_FRICTION_ERROR)
         assert area == pytest.approx(mean_values(exact_table["contact_area"]), rel=MAX_AREA_ERROR)
     combined = table["friction_combined"]
     assert (combined.sel(statistic="lower") <= combined.sel(statistic="mean")).all()
@@ -235,7 +229,7 @@ def test_interval_between_height_factors_contains_the_solution_for_few_contacts(
     table = result.at(height_scale=factors).squeeze()
     for index, factor in enumerate(factors):
         solved = pair(*scale_heights(bodies, factor), **options).at().squeeze()
-        for name in ("friction_all_round", "friction_combined", "stiffness_per_area", "contact_area"):
+        for name in ("mean_friction", "friction_combined", "stiffness_per_area", "contact_area"):
             _, lower, upper = np.moveaxis(table[name].isel(height_scale=index).values, -1, 0)
             value = solved[name].sel(statistic="mean").values
             assert ((lower <= value) & (value <= upper)).all()
@@ -324,8 +318,8 @@ def test_scaling_of_heights_rejects_unsuitable_results_and_invalid_options(bodie
         gap.at(height_scale=2)
     with pytest.raises(ValueError, match="scaled must be one of"):
         result.at(height_scale=1, scaled="left")
-    with pytest.raises(ValueError, match="reading must be 'elastic'"):
-        result.at(height_scale=1, reading="normal")
+    with pytest.raises(ValueError, match="load_definition must be 'elastic'"):
+        result.at(height_scale=1, load_definition="normal")
     with pytest.raises(ValueError, match="needs a stored result"):
         type(result)(result.dataset).at(height_scale=1)
     with pytest.raises(ValueError, match=r"height_factor must be from 0\.01 to 100, got 200"):
@@ -370,7 +364,7 @@ def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new
     result_at_other_mu0 = pair(*bodies, directory=tmp_path, **kwargs | {"mu0": 0.4})
     table = result_at_other_mu0.at(height_scale=[1, 2])
     assert table["mu0"].values.tolist() == [0.4]
-    assert (mean_values(table["friction_all_round"]) > 0.4).all()
+    assert (mean_values(table["mean_friction"]) > 0.4).all()
     stiffer_result = pair(*bodies, directory=tmp_path, replace=True, **kwargs | {"effective_modulus": "160 GPa"})
     assert list(open_results_by_factor(stiffer_result.source, "both")) == [1.0]
     table = stiffer_result.at(height_scale=2, compute=True)

@@ -78,7 +78,7 @@ def test_resolution_result_stored_for_another_hardness_is_ignored(study, tmp_pat
     compute_missing_blocks(cutoff_study, tmp_path / CUTOFF_STUDY_FOLDER)
     result = evaluate_at_cutoffs(open_stored_result(tmp_path))
     expected = at_load(run(cutoff_study), [2.0])
-    np.testing.assert_array_equal(result["friction_all_round"].values, expected["friction_all_round"].values)
+    np.testing.assert_array_equal(result["mean_friction"].values, expected["mean_friction"].values)
     point = result.isel(load=0, mu0=0, tau0=1)
     rows = cut_off_rows(find_resolution_effect(result, small_study, result.isel(tau0=[1])), 4.0)
     assert [row[0] for row in rows[1:]] == ["none", "200 nm", "400 nm", "plastic limit"]

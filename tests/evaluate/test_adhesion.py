@@ -92,7 +92,7 @@ def test_friction_coefficient_with_adhesion_increases_as_the_load_decreases(adhe
     table = at_load(adhesive_result.source, adhesive_result.study.contact.loading_steps()).isel(
         cut_off=0, mu0=0, tau0=0
     )
-    coefficient = table["friction_all_round"].sel(sliding="all", statistic="mean").values
+    coefficient = table["mean_friction"].sel(sliding="all", statistic="mean").values
     assert (np.diff(coefficient) < 0).all()
     assert coefficient[0] > 3 * coefficient[-1]
     contact_load, area = (table[name].sel(statistic="mean").values for name in ("contact_load", "contact_area"))

@@ -50,7 +50,7 @@ def test_friction_of_profiles_at_a_load_equals_the_mean_over_positions_of_result
     order = np.argsort(result["x"].values)  # The interval of the mean depends on the order of positions.
     material = {"mu0": 0.3, "tau0": 0.05}
     for load, mu0, tau0 in (("elastic", 0.0, 0.0), ("normal", *material.values())):
-        table = at_load(result, [0.05], reading=load).sel(material).isel(cut_off=0, load=0)
+        table = at_load(result, [0.05], load_definition=load).sel(material).isel(cut_off=0, load=0)
         for angle, shear in ((0.0, "+x"), (180.0, "-x")):
             model = {"effective_modulus": 100.0, "detection": "gap-minimum", "shear": shear}
             curves = [
@@ -68,12 +68,15 @@ def test_friction_of_profiles_at_a_load_equals_the_mean_over_positions_of_result
 
 def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_study_and_dataset):
     _, result = areal_study_and_dataset
-    tables = {reading: at_load(result, [2.0], reading=reading) for reading in ("mean", "elastic", "normal")}
-    values = [table["friction_all_round"].sel(statistic="mean").values for table in tables.values()]
+    tables = {
+        load_definition: at_load(result, [2.0], load_definition=load_definition)
+        for load_definition in ("mean", "elastic", "normal")
+    }
+    values = [table["mean_friction"].sel(statistic="mean").values for table in tables.values()]
     np.testing.assert_allclose(values[1], values[2], rtol=1e-3)
     np.testing.assert_allclose(values[0], values[1], rtol=2e-3)  # The ratio of means differs from the mean of ratios.
-    assert float(tables["elastic"]["reading_difference"].max()) < 1e-3
-    assert {name: table.attrs["reading"] for name, table in tables.items()} == {
+    assert float(tables["elastic"]["load_definition_effect"].max()) < 1e-3
+    assert {name: table.attrs["load_definition"] for name, table in tables.items()} == {
         name: name for name in tables
     }  # fmt: skip
 
@@ -88,7 +91,7 @@ def test_friction_of_generated_profiles_at_a_load_equals_the_friction_map():
     np.testing.assert_array_equal(table["friction_coefficient"].sel(statistic="mean"), friction["friction_coefficient"])
     np.testing.assert_array_equal(table["friction_coefficient"].sel(statistic="upper"), friction["upper"])
     assert int(table["members"]) == 4
-    elastic_table = at_load(result, [load], reading="elastic")
+    elastic_table = at_load(result, [load], load_definition="elastic")
     assert elastic_table["friction_coefficient"].dims == (
         "fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0", "statistic",
     )  # fmt: skip
@@ -102,8 +105,8 @@ def test_selected_quantities_at_a_load_equal_those_of_a_complete_evaluation(area
         result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02], names=("contact_count", "gentle_friction")
     )
     assert set(selected_table.data_vars) < set(complete_table.data_vars)
-    assert {"friction_all_round", "contact_area", "contact_count", "gentle_friction"} <= set(selected_table.data_vars)
-    assert "reading_difference" not in selected_table
+    assert {"mean_friction", "contact_area", "contact_count", "gentle_friction"} <= set(selected_table.data_vars)
+    assert "load_definition_effect" not in selected_table
     for name in selected_table.data_vars:
         assert selected_table[name].equals(complete_table[name]), name
 
@@ -140,9 +143,7 @@ def test_intervals_of_measured_results_are_computed_after_averaging_directions(a
     point = at_load(result, [2.0], mu0=0.3)
     friction = values["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing")
     expected = intervals.average_independent_values(friction.mean("direction").values)
-    computed_interval = (
-        point["friction_all_round"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing").values
-    )
+    computed_interval = point["mean_friction"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing").values
     np.testing.assert_allclose(computed_interval, expected, rtol=ROUND_OFF)
     axis_means = friction.sel(direction=[60.0, 240.0]).mean("direction").values
     friction_along_axis = (
@@ -179,12 +180,12 @@ def test_member_without_solution_at_a_load_is_omitted_from_the_mean(areal_study_
     incomplete["status"].values[0, 1] = 5
     table = at_load(incomplete, [2.0])
     assert int(table["ok"].max()) == 4
-    assert np.isfinite(table["friction_all_round"]).all()
+    assert np.isfinite(table["mean_friction"]).all()
     assert member_values(incomplete, [2.0])["status"].isel(repetition=1).values.ravel()[0] == "not-solved"
 
 
-@pytest.mark.parametrize("reading", ["elastic", "normal"])
-def test_unsolved_load_has_the_status_not_solved_and_no_interpolated_value(areal_study_and_dataset, reading):
+@pytest.mark.parametrize("load_definition", ["elastic", "normal"])
+def test_unsolved_load_has_the_status_not_solved_and_no_interpolated_value(areal_study_and_dataset, load_definition):
     _, result = areal_study_and_dataset
     step = 1
     incomplete = result.copy(deep=True)
@@ -193,7 +194,7 @@ def test_unsolved_load_has_the_status_not_solved_and_no_interpolated_value(areal
         if values.dtype.kind == "f" and "load" in values.dims:
             values.loc[{"repetition": 0, "load": values["load"][step]}] = np.nan
     loads = incomplete["load"].values[step] * np.array([0.9, 1.0])
-    status = member_values(incomplete, loads, reading=reading)["status"].transpose("repetition", ...)
+    status = member_values(incomplete, loads, load_definition=load_definition)["status"].transpose("repetition", ...)
     assert (status[0] == "not-solved").all()
     assert (status[1:] == "ok").all()
     area_of_incomplete, area_of_complete = (
@@ -221,14 +222,14 @@ def test_evaluation_at_a_load_rejects_invalid_input(areal_study_and_dataset):
     _, result = areal_study_and_dataset
     for changes, pattern in (
         ({"loads": [0.0]}, "loads must be above 0"), ({"mu0": -1.0}, "mu0 must not be negative"),
-        ({"reading": "median"}, "reading must be one of"),
+        ({"load_definition": "median"}, "load_definition must be one of"),
         ({"member_kind": "surrogates"}, "member_kind must be .shifts."),
     ):  # fmt: skip
         with pytest.raises(ValueError, match=pattern):
             at_load(result, **({"loads": [2.0]} | changes))
 
 
-INTERPOLATED_QUANTITIES = ("contact_area", "contact_count", "stiffness_per_area", "closure", "friction_all_round")
+INTERPOLATED_QUANTITIES = ("contact_area", "contact_count", "stiffness_per_area", "closure", "mean_friction")
 MAX_WIDENING = 2.2  # largest width of an interval between computed loads, relative to the width without its error
 MIN_COVERAGE = 0.93  # minimum fraction of solved values within the interpolation error, which is a 95 % error
 
@@ -255,7 +256,7 @@ def compute_interpolation_errors(seed, *, points, longest_wavelength, shifts, ha
     interpolated = result.at(loads)
     solved = pair(*bodies, load=["10 MPa", *loads, "30 MPa"], **options).at(loads)
     members = member_values(result, interpolated["load"].values)
-    members["friction_all_round"] = members["friction_coefficient"].mean("direction")
+    members["mean_friction"] = members["friction_coefficient"].mean("direction")
     rows = []
     for name in INTERPOLATED_QUANTITIES:
         dims = [dim for dim in interpolated[name].dims if dim != "statistic"]
@@ -287,7 +288,7 @@ def test_interval_between_computed_loads_is_narrow_for_many_contacts():
     rows = compute_interpolation_errors(3, points=128, longest_wavelength=0.8, shifts=8, hardness=None)
     widening = np.array([np.hypot(1, error / half_width) for _, _, error, half_width in rows])
     assert widening.max() < MAX_WIDENING
-    friction_errors = [error for name, _, error, _ in rows if name == "friction_all_round"]
+    friction_errors = [error for name, _, error, _ in rows if name == "mean_friction"]
     assert min(friction_errors) < 0.01
     assert max(friction_errors) < 0.05
 

@@ -68,7 +68,7 @@ def test_interval_at_a_load_is_independent_of_the_other_requested_loads() -> Non
     study_loads = result.at_study_loads["load"].values.tolist()
     table = add_uncertainty(at_load(result.source, [*study_loads, 1.5 * study_loads[0]]), result.source, budget=False)
     assert table["load"].values.tolist() == sorted([*study_loads, 1.5 * study_loads[0]])
-    for name in ("friction_combined", "friction_known", "friction_next_test"):
+    for name in ("friction_combined", "friction_at_cutoff", "friction_prediction"):
         assert table[name].dims == result.at_study_loads[name].dims
         np.testing.assert_array_equal(table[name].sel(load=study_loads), result.at_study_loads[name])
 
@@ -78,14 +78,14 @@ def test_budget_at_a_load_is_independent_of_the_number_of_other_loads(monkeypatc
     options = PAIR_OPTIONS | {"hardness": hardness, "mu0": "0.2..0.3", "tau0": "50 MPa"}
     result = pair(*rough_surfaces(), load="2 MPa", effective_modulus="80 GPa", **options)
     study_load = float(result.study.friction.load[0])
-    friction = result.at_study_loads["friction_all_round"]
+    friction = result.at_study_loads["mean_friction"]
     monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", friction.size // friction.sizes["statistic"])
     other_loads = [factor * study_load for factor in (1.1, 1.2, 1.3)]
     all_loads = [study_load, *other_loads]
     table_of_all = result.at(all_loads, budget=True)
-    assert (table_of_all["width_if_known"].sel(input="mu0", sliding="all") > 0).all()
+    assert (table_of_all["remaining_width"].sel(input="mu0", sliding="all") > 0).all()
     for load in all_loads:
-        for name in ("friction_if_known", "width_if_known"):
+        for name in ("remaining_interval", "remaining_width"):
             expected = result.at(load, budget=True)[name].sel(load=load)
             np.testing.assert_allclose(table_of_all[name].sel(load=load), expected, rtol=1e-12)
 
@@ -439,7 +439,7 @@ def test_combined_interval_contains_the_confidence_interval_due_to_sampling_for_
     table = result.at_study_loads.isel(mu0=[0] * count)
     spread_low, spread_high = (xarray.DataArray(values, dims="mu0") for values in np.transpose(scatters))
     cases = table.assign(
-        friction_all_round=table["friction_all_round"] * 0 + xarray.DataArray(ends, dims=("mu0", "statistic")),
+        mean_friction=table["mean_friction"] * 0 + xarray.DataArray(ends, dims=("mu0", "statistic")),
         contact_count=table["contact_count"] * 0 + xarray.DataArray(contact_counts, dims="mu0"),
         spread_low=table["spread_low"] * 0 + spread_low,
         spread_high=table["spread_high"] * 0 + spread_high,

@@ -28,7 +28,7 @@ def rough_surfaces(rms=0.05):
 
 def mean_coefficient(result, rule="all", **at):
     point = result.at(**at) if at else result.at()
-    return float(point["friction_all_round"].sel(statistic="mean", sliding=rule).isel(cut_off=0, load=0, mu0=0, tau0=0))
+    return float(point["mean_friction"].sel(statistic="mean", sliding=rule).isel(cut_off=0, load=0, mu0=0, tau0=0))
 
 
 @pytest.fixture(scope="module")

@@ -92,7 +92,7 @@ def test_functions_pair_and_press_give_equal_results_for_profiles_at_each_positi
         assert float(member["normal_stiffness"][index]) == pytest.approx(
             (loads_around[1] - loads_around[0]) / (0.04 * approach)
         )
-    member = read_member_values(result, reading="normal").sel(selection)
+    member = read_member_values(result, load_definition="normal").sel(selection)
     approaches = approach_at_load(upper, counterface, LOADS, **INTERFACE_OPTIONS, **model)
     curve = press(upper, counterface, approaches, **model)
     np.testing.assert_allclose(
@@ -114,7 +114,7 @@ def test_friction_is_interpolated_linearly_across_jumps_of_the_load(
     study = create_study(upper, lower, loads, detection="cell", **INTERFACE_OPTIONS).with_changes(
         {"contact.load": steps}
     )
-    members = read_member_values(run(study), reading=load).isel(x=0)
+    members = read_member_values(run(study), load_definition=load).isel(x=0)
     strengths = {"mu0": 0.0} if load == "elastic" else INTERFACE_OPTIONS
     errors = []
     for shear, angle in (("+x", 0.0), ("-x", 180.0)):

@@ -54,7 +54,7 @@ def test_single_downhill_direction_has_no_coefficient(mated_faces):
     point = pair(*mated_faces, positions=["15.625 um,0 um"], **options).at().sel(sliding="all")
     assert (point["status"] == "downhill").all()
     assert point["friction_coefficient"].isnull().all()
-    assert point["friction_all_round"].isnull().all()
+    assert point["mean_friction"].isnull().all()
 
 
 def test_small_mu0_of_rough_faces_has_a_coefficient_although_some_directions_lean_downhill():

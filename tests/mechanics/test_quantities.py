@@ -134,7 +134,7 @@ def test_variables_at_a_load_have_the_dimensions_listed_in_the_table_of_quantiti
             else:
                 # The mean load of an ensemble depends on the sliding rule, mu0 and tau0.
                 # Therefore all quantities at a load depend on the sliding rule, mu0 and tau0.
-                extra_dims = {"sliding", "mu0", "tau0"} if dataset.attrs["reading"] == "mean" else set()
+                extra_dims = {"sliding", "mu0", "tau0"} if dataset.attrs["load_definition"] == "mean" else set()
                 missing = {"sliding", "direction"} - set(dataset.dims)
                 assert (
                     normalized_dims(name, dataset) - extra_dims == {*QUANTITIES[name].along} - extra_dims - missing

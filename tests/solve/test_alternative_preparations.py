@@ -204,7 +204,7 @@ def test_caveat_mentions_the_alternative_only_where_the_interval_covers_it(spike
     at, study = spiked_result.at(), spiked_result.study
     other_at = add_uncertainty(at_load(spiked_result.alternatives["spikes"], at["load"].values), spiked_result)
     if not is_evaluated:
-        for name in ("friction_all_round", "friction_combined", "friction_known"):
+        for name in ("mean_friction", "friction_combined", "friction_at_cutoff"):
             other_at[name] = other_at[name] * np.nan
     other_summary = summarize(other_at, study)
     summary = summarize(at, study, input_caveats=spiked_result.input_caveats, alternatives={"spikes": other_summary})
@@ -250,7 +250,7 @@ def test_budget_at_a_load_of_the_study_does_not_depend_on_another_load(spiked_re
     (load,) = (float(load) for load in spiked_result.study.friction.load)
     points = spiked_result.at([load, 3 * load], budget=True).sel(load=[load])
     expected_points = spiked_result.at(budget=True)
-    for name in ("friction_known", "friction_if_known", "width_if_known", "contact_area"):
+    for name in ("friction_at_cutoff", "remaining_interval", "remaining_width", "contact_area"):
         assert points[name].dims == expected_points[name].dims
         np.testing.assert_allclose(points[name].values, expected_points[name].values, rtol=1e-12)
 

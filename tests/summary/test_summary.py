@@ -133,7 +133,7 @@ def test_averages_of_member_values_equal_the_mean_values_of_the_result(surface_f
     members = result.at("20 MPa", per_member=True)
     means = result.at("20 MPa")
     assert members.sizes["repetition"] == 3
-    mean = means["friction_all_round"].sel(statistic="mean")
+    mean = means["mean_friction"].sel(statistic="mean")
     member_mean = members["friction_coefficient"].mean(("repetition", "direction")).transpose(*mean.dims)
     np.testing.assert_allclose(member_mean, mean, rtol=1e-12)
     with pytest.raises(ValueError, match="per_member must be False if budget"):

@@ -71,7 +71,7 @@ def measured_result(
         "friction_by_axis": fill_dimensions(
             friction_along_axes, "sliding", "cut_off", "axis", *condition_dims, statistic_dim
         ),
-        "friction_all_round": fill_dimensions(
+        "mean_friction": fill_dimensions(
             friction_by_rule[:, :, 0], "sliding", "cut_off", *condition_dims, statistic_dim
         ),
         "status": fill_dimensions(np.array(status, STATUS_DTYPE), "sliding", "cut_off", "direction", *condition_dims),
@@ -80,7 +80,7 @@ def measured_result(
         "gentle_friction": fill_dimensions(
             friction_by_rule[:, :, :, 0, ..., 0], "sliding", "cut_off", "direction", "mu0", "tau0"
         ),
-        "reading_difference": fill_dimensions(changes.pop("reading_difference", 0.001), "cut_off", "load"),
+        "load_definition_effect": fill_dimensions(changes.pop("load_definition_effect", 0.001), "cut_off", "load"),
         "rms_gradient": fill_dimensions(value_and_ends(changes.pop("rms_gradient", 0.2)), "cut_off", statistic_dim),
         "rms_slope": fill_dimensions(value_and_ends(0.14), "cut_off", "direction", statistic_dim),
         "patch_area": fill_dimensions(value_and_ends(0.2), "cut_off", "load", "fraction_below", statistic_dim),
@@ -98,7 +98,7 @@ def measured_result(
     }  # fmt: skip
     attributes = {
         "upper": "read from a.di\nlevelled by a plane", "lower": "read from b.di", "spacing_um": [0.1, 0.1],
-        "reading": "elastic",
+        "load_definition": "elastic",
     }  # fmt: skip
     return xarray.Dataset(variables, coordinates, attributes)
 
@@ -120,15 +120,15 @@ def generated_result(
     return xarray.Dataset(
         {
             "friction_coefficient": fill_dimensions(friction, cell_dimensions),
-            "friction_all_round": fill_dimensions(friction, cell_dimensions),
+            "mean_friction": fill_dimensions(friction, cell_dimensions),
             "status": (cell_dimensions, np.full(shape, status, STATUS_DTYPE)),
             "members": ((), 100),
-            "reading_difference": (cell_dimensions[:3], np.full(shape[:3], 0.02)),
+            "load_definition_effect": (cell_dimensions[:3], np.full(shape[:3], 0.02)),
             **{name: fill_dimensions(value, cell_dimensions[:3]) for name, value in loaded.items()},
         },
         {
             "fractal_dimension": list(dimensions), "amplitude": [0.1], "load": list(loads), "mu0": [0.4],
             "tau0": [0.0, 0.1], "statistic": list(RESULT_STATISTICS), "sliding": "opposing", "direction": 0.0,
         },
-        {"reading": "mean"},
+        {"load_definition": "mean"},
     )  # fmt: skip

@@ -306,7 +306,7 @@ def test_sentence_states_the_definition_of_load_if_it_changes_the_coefficient_no
         (MIN_STATED_LOAD_DEFINITION_EFFECT / 2, False),
     ):
         sentence = quotable_sentence(
-            summarize_single_point(measured_result(reading_difference=difference), measured_study())
+            summarize_single_point(measured_result(load_definition_effect=difference), measured_study())
         )
         assert ("the load is the elastic contact force" in sentence) == is_given
         assert ("with another definition of the load μ_s differs by 2 %" in sentence) == is_given
@@ -335,7 +335,7 @@ def test_caveat_about_the_interval_is_part_of_the_text_only_at_points_with_an_in
     note = "; the interval includes the result for masked outliers"
     caveat = Caveat("2 points are sharp", "mask them", "caution", interval_note=note)
     dataset = measured_result(loads=(1.0, 10.0))
-    for name in ("friction_all_round", "friction_coefficient"):
+    for name in ("mean_friction", "friction_coefficient"):
         dataset[name].loc[{"load": 1.0, "statistic": ["lower", "upper"]}] = np.nan
     points = summarize(dataset, measured_study(), input_caveats=[caveat]).points
     assert [point.rules[0].has_interval for point in points] == [False, True]
@@ -347,15 +347,15 @@ def test_caveat_about_the_interval_is_part_of_the_text_only_at_points_with_an_in
 def test_interval_contains_filtered_and_unfiltered_results(is_floor):
     cut_offs = (0.5, 0.0) if is_floor else (0.0, 0.5)
     dataset = measured_result(cut_offs=cut_offs, loads=(1.0, 10.0), half_width_ratio=0.02, all_contacts=0.25)
-    for name in ("friction_all_round", "friction_coefficient"):
+    for name in ("mean_friction", "friction_coefficient"):
         dataset[name][{"cut_off": 1}] *= 0.84
-    combined = dataset["friction_all_round"].isel(
+    combined = dataset["mean_friction"].isel(
         cut_off=[0, 1]
     )  # The uncertainty budget has the hardness as its only input.
-    dataset["friction_known"] = combined
-    dataset["friction_if_known"] = combined.expand_dims(input=["hardness"])
-    dataset["width_if_known"] = combined.sel(statistic="mean", drop=True).expand_dims(input=["hardness"]) * 0.02
-    dataset = dataset.assign_coords(input_words=("input", ["the hardness"]))
+    dataset["friction_at_cutoff"] = combined
+    dataset["remaining_interval"] = combined.expand_dims(input=["hardness"])
+    dataset["remaining_width"] = combined.sel(statistic="mean", drop=True).expand_dims(input=["hardness"]) * 0.02
+    dataset = dataset.assign_coords(input_label=("input", ["the hardness"]))
     severity = "caution" if is_floor else "fault"
     caveat = Caveat("waves below 400 nm have 40 % of the slope", "--cutoff '400 nm'", severity, 0.4, True)
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
@@ -382,13 +382,13 @@ def test_point_without_an_interval_has_no_budget_entry_of_possible_noise():
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
     assert [entry.words for entry in summarize(dataset, study).points[0].budget] == [POSSIBLE_NOISE_INPUT_NAME]
     for upper_limit in (np.nan, np.inf):
-        dataset["friction_all_round"].loc[{"cut_off": 0.5, "statistic": "upper"}] = upper_limit
+        dataset["mean_friction"].loc[{"cut_off": 0.5, "statistic": "upper"}] = upper_limit
         assert summarize(dataset, study).points[0].budget == ()
 
 
 def test_faults_of_the_unfiltered_result_also_apply_to_the_filtered_result():
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
-    dataset["friction_all_round"].loc[{"cut_off": 0.0, "statistic": "upper"}] = (
+    dataset["mean_friction"].loc[{"cut_off": 0.0, "statistic": "upper"}] = (
         2.0  # The interval of the unfiltered scan is too wide.
     )
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
@@ -464,7 +464,7 @@ def test_neglected_junction_growth_adds_a_caveat_if_it_would_raise_friction_by_5
 
 def test_zero_tau0_adds_a_caveat():
     dataset = measured_result(tau0=(0.0,))
-    dataset["friction_all_round"] = dataset["friction_all_round"] / 0.21 * 0.2012
+    dataset["mean_friction"] = dataset["mean_friction"] / 0.21 * 0.2012
     caveats = [caveat.text for caveat in summarize(dataset, measured_study()).points[0].caveats]
     assert caveats == ["τ0 is 0, so the coefficient is the given μ0; the surfaces add 0.001"]
 

@@ -299,7 +299,7 @@ def test_load_figure_shows_the_mean_values_of_the_result(maps_at_two_cutoffs):
         cut_off=0, mu0=0, tau0=0
     )
     for line, rule in zip(friction_axes.lines, style.SLIDING_RULE_COLOURS, strict=False):
-        expected_values = reference["friction_all_round"].sel(sliding=rule, statistic="mean")
+        expected_values = reference["mean_friction"].sel(sliding=rule, statistic="mean")
         np.testing.assert_allclose(line.get_ydata(), expected_values.values)
         assert line.get_color() == style.SLIDING_RULE_COLOURS[rule]
     np.testing.assert_allclose(

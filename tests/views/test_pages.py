@@ -469,7 +469,7 @@ def test_friction_displayed_for_maps_equals_library_values_after_controls_are_ch
         maps_report.execute_script("pick(0, arguments[0])", load_index)
         browser.wait_for_drawing(maps_report)
         reference = at_load(maps_dataset, maps_dataset["load"].values[[load_index]], mu0=[mu0], tau0=[tau0])
-        name = "friction_all_round" if direction_index == 0 else "friction_coefficient"
+        name = "mean_friction" if direction_index == 0 else "friction_coefficient"
         reference = reference[name].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(statistic="mean")
         reference = reference if direction_index == 0 else reference.isel(direction=direction_index - 1)
         expected = {rule: float(reference.sel(sliding=rule)) for rule in ("all", "opposing")}

@@ -46,7 +46,10 @@ DATASETS_AND_STUDIES = {
     "maps": (measured_result(), measured_study()),
     "with a hardness": (measured_result(rms_gradient=0.7), measured_study(hardness=3.0)),
     "many": (measured_result(**MULTI_VALUE_ARGUMENTS), measured_study()),
-    "with caveats": (measured_result(share_at_edge=0.6, contact_count=5.0, reading_difference=0.1), measured_study()),
+    "with caveats": (
+        measured_result(share_at_edge=0.6, contact_count=5.0, load_definition_effect=0.1),
+        measured_study(),
+    ),
     "lines": (measured_result(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities")),
     "without a solution": (
         measured_result(status="not-solved", all_contacts=np.nan, opposing=np.nan, ok=0),

@@ -250,7 +250,7 @@ def _select_direction(dataset: xarray.Dataset, direction: float) -> xarray.Datas
         raise ValueError(
             f"--direction must be one of the directions in the result ({directions_text}), got {direction:g}"
         )
-    selected_dataset = dataset.drop_vars(["friction_all_round", "friction_by_axis"], errors="ignore")
+    selected_dataset = dataset.drop_vars(["mean_friction", "friction_by_axis"], errors="ignore")
     if "direction" not in selected_dataset.dims:
         return selected_dataset
     return selected_dataset.drop_vars([name for name in UNCERTAINTY_QUANTITIES if name in selected_dataset]).sel(

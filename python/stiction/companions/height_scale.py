@@ -56,7 +56,7 @@ ScaledBodies = Literal["both", "upper", "lower"]
 """Surfaces whose heights are scaled."""
 
 _INTERPOLATED_VARIABLES = (
-    "friction_all_round", "friction_by_axis", "friction_combined", "friction_next_test", "spread_low", "spread_high",
+    "mean_friction", "friction_by_axis", "friction_combined", "friction_prediction", "spread_low", "spread_high",
     "contact_area", "contact_area_fraction", "contact_count", "mean_pressure", "normal_stiffness",
     "stiffness_per_area", "rms_gradient", "rms_slope", "pull_off", "pull_off_pressure",
 )  # fmt: skip
@@ -275,7 +275,7 @@ def evaluate_at_height_factors(
     -------
     xarray.Dataset
         Variables at the quoted cutoff, with the dimension height_scale and the dimensions of `at_load`:
-        friction_all_round and friction_by_axis with the sampling interval, friction_combined with the combined
+        mean_friction and friction_by_axis with the sampling interval, friction_combined with the combined
         interval, true area, number of contacts, mean pressure, stiffness, and rms_gradient and rms_slope of the gap.
         upper_rms and lower_rms (µm) are the root-mean-square heights of both bodies of the first member, if their files
         exist. The attribute `solved` contains the computed factors.
@@ -372,7 +372,7 @@ def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) 
     """
     import xarray
 
-    if name in ("friction_all_round", "friction_combined", "friction_next_test"):
+    if name in ("mean_friction", "friction_combined", "friction_prediction"):
         values = members["friction_coefficient"].mean("direction", skipna=False)
     elif name == "friction_by_axis":
         axes, direction_pairs = find_axes_with_both_directions(members["direction"].values)

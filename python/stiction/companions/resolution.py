@@ -293,7 +293,7 @@ def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
     values = {name: mean_over_directions(point, name) for name in ("rms_gradient", "contact_area_fraction")}
     values["mean_pressure"] = mean_contact_pressure(point)
     for rule in list_sliding_rules_reported_first(study):
-        values[f"friction_{rule}"] = mean_over_directions(point.sel(sliding=rule), "friction_all_round")
+        values[f"friction_{rule}"] = mean_over_directions(point.sel(sliding=rule), "mean_friction")
     at = {name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")}
     surfaces: Any = study.surfaces
     return CutoffResult(at, values, find_contact_status(point, study), surfaces.get_scan_cut_offs(at["cut_off"]))

@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
 def at_load(
     result: MemberSums | xarray.Dataset, loads: ArrayLike, *,
-    mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
-    reading: LoadDefinition | None = None, member_kind: MemberKind | None = None, names: Collection[str] | None = None,
+    mu0: ArrayLike | None = None, tau0: ArrayLike | None = None, load_definition: LoadDefinition | None = None,
+    member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate friction, true area and contact statistics at given loads, and compute their 95 % intervals.
 
@@ -46,7 +46,7 @@ def at_load(
     mu0 : (m,) array_like of float, optional
     tau0 : (t,) array_like of float, GPa, optional
         By default the values in the study. Other values need no new computation of contacts.
-    reading : {"mean", "elastic", "normal"}, optional
+    load_definition : {"mean", "elastic", "normal"}, optional
         Definition of the load; by default "mean" for generated bodies and "elastic" for measured bodies.
     member_kind : {"shifts", "surrogates"}, optional
         Members of measured areas to evaluate: pairs at relative positions of the two maps (the default if there are
@@ -59,14 +59,15 @@ def at_load(
     xarray.Dataset
         friction_coefficient and status have the dimensions of the cells, sliding and direction if there are several,
         load, mu0 and tau0. With opposite directions there are also friction_by_axis, the mean over both directions of
-        an axis, and friction_all_round, the mean over all directions. contact_area (µm²), contact_count,
+        an axis, and mean_friction, the mean over all directions. contact_area (µm²), contact_count,
         normal_stiffness and quantities of validity have the dimensions of the cells and load. If the study includes the
         onset of sliding, there are also tangential_stiffness (mN/µm), displacement_at_sliding (µm) and
         fraction_slipped; at the mean load of an ensemble the latter two are means weighted by the load of each pair.
         Measured bodies also have contact statistics, quantiles of areas and pressures, slopes of the gap and
         `gentle_friction`. The last dimension is statistic ("mean", "lower", "upper"). spread_low and spread_high are
-        the 10th and 90th percentiles of single members, reading_difference is the relative difference between the three
-        definitions of the load, members is the number of members, and ok is the number of members with a coefficient.
+        the 10th and 90th percentiles of single members, load_definition_effect is the relative difference between the
+        three definitions of the load, members is the number of members, and ok is the number of members with a
+        coefficient.
 
     Raises
     ------
@@ -76,8 +77,8 @@ def at_load(
     result = MemberSums.of(result)
     study = result.study
     is_measured = study.is_measured
-    reading = reading or ("elastic" if is_measured else "mean")
-    check_choice("reading", reading, LoadDefinition)
+    load_definition = load_definition or ("elastic" if is_measured else "mean")
+    check_choice("load_definition", load_definition, LoadDefinition)
     unique_loads = np.unique(np.atleast_1d(float_array("loads", loads)))
     if study.contact.adheres and 0 in unique_loads:
         unique_loads = np.unique(np.where(unique_loads == 0, find_negligible_load(result), unique_loads))
@@ -85,15 +86,15 @@ def at_load(
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     strengths = choose_mu0_and_tau0(result, mu0, tau0)
     areas = None
-    if reading == "mean":
+    if load_definition == "mean":
         point = average_ensemble(result, unique_loads, *strengths, names)
     else:
-        members = evaluate_members_before_growth(result, unique_loads, *strengths, reading, member_kind, names)
+        members = evaluate_members_before_growth(result, unique_loads, *strengths, load_definition, member_kind, names)
         if study.contact.junction_growth:
             areas = build_member_area_interpolator(members, result)
             members = apply_junction_growth(members, study, areas, names)
         neighbors = None
-        if reading == "elastic" and (bracket := _find_bracketing_loads(result, unique_loads)) is not None:
+        if load_definition == "elastic" and (bracket := _find_bracketing_loads(result, unique_loads)) is not None:
             computed_loads, (below, above), position = bracket
             others = evaluate_members(result, computed_loads, *strengths, member_kind, names)
             neighbors = LoadNeighbors(others.isel(load=below), others.isel(load=above), position)
@@ -106,17 +107,17 @@ def at_load(
             point = point.assign(
                 estimate_small_slope_friction(cell_dims, gradient.values, directional_slope, rules, *strengths, modulus)
             )
-    if is_measured and is_requested("reading_difference", names):
-        # `reading_difference` compares the coefficients at equal elastic load and at equal normal load.
-        other_definition: LoadDefinition = "normal" if reading == "elastic" else "elastic"
+    if is_measured and is_requested("load_definition_effect", names):
+        # `load_definition_effect` compares the coefficients at equal elastic load and at equal normal load.
+        other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
         members = evaluate_members_before_growth(result, unique_loads, *strengths, other_definition, member_kind, names)
         if areas is not None:
             members = apply_junction_growth(members, study, areas, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
-        coefficient = point["friction_all_round"].sel(statistic="mean")
+        coefficient = point["mean_friction"].sel(statistic="mean")
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
-        point["reading_difference"] = abs(other_coefficient / coefficient - 1).max(other_dims).variable
-    return point.assign_attrs(reading=reading)
+        point["load_definition_effect"] = abs(other_coefficient / coefficient - 1).max(other_dims).variable
+    return point.assign_attrs(load_definition=load_definition)
 
 
 def evaluate_members(

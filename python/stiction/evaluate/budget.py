@@ -43,14 +43,20 @@ if TYPE_CHECKING:
 MAX_BUDGETED_COEFFICIENTS = 100
 """Maximum number of coefficients, at the loads of the study, for which uncertainty budgets are computed."""
 
-COVERED_NAMES = ("friction_combined", "friction_known", "friction_next_test", "friction_waited", "friction_if_known")
+COVERED_NAMES = (
+    "friction_combined",
+    "friction_at_cutoff",
+    "friction_prediction",
+    "friction_after_dwell",
+    "remaining_interval",
+)
 """Intervals of the coefficient that cover the results for alternative preparations of the scans."""
 
 AREA_NAMES = ("contact_area", "contact_area_fraction", "contact_area_at_onset", "mean_pressure")
 """Quantities whose intervals also cover the results for alternative preparations of the scans."""
 
 _INTERVAL_VARIABLES = (
-    "friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count", "mu0", "tau0", "sliding",
+    "mean_friction", "spread_low", "spread_high", "ok", "members", "contact_count", "mu0", "tau0", "sliding",
 )  # fmt: skip
 """Variables that determine the interval of a coefficient."""
 
@@ -60,20 +66,20 @@ def add_uncertainty(
 ) -> xarray.Dataset:
     """Add combined intervals, predictions and the uncertainty budget to a dataset returned by `at_load`.
 
-    `friction_known` contains the combined 95 % interval. `friction_combined` contains the interval to report: the
-    combined interval or, without one, the sampling interval. If scans are evaluated at two cutoffs, the interval at the
-    first cutoff covers the results at both. `friction_next_test` contains the prediction interval of a test at one
-    position in one direction, and `friction_waited` the interval after each dwell time. With `budget`, which takes most
-    of the time, the dataset also has the dimension `input` (inputs of `find_uncertain_inputs`, positions and unresolved
-    roughness) and the variables `friction_if_known` and `width_if_known`: the interval that would remain if the input
-    were exact, and its width. Without `tests`, only `friction_combined` is added. Results of generated bodies are
-    returned unchanged.
+    `friction_at_cutoff` contains the combined 95 % interval at each cutoff, or NaN without one. `friction_combined`
+    contains the interval to report: this interval or, without one, the interval of the mean. If scans are evaluated at
+    two cutoffs, the reported interval at the first cutoff covers the results at both. `friction_prediction` contains
+    the prediction interval of a test at one position in one direction, and `friction_after_dwell` the interval after
+    each dwell time. With `budget`, which takes most of the time, the dataset also has the dimension `input` (inputs of
+    `find_uncertain_inputs`, positions and unresolved roughness) and the variables `remaining_interval` and
+    `remaining_width`: the interval that would remain if the input were exact, and its width. Without `tests`, only
+    `friction_combined` is added. Results of generated bodies are returned unchanged.
 
     All these intervals, and the intervals of the true area, cover the results for the alternative preparations of the
     scans that are stored with the result. Each of these preparations is an `input` too.
     """
     result = MemberSums.of(result)
-    if not result.study.is_measured or at.attrs.get("reading") != "elastic":
+    if not result.study.is_measured or at.attrs.get("load_definition") != "elastic":
         return at
     own = _add_own_uncertainty(at, result, budget=budget, tests=tests)
     stored_alternatives = load_stored_alternatives(result)
@@ -95,7 +101,7 @@ def _add_own_uncertainty(at: xarray.Dataset, result: MemberSums, *, budget: bool
     """Add the variables of `add_uncertainty` without the results for alternative preparations of the scans."""
     is_study_load = np.isin(at["load"].values, [float(load) for load in result.study.friction.load])
     load_groups = _group_loads(is_study_load, result)
-    num_coefficients = at["friction_all_round"].size // at.sizes["statistic"]
+    num_coefficients = at["mean_friction"].size // at.sizes["statistic"]
     is_budgeted = _find_budgeted_loads(is_study_load, num_coefficients)
     tables, coordinates = zip(
         *(
@@ -150,7 +156,7 @@ def _evaluate_uncertainty(
     `is_budgeted` is a mask of the loads at which uncertainty budgets are computed, or None to omit the budgets.
     """
     study = result.study
-    dims = tuple(str(dim) for dim in at["friction_all_round"].dims if dim != "statistic")
+    dims = tuple(str(dim) for dim in at["mean_friction"].dims if dim != "statistic")
     shape = tuple(at.sizes[dim] for dim in dims)
     inputs, strengths = _find_inputs_and_strengths(study)
     scan_means = _average_pairs_of_scans(result, at, dims)
@@ -193,24 +199,24 @@ def _evaluate_uncertainty(
         return tables, {}
     coordinates: dict[str, Any] = {}
     tables |= {
-        "friction_known": (interval_dims, coefficient_intervals),
-        "friction_next_test": (interval_dims, test_intervals),
+        "friction_at_cutoff": (interval_dims, coefficient_intervals),
+        "friction_prediction": (interval_dims, test_intervals),
     }
     if is_budgeted is not None:
         tables |= {
-            "friction_if_known": (("input", *interval_dims), remaining_intervals),
-            "width_if_known": (("input", *dims), remaining_widths),
+            "remaining_interval": (("input", *interval_dims), remaining_intervals),
+            "remaining_width": (("input", *dims), remaining_widths),
         }
         labels = [
             inputs[name].label if name in inputs else {INTERFACE_INPUT_NAME: "the interface"}.get(name, name)
             for name in input_names
         ]
-        coordinates |= {"input": ("input", input_names), "input_words": ("input", labels)}
+        coordinates |= {"input": ("input", input_names), "input_label": ("input", labels)}
     if find_junction_growth(study) is not None:
         tables["fraction_seizing"] = dims, seizing_fractions
     if study.friction.wait:
-        tables["friction_waited"] = (*dims, "wait", "statistic"), dwell_intervals
-        coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})
+        tables["friction_after_dwell"] = (*dims, "dwell_time", "statistic"), dwell_intervals
+        coordinates["dwell_time"] = ("dwell_time", np.array(study.friction.wait, float), {"units": "s"})
     return tables, coordinates
 
 
@@ -304,26 +310,26 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
     the alternatives.
     """
     variables = {}
-    for name in (each for each in (*COVERED_NAMES, *AREA_NAMES) if each in own and each != "friction_if_known"):
+    for name in (each for each in (*COVERED_NAMES, *AREA_NAMES) if each in own and each != "remaining_interval"):
         dims = own[name].dims
         others = [other[name].transpose(*dims).values for other in alternatives.values()]
         variables[name] = (dims, _extend_estimates(own[name].values, others), own[name].attrs)
     covered = own.assign(variables).assign_attrs(alternatives=list(alternatives))
-    if "friction_if_known" not in own:
+    if "remaining_interval" not in own:
         return covered
-    dims = own["friction_if_known"].dims[1:]
-    input_words = {
-        str(name): str(words)
+    dims = own["remaining_interval"].dims[1:]
+    labels_by_input = {
+        str(name): str(label)
         for each in (own, *alternatives.values())
-        for name, words in zip(each["input"].values, each["input_words"].values, strict=True)
+        for name, label in zip(each["input"].values, each["input_label"].values, strict=True)
     }
     remaining_intervals = _extend_estimates(
-        _get_remaining_intervals(own, input_words, dims),
-        [_get_remaining_intervals(each, input_words, dims) for each in alternatives.values()],
+        _get_remaining_intervals(own, labels_by_input, dims),
+        [_get_remaining_intervals(each, labels_by_input, dims) for each in alternatives.values()],
     )
     is_budgeted = _find_budgeted_coefficients(own, dims)
-    intervals = {name: each["friction_known"].transpose(*dims).values for name, each in alternatives.items()}
-    own_intervals = own["friction_known"].transpose(*dims).values
+    intervals = {name: each["friction_at_cutoff"].transpose(*dims).values for name, each in alternatives.items()}
+    own_intervals = own["friction_at_cutoff"].transpose(*dims).values
     rows = np.stack(
         [
             np.where(
@@ -335,13 +341,13 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
         ]
     )
     labels = [ALTERNATIVE_LABELS[name] for name in alternatives]
-    other_inputs = covered.drop_vars(["friction_if_known", "width_if_known", "input", "input_words"])
+    other_inputs = covered.drop_vars(["remaining_interval", "remaining_width", "input", "input_label"])
     remaining = np.concatenate([remaining_intervals, rows])
     return other_inputs.assign(
-        friction_if_known=(("input", *dims), remaining, own["friction_if_known"].attrs),
-        width_if_known=(("input", *dims[:-1]), remaining[..., 2] - remaining[..., 1], own["width_if_known"].attrs),
+        remaining_interval=(("input", *dims), remaining, own["remaining_interval"].attrs),
+        remaining_width=(("input", *dims[:-1]), remaining[..., 2] - remaining[..., 1], own["remaining_width"].attrs),
     ).assign_coords(
-        input=("input", [*input_words, *alternatives]), input_words=("input", [*input_words.values(), *labels])
+        input=("input", [*labels_by_input, *alternatives]), input_label=("input", [*labels_by_input.values(), *labels])
     )
 
 
@@ -351,15 +357,15 @@ def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Seq
     An alternative preparation can have other inputs, such as a drift of the roughness. Without an input, the combined
     interval remains.
     """
-    rows = at["friction_if_known"].transpose("input", *dims).values
+    rows = at["remaining_interval"].transpose("input", *dims).values
     rows_by_name = dict(zip(at["input"].values.tolist(), rows, strict=True))
-    combined = np.where(_find_budgeted_coefficients(at, dims), at["friction_known"].transpose(*dims).values, np.nan)
+    combined = np.where(_find_budgeted_coefficients(at, dims), at["friction_at_cutoff"].transpose(*dims).values, np.nan)
     return np.stack([rows_by_name.get(name, combined) for name in names])
 
 
 def _find_budgeted_coefficients(at: xarray.Dataset, dims: Sequence[Any]) -> NDArray[np.bool_]:
     """Return a mask of the coefficients with a budget. Its last axis, for the statistics, has the length 1."""
-    widths = at["width_if_known"].transpose("input", *dims[:-1]).values
+    widths = at["remaining_width"].transpose("input", *dims[:-1]).values
     return np.asarray(~np.isnan(widths).all(axis=0)[..., np.newaxis])
 
 
@@ -417,7 +423,7 @@ def _get_combined_coefficients(
     at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats
 ) -> Floats:
     """Return the reported coefficients and their interval limits as an array of shape (*dims, statistic)."""
-    combined = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
+    combined = at["mean_friction"].transpose(*dims, "statistic").values.copy()
     lower_limits = combined[..., 1]
     combined[..., 1] = np.where((lower_limits < 0) & (combined[..., 0] >= 0), 0.0, lower_limits)
     # an interval counts as known even if its upper limit is infinite

@@ -66,7 +66,7 @@ class CoefficientSamples:
     ) -> None:  # fmt: skip
         self.study, self.friction, self.areas, self.load = study, friction, areas, load
         self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
-        self.sampling_estimate: Floats = point["friction_all_round"]  # coefficient and limits of its sampling interval
+        self.sampling_estimate: Floats = point["mean_friction"]  # coefficient and limits of its sampling interval
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
         # The first entry contains joint samples of mu0 and tau0.

@@ -58,9 +58,7 @@ def average_ensemble(
         "status": coefficient_table["status"].variable,
     }
     if "direction" in head.dims:
-        variables["friction_all_round"] = _add_statistic_dimension(
-            means["friction_coefficient"], "friction_coefficient"
-        )
+        variables["mean_friction"] = _add_statistic_dimension(means["friction_coefficient"], "friction_coefficient")
         axes, direction_pairs = find_axes_with_both_directions(head["direction"].values)
         if axes.size:
             axis_means = _add_statistic_dimension(

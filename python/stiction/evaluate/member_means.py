@@ -102,8 +102,8 @@ def average_members(
         is_removed = is_any_downhill | (means[..., 0] < -NEGLIGIBLE_COEFFICIENT)
         return (*dims, "statistic"), _remove_negative(means, is_removed), quantity_attributes(name)
 
-    variables["friction_all_round"] = average_coefficients(
-        lambda coefficients: coefficients.mean(axis=direction_axis), dims_of_mean, "friction_all_round",
+    variables["mean_friction"] = average_coefficients(
+        lambda coefficients: coefficients.mean(axis=direction_axis), dims_of_mean, "mean_friction",
         counts_as_downhill.any(axis=direction_axis - 1),
     )  # fmt: skip
     axes, direction_pairs = find_axes_with_both_directions(members["direction"].values)

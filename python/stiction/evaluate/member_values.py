@@ -60,7 +60,7 @@ MemberKind = Literal["shifts", "surrogates"]
 def member_values(
     result: MemberSums | xarray.Dataset, loads: ArrayLike, *,
     mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
-    reading: LoadDefinition = "elastic", member_kind: MemberKind | None = None,
+    load_definition: LoadDefinition = "elastic", member_kind: MemberKind | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate friction and contact quantities at given loads for each member of a result.
 
@@ -68,7 +68,7 @@ def member_values(
     ----------
     result, loads, mu0, tau0, member_kind
         As for `at_load`.
-    reading : {"elastic", "normal"}
+    load_definition : {"elastic", "normal"}
 
     Returns
     -------
@@ -78,15 +78,15 @@ def member_values(
         1. Height maps with the asperity model at elastic loads also have lateral_load (mN). Other quantities have the
         dimensions of the cells, repetition and load (and fraction_below), and are evaluated at the elastic load.
     """
-    if reading == "mean":
-        raise ValueError("reading must be 'elastic' or 'normal', because a single member has no mean load")
+    if load_definition == "mean":
+        raise ValueError("load_definition must be 'elastic' or 'normal', because a single member has no mean load")
     result = MemberSums.of(result)
     unique_loads = np.unique(np.atleast_1d(float_array("loads", loads)))
     strengths = choose_mu0_and_tau0(result, mu0, tau0)
-    members = evaluate_members_before_growth(result, unique_loads, *strengths, reading, member_kind)
+    members = evaluate_members_before_growth(result, unique_loads, *strengths, load_definition, member_kind)
     if result.study.contact.junction_growth:
         members = apply_junction_growth(members, result.study, build_member_area_interpolator(members, result))
-    if reading == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
+    if load_definition == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
         sums = interpolate_member_sums(result, unique_loads, LATERAL_SUMS, member_kind=member_kind)
         lateral_sums = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
         lateral = compute_load("lateral", lateral_sums, strengths[0][:, np.newaxis], strengths[1])
@@ -96,7 +96,7 @@ def member_values(
 
 
 def evaluate_members_before_growth(
-    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, reading: LoadDefinition,
+    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition,
     member_kind: MemberKind | None,
     names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
@@ -106,7 +106,7 @@ def evaluate_members_before_growth(
     """
 
     def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
-        return _evaluate_piece(piece, result.study, loads, mu0, tau0, reading, names)
+        return _evaluate_piece(piece, result.study, loads, mu0, tau0, load_definition, names)
 
     return _evaluate_pieces(result, member_kind, evaluate_piece)
 
@@ -169,7 +169,7 @@ def _evaluate_pieces(
 
 
 def _evaluate_piece(
-    piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, reading: LoadDefinition,
+    piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition,
     names: Collection[str] | None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate one piece (group of members) of a result at given loads.
@@ -180,7 +180,7 @@ def _evaluate_piece(
 
     member_dims = (*find_cell_dimensions(piece), "repetition")
     sums_at_steps, load_crossings = _find_load_crossings(piece, loads)
-    if reading == "elastic":
+    if load_definition == "elastic":
         contact_sums = {name: load_crossings.interpolate(values) for name, values in sums_at_steps.items()}
         forces = _MemberForces.at_elastic_loads(contact_sums, load_crossings, mu0, tau0)
     else:
@@ -197,7 +197,7 @@ def _evaluate_piece(
         "status": (dims, status, quantity_attributes("status")),
     }
     requested_names = None if names is None else {*_FRICTION_VARIABLES, *names}
-    if reading == "elastic":
+    if load_definition == "elastic":
         variables |= _compute_opposing_share(piece, member_dims, contact_sums)
     variables |= _interpolate_quantities(piece, member_dims, load_crossings, requested_names)
     variables |= {name: piece.variables[name] for name in GAP_QUANTITIES if name in piece.variables}

@@ -17,7 +17,7 @@ QuantityKind = Literal["sum", "statistic", "ratio", "validity", "uncertainty", "
 """Kinds of quantities: sum over contacts, statistic of a member, ratio, validity indicator, uncertainty, coordinate."""
 
 QuantityAxis = Literal[
-    "sliding", "direction", "axis", "step", "mu0", "tau0", "fraction_below", "fraction", "input", "wait"
+    "sliding", "direction", "axis", "step", "mu0", "tau0", "fraction_below", "fraction", "input", "dwell_time"
 ]
 """Dimensions of quantities in addition to the cells and members of a result. `step` is the approach or the load."""
 
@@ -183,7 +183,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
         unit="1", words="coefficient of static friction", symbol=r"\mu_s", kind="ratio", along=_FRICTION_AXES,
         numerator="tangential_load", denominator=("normal_load",),
     ),
-    "friction_all_round": ResultQuantity(
+    "mean_friction": ResultQuantity(
         unit="1", words="friction coefficient, mean over the directions", kind="ratio", along=_MEAN_FRICTION_AXES,
     ),
     "friction_by_axis": ResultQuantity(
@@ -208,14 +208,16 @@ QUANTITIES: dict[str, ResultQuantity] = {
         unit="", words="ok, or the reason why there is no value", kind="statistic", along=_STEP_AXIS, dtype=int,
         stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE,
     ),
-    "friction_known": _uncertainty_quantity("coefficient of static friction, combined 95 % interval", "combined"),
-    "friction_next_test": _uncertainty_quantity(
+    "friction_at_cutoff": _uncertainty_quantity(
+        "coefficient of static friction, combined 95 % interval at one cutoff", "combined"
+    ),
+    "friction_prediction": _uncertainty_quantity(
         "coefficient of static friction of a single test in one direction at one position", "prediction",
     ),
-    "friction_if_known": _uncertainty_quantity("interval if one input were exact", "conditional", "input"),
-    "width_if_known": _uncertainty_quantity("width of the interval if one input were exact", "conditional", "input"),
-    "friction_waited": _uncertainty_quantity(
-        "coefficient of static friction after a dwell time under load", "combined", "wait"
+    "remaining_interval": _uncertainty_quantity("interval if one input were exact", "conditional", "input"),
+    "remaining_width": _uncertainty_quantity("width of the interval if one input were exact", "conditional", "input"),
+    "friction_after_dwell": _uncertainty_quantity(
+        "coefficient of static friction after a dwell time under load", "combined", "dwell_time"
     ),
     "fraction_seizing": ResultQuantity(
         unit="1", words="fraction of the samples of the inputs whose interfaces seize", kind="statistic",
@@ -407,7 +409,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
         unit="1", words="root-mean-square slope of the gap along the motion", brief="rms slope of the gap",
         kind="statistic", along=("direction",), stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE,
     ),
-    "reading_difference": ResultQuantity(
+    "load_definition_effect": ResultQuantity(
         unit="1", words="largest relative difference of friction between definitions of the load", kind="uncertainty",
         along=_STEP_AXIS,
     ),

@@ -154,9 +154,9 @@ class Evaluation(MemberSums):
 
     def at(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
-        reading: Any = None, quantities: Collection[str] | None = None, per_member: bool = False, budget: bool = False,
-        height_scale: str | ArrayLike | None = None, scaled: Literal["both", "upper", "lower"] = "both",
-        compute: bool = False,
+        load_definition: Any = None, quantities: Collection[str] | None = None, per_member: bool = False,
+        budget: bool = False, height_scale: str | ArrayLike | None = None,
+        scaled: Literal["both", "upper", "lower"] = "both", compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
         """Evaluate the result with its intervals at any loads, mu0 and tau0.
 
@@ -178,7 +178,7 @@ class Evaluation(MemberSums):
         mu0 : array_like of float, optional
         tau0 : str or array_like of float, GPa, optional
             Such as "50 MPa".
-        reading : {"mean", "elastic", "normal"}, optional
+        load_definition : {"mean", "elastic", "normal"}, optional
             Definition of the load, as for `at_load`.
         quantities : collection of str, optional
             Names of quantities to evaluate besides friction, such as ["contact_area"]; all by default. Quantities
@@ -227,21 +227,23 @@ class Evaluation(MemberSums):
                     f"quantities must be names in the table of quantities, got {short_repr(unknown_names[0])}"
                 )
         if height_scale is not None:
-            return self._evaluate_at_height_factors(height_scale, load, mu0, tau0, reading, scaled, compute)
+            return self._evaluate_at_height_factors(height_scale, load, mu0, tau0, load_definition, scaled, compute)
         loads = self.default_loads if load is None else self._to_forces(load)
         strengths = to_core_units("tau0", tau0, "pressure")
         if per_member:
-            return member_values(self, loads, mu0=mu0, tau0=strengths, reading=reading or "elastic")
+            return member_values(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition or "elastic")
         return add_uncertainty(
-            at_load(self, loads, mu0=mu0, tau0=strengths, reading=reading, names=quantities), self, budget=budget
+            at_load(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition, names=quantities),
+            self,
+            budget=budget,
         )
 
     def _evaluate_at_height_factors(
-        self, factors: Any, load: Any, mu0: Any, tau0: Any, reading: Any, scaled: Any, compute: bool
+        self, factors: Any, load: Any, mu0: Any, tau0: Any, load_definition: Any, scaled: Any, compute: bool
     ) -> xarray.Dataset:
         check_bool("compute", compute)
-        if reading not in (None, "elastic"):
-            raise ValueError(f"reading must be 'elastic' if height_scale is given, got {reading!r}")
+        if load_definition not in (None, "elastic"):
+            raise ValueError(f"load_definition must be 'elastic' if height_scale is given, got {load_definition!r}")
         if self.stored is None:
             raise ValueError("height_scale needs a stored result, as returned by `pair` or `open_result`")
         factors = parse_height_factors(factors)

@@ -230,7 +230,7 @@ class PointSummary:
     @property
     def load_definition_effect(self) -> float:
         """Relative difference of the coefficients for different definitions of the load, or NaN if it is unknown."""
-        return self.numbers.get("reading_difference", math.nan)
+        return self.numbers.get("load_definition_effect", math.nan)
 
     @property
     def value(self) -> float:
@@ -516,17 +516,17 @@ def summarize_point(
 
 def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
     """Return the coefficient for a sliding rule, given the values of a point for this rule."""
-    name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
+    name = "mean_friction" if "mean_friction" in table else "friction_coefficient"
     mean = read_estimate(table[name])
     interval_of_mean = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
-    combined_interval = _get_interval(table, "friction_known") or interval_of_mean
+    combined_interval = _get_interval(table, "friction_at_cutoff") or interval_of_mean
     low, high, slopes = (mean_over_directions(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
     return SlidingRuleCoefficient(
         mean.value,
         *combined_interval,
         rule=rule,
         interval_of_mean=interval_of_mean,
-        prediction_interval=_get_interval(table, "friction_next_test") or UNKNOWN_INTERVAL,
+        prediction_interval=_get_interval(table, "friction_prediction") or UNKNOWN_INTERVAL,
         status=_find_first_failure(table),
         low=low,
         high=high,
@@ -565,12 +565,12 @@ def _list_budget_entries(
     point: xarray.Dataset, coefficient: SlidingRuleCoefficient
 ) -> tuple[UncertaintyBudgetEntry, ...]:
     """Return the intervals that would remain if one input at a time were exact, sorted by increasing width."""
-    if "friction_if_known" not in point:
+    if "remaining_interval" not in point:
         return ()
-    budget = select_sliding_rule(point[["friction_if_known", "width_if_known"]], coefficient.rule)
-    limits = budget["friction_if_known"].transpose("input", "statistic").values[:, find_statistic_indices(budget)]
+    budget = select_sliding_rule(point[["remaining_interval", "remaining_width"]], coefficient.rule)
+    limits = budget["remaining_interval"].transpose("input", "statistic").values[:, find_statistic_indices(budget)]
     intervals = (Interval(*each) for each in limits[:, 1:].tolist())
-    labels_and_widths = (budget[name].values.tolist() for name in ("input_words", "width_if_known"))
+    labels_and_widths = (budget[name].values.tolist() for name in ("input_label", "remaining_width"))
     entries = [
         UncertaintyBudgetEntry(coefficient.value, *interval, words=label, width=width)
         for interval, label, width in zip(intervals, *labels_and_widths, strict=True)
@@ -580,10 +580,10 @@ def _list_budget_entries(
 
 
 def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[DwellTimeCoefficient, ...]:
-    if "friction_waited" not in point:
+    if "friction_after_dwell" not in point:
         return ()
-    table = select_sliding_rule(point["friction_waited"], rule).transpose("wait", "statistic")
-    seconds_and_values = zip(point["wait"].values.tolist(), table.values.tolist(), strict=True)
+    table = select_sliding_rule(point["friction_after_dwell"], rule).transpose("dwell_time", "statistic")
+    seconds_and_values = zip(point["dwell_time"].values.tolist(), table.values.tolist(), strict=True)
     return tuple(DwellTimeCoefficient(*limits, seconds=seconds) for seconds, limits in seconds_and_values)
 
 

@@ -152,7 +152,7 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
     dims = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
     dims_of_mean = tuple(dim for dim in dims if dim != "direction")
     by_direction = values["friction_coefficient"].transpose(*dims, "statistic").values
-    mean = values["friction_all_round"].transpose(*dims_of_mean, "statistic").values
+    mean = values["mean_friction"].transpose(*dims_of_mean, "statistic").values
     combined = (
         values["friction_combined"].transpose(*dims_of_mean, "statistic").values
         if "friction_combined" in values

@@ -46,12 +46,12 @@ COORDINATE_ORDER = (
     "axis",
     "fraction_below",
     "input",
-    "wait",
+    "dwell_time",
 )
 """Coordinates of a value, in the order of their columns."""
 
 _COEFFICIENT_COLUMNS = {
-    "friction_all_round": "all directions",
+    "mean_friction": "all directions",
     "friction_by_axis": "axis",
     "friction_coefficient": "direction",
 }
@@ -158,13 +158,13 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     coordinate_names = [name for name in _POINT_COORDINATES if name in rows]
     frames: list[pandas.DataFrame] = []
     for name, motion_label in _COEFFICIENT_COLUMNS.items():
-        if name not in dataset or (name != "friction_all_round" and frames and motion_label not in dataset[name].dims):
+        if name not in dataset or (name != "mean_friction" and frames and motion_label not in dataset[name].dims):
             continue  # the values of a single direction equal the means over all directions
         selected_rows = rows[rows["name"] == name]
         motion_column = (
             selected_rows[motion_label].map(_MOTION_LABEL_FORMATTERS[motion_label])
             if motion_label in dataset[name].dims
-            else _COEFFICIENT_COLUMNS["friction_all_round"]
+            else _COEFFICIENT_COLUMNS["mean_friction"]
         )
         selected_rows = selected_rows.assign(
             motion=motion_column,
@@ -193,9 +193,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     coefficients = _build_coefficient_columns(summary.points)
     assessments = _assessment_table(summary.points, coordinate_names, coefficients)
     table = table.merge(assessments, on=[*coordinate_names, "sliding"], how="left")
-    table.loc[table["motion"] != _COEFFICIENT_COLUMNS["friction_all_round"], [*interval_titles, *coefficients]] = (
-        math.nan
-    )
+    table.loc[table["motion"] != _COEFFICIENT_COLUMNS["mean_friction"], [*interval_titles, *coefficients]] = math.nan
     other_columns = [str(name) for name in table if name not in interval_titles]
     column_index = other_columns.index(title) + 1
     table = table[[*other_columns[:column_index], *interval_titles, *other_columns[column_index:]]]
@@ -305,7 +303,9 @@ def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
         return record_json(command, [], **fields, remark=summary.no_points_reason)
     dataset, study = summary.at, summary.study
     fields = {"kind": "pair" if study.is_measured else "study", **fields}
-    fields |= {name: str(dataset.attrs[name]) for name in ("upper", "lower", "reading") if name in dataset.attrs}
+    fields |= {
+        name: str(dataset.attrs[name]) for name in ("upper", "lower", "load_definition") if name in dataset.attrs
+    }
     for name in ("effective_modulus", "nominal_area"):
         if name in dataset.coords:
             fields[name] = float(dataset[name])

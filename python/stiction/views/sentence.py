@@ -207,7 +207,7 @@ def point_note_text(point: PointSummary) -> str:
     definition_effect = point.load_definition_effect
     if definition_effect > MIN_STATED_LOAD_DEFINITION_EFFECT:
         definition_text = _LOAD_DEFINITION_TEXTS.get(
-            str(point.values.attrs.get("reading")), "the load has one of three definitions"
+            str(point.values.attrs.get("load_definition")), "the load has one of three definitions"
         )
         items.append(
             f"{definition_text}; with another definition of the load μ_s differs by {format_percent(definition_effect)}"

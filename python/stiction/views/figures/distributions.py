@@ -142,7 +142,7 @@ def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
             alpha=0.8,
             label=SLIDING_RULE_LABELS[rule],
         )
-        mean = select_sliding_rule(point["friction_all_round"], rule)
+        mean = select_sliding_rule(point["mean_friction"], rule)
         mean_value, low, high = (float(mean.sel(statistic=name)) for name in MEAN_AND_LIMITS)
         axes.axhspan(low, high, color=SLIDING_RULE_COLOURS[rule], alpha=0.15, linewidth=0)
         axes.axhline(mean_value, color=SLIDING_RULE_COLOURS[rule], linewidth=0.6)

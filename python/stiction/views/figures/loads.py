@@ -219,7 +219,7 @@ def _friction_and_area_figure(
     has_combined = "friction_combined" in points
     for rule in _list_sliding_rules(points):
         dataset, colour = select_sliding_rule(points, rule), SLIDING_RULE_COLOURS[rule]
-        mean, low, high = (dataset["friction_all_round"].sel(statistic=name).values for name in MEAN_AND_LIMITS)
+        mean, low, high = (dataset["mean_friction"].sel(statistic=name).values for name in MEAN_AND_LIMITS)
         friction_axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         if has_combined:
             low, high = (dataset["friction_combined"].sel(statistic=name).values for name in MEAN_AND_LIMITS[1:])
@@ -290,9 +290,7 @@ def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, 
     is_incomplete = (num_solved > 0).values & (num_solved < points["members"].max()).values
     if not is_incomplete.any():
         return
-    mean = (
-        select_sliding_rule(points["friction_all_round"], _list_sliding_rules(points)[0]).sel(statistic="mean").values
-    )
+    mean = select_sliding_rule(points["mean_friction"], _list_sliding_rules(points)[0]).sel(statistic="mean").values
     axes.plot(x[is_incomplete], mean[is_incomplete], "x", color="0.3", markersize=4, label="some results are missing")
 
 
