@@ -54,7 +54,7 @@ def compute_friction():
             directory=folder,
             **EXAMPLE_PAIR_OPTIONS,
         )
-        quoted_points = result.summary().headlines
+        quoted_points = result.summary().reported_points
         rules = [{item.rule: (item.value, item.lower, item.upper) for item in point.rules} for point in quoted_points]
         return {rule: np.transpose([point[rule] for point in rules]) for rule in SLIDING_RULE_COLOURS}
 

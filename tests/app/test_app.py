@@ -155,7 +155,7 @@ def run_shown_command(driver, folder, monkeypatch):
 
 
 def extract_first_answer(record):
-    first_answer = record["answers"][0]
+    first_answer = record["points"][0]
     return {
         item["rule"]: [item["value"], item["lower"], item["upper"]] for item in first_answer["rules"]
     }, first_answer["sentence"]

@@ -385,7 +385,7 @@ def test_job_is_marked_as_stopped_before_its_partial_result_is_read(tmp_path, mo
 @pytest.fixture
 def fake_pair_command(monkeypatch):
     """Replace the command of a pair by a function that writes small files and returns a record of two points."""
-    answers = [{"headline": False, "caveats": []}, {"headline": True, "caveats": [{"text": "use --tip"}]}]
+    answers = [{"reported": False, "caveats": []}, {"reported": True, "caveats": [{"text": "use --tip"}]}]
 
     async def run_module(arguments, on_record=None, **_):
         if '"preview"' in arguments[1]:  # a preview that is slower than the command
@@ -397,7 +397,7 @@ def fake_pair_command(monkeypatch):
         run(Study.named("quick").with_changes(SMALL_ENSEMBLE), store=folder)
         for name in ("report.html", "result.csv"):
             (folder / name).write_text(f"{name} of {folder}")
-        record = json.dumps({"command": str(folder), "answers": answers})
+        record = json.dumps({"command": str(folder), "points": answers})
         on_record(record)
         if "--fail" in arguments:
             raise jobs.RejectedRequestError(f"{folder}/report.html: No space left on device")
@@ -415,7 +415,7 @@ def test_pair_job_shows_the_files_of_its_command_and_discards_a_slow_preview(tmp
 
     job = asyncio.run(check())
     assert (job.state, job.error, job.scope, job.finished, job.total) == ("done", "", "", 2, 2)
-    assert job.record["headline"]
+    assert job.record["reported"]
     assert "--tip" not in job.record["caveats"][0]["text"]
     texts = {file.name: file.read_text() for file in job.files.iterdir()}
     assert texts["page.html"].startswith("report.html of results/")
@@ -431,7 +431,7 @@ def test_pair_job_that_fails_while_it_draws_shows_the_values_of_its_record(tmp_p
 
     job = asyncio.run(check())
     assert (job.state, job.scope, job.files, job.page_data()["versions"]) == ("failed", "", None, 0)
-    assert job.record["headline"]
+    assert job.record["reported"]
     assert job.error.startswith("the report of this result could not be written: results/")
     assert job.error.endswith("/report.html: No space left on device")
 
@@ -442,7 +442,7 @@ def test_values_of_a_finished_pair_are_not_replaced_by_an_intermediate_result(tm
     async def run_module(arguments, on_record=None, **_):
         if arguments[0] != "stiction":
             return '{"answer": "intermediate result", "finished": 8, "total": 16}'
-        on_record('{"answers": [{"headline": true, "caveats": []}]}')
+        on_record('{"points": [{"reported": true, "caveats": []}]}')
         await asyncio.sleep(0.2)
         raise jobs.RejectedRequestError("the command ended")
 
@@ -457,7 +457,7 @@ def test_values_of_a_finished_pair_are_not_replaced_by_an_intermediate_result(tm
     monkeypatch.setattr(jobs, "open_stored_result", lambda _: stored_result)
     monkeypatch.setattr(jobs, "POLL_INTERVAL", 0.02)
     job = asyncio.run(check())
-    assert (job.record["headline"], job.scope) == (True, "")
+    assert (job.record["reported"], job.scope) == (True, "")
     assert job.error == "the report of this result could not be written: the command ended"
 
 
@@ -472,7 +472,7 @@ def test_unexpected_error_of_an_intermediate_result_is_logged_while_the_command_
             return json.dumps({"answer": {}, "finished": 1, "total": 9} if failing_source == "folder" else {})
         while not caplog.records:
             await asyncio.sleep(0.01)
-        on_record('{"answers": [{"headline": true, "caveats": []}]}')
+        on_record('{"points": [{"reported": true, "caveats": []}]}')
         raise jobs.RejectedRequestError("the command ended")
 
     def open_stored_result(folder):

@@ -72,13 +72,13 @@ def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(result
     if name == "study":
         expected_points = expected_points.sel(fractal_dimension=[1.3], method="nearest").isel(amplitude=[0])
     expected_points = summarize(expected_points, stored_result.study).points
-    assert [answer["assessment"] for answer in output_record["answers"]] == [
+    assert [answer["assessment"] for answer in output_record["points"]] == [
         answer.assessment for answer in expected_points
     ]
-    assert [answer["at"]["load"] for answer in output_record["answers"]] == pytest.approx(
+    assert [answer["at"]["load"] for answer in output_record["points"]] == pytest.approx(
         [answer.at["load"] for answer in expected_points]
     )
-    for answer, point in zip(output_record["answers"], expected_points, strict=True):
+    for answer, point in zip(output_record["points"], expected_points, strict=True):
         assert [rule["value"] for rule in answer["rules"]] == pytest.approx([rule.value for rule in point.rules])
     text = get_stiction_output("at", name, *options, cwd=results_folder)
     first_rule = expected_points[0].rules[0]
@@ -88,7 +88,7 @@ def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(result
 
 def test_command_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_status(results_folder):
     record = json.loads(get_stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_folder))
-    assert [(answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
+    assert [(answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["points"]] == [(0.3, 0.0), (0.3, 0.02)]
     text = get_stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_folder)
     assert text.splitlines()[0].endswith("τ0 = 0, 100 MPa (--tau0).")
     assert [line.split()[0] for line in text.splitlines()[1:6]] == ["D", "1", "1", "1.2", "1.2"]
@@ -97,7 +97,7 @@ def test_command_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_st
             "at", "study", "--load", "1 uN,1 N", "--d", "1.3", "--mu0", "0.3", "--json", cwd=results_folder
         )
     )
-    assert [answer["status"] for answer in record["answers"]] == ["ok", "ok", "not-reached", "not-reached"]
+    assert [answer["status"] for answer in record["points"]] == ["ok", "ok", "not-reached", "not-reached"]
 
 
 @pytest.mark.parametrize(
@@ -127,12 +127,12 @@ def test_command_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_study
         (float(load), 0.3, float(tau0)) for load in study.friction.load for tau0 in study.friction.tau0
     ]
     assert [
-        (answer["at"]["load"], answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["answers"]
+        (answer["at"]["load"], answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["points"]
     ] == expected_conditions
     record = json.loads(get_stiction_output("at", "study", "--load", "1 uN", "--json", cwd=results_folder))
     friction = open_stored_result(results_folder / "study").study.friction
-    assert {answer["at"]["tau0"] for answer in record["answers"]} == {0.0, 0.1}
-    assert {answer["at"]["mu0"] for answer in record["answers"]} == set(friction.mu0)
+    assert {answer["at"]["tau0"] for answer in record["points"]} == {0.0, 0.1}
+    assert {answer["at"]["mu0"] for answer in record["points"]} == set(friction.mu0)
 
 
 def test_command_at_prints_friction_in_the_direction_given_by_an_option(results_folder):
@@ -140,9 +140,9 @@ def test_command_at_prints_friction_in_the_direction_given_by_an_option(results_
     record = json.loads(get_stiction_output(*arguments, "--direction", "30", "--json", cwd=results_folder))
     assert "the upper body moves at 30°" in get_stiction_output(*arguments, "--direction", "30", cwd=results_folder)
     assert "the mean over 12 directions and 3 positions" in get_stiction_output(*arguments, cwd=results_folder)
-    dataset = at_load(open_stored_result(results_folder / "maps"), [record["answers"][0]["at"]["load"]], tau0=[0.0])
+    dataset = at_load(open_stored_result(results_folder / "maps"), [record["points"][0]["at"]["load"]], tau0=[0.0])
     expected = dataset["friction_coefficient"].sel(direction=30.0, sliding="all", statistic="mean").squeeze()
-    assert record["answers"][0]["rules"][0]["value"] == pytest.approx(float(expected))
+    assert record["points"][0]["rules"][0]["value"] == pytest.approx(float(expected))
 
 
 def test_command_at_accepts_comma_separated_values_and_repeated_options(results_folder):
@@ -155,14 +155,14 @@ def test_command_at_accepts_comma_separated_values_and_repeated_options(results_
             *arguments, "--load", "1 uN", "--load", "2 uN", "--mu0", "0.4", "--d", "1", cwd=results_folder
         )
     )
-    conditions = [answer["at"] for answer in record_of_lists["answers"]]
+    conditions = [answer["at"] for answer in record_of_lists["points"]]
     assert len(conditions) == 2 * 2 * 2 * 2
     assert sorted({answer["load"] for answer in conditions}) == pytest.approx([1e-3, 2e-3])
     assert len({answer["fractal_dimension"] for answer in conditions}) == 2
-    rules_by_condition = {json.dumps(answer["at"]): answer["rules"] for answer in record_of_lists["answers"]}
+    rules_by_condition = {json.dumps(answer["at"]): answer["rules"] for answer in record_of_lists["points"]}
     assert all(
         rules_by_condition[json.dumps(answer["at"])] == answer["rules"]
-        for answer in record_of_repeated_options["answers"]
+        for answer in record_of_repeated_options["points"]
     )
 
 
@@ -204,17 +204,17 @@ def test_info_command_writes_json_with_the_same_schema_for_every_result(results_
         == open_stored_result(results_folder / name).study.ensemble.repetitions
     )
     assert record["values"]
-    assert all({"assessment", "caveats", "sentence"} <= set(answer) for answer in record["answers"])
+    assert all({"assessment", "caveats", "sentence"} <= set(answer) for answer in record["points"])
     assert get_stiction_output("report", name, "--output", f"{name}.html", cwd=results_folder)
     text = get_stiction_output("info", name, cwd=results_folder)
     assert f"{record['finished']} of {record['repetitions']} finished" in text
     if name == "study":
         assert text.count("μ_s [95 %] at ") == 2, "a table for each amplitude"
         assert "D" in text
-    assert f"\n{record['answers'][0]['assessment']}" in text or " (1 of 2)" in text
+    assert f"\n{record['points'][0]['assessment']}" in text or " (1 of 2)" in text
     if name == "study":
         return
-    loads = [answer["at"]["load"] for answer in record["answers"]]
+    loads = [answer["at"]["load"] for answer in record["points"]]
     assert loads == sorted(loads), "--load options of a pair may be in any order"
     assert len(set(loads)) == {"maps": 2, "lines": 1}[name]
 
@@ -277,7 +277,7 @@ def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_f
     get_stiction_output("export", name, str(tmp_path / "r.csv"), cwd=results_folder)
     rows = list(csv.DictReader((tmp_path / "r.csv").read_text(encoding="utf-8").splitlines()))
     record = json.loads(get_stiction_output("info", name, "--json", cwd=results_folder))
-    assert {row["assessment"] for row in rows} == {answer["assessment"] for answer in record["answers"]}
+    assert {row["assessment"] for row in rows} == {answer["assessment"] for answer in record["points"]}
     for file_name in ("r.nc", "r.csv"):
         assert_rejected(call_stiction("export", name, str(tmp_path / file_name), cwd=results_folder), "already exists")
     for file_name in ("r.xlsx", "r"):

@@ -161,7 +161,7 @@ def test_info_prints_one_sentence_for_each_load_including_loads_that_must_not_be
     sentences = call_stiction("info", "pair", "--sentence", cwd=scans_folder).stdout.splitlines()
     result = open_result(scans_folder / "pair")
     assert sentences == result.sentence.splitlines()
-    points = result.summary().headlines
+    points = result.summary().reported_points
     assert [point.assessment == "Do not quote" for point in points] == [
         sentence.startswith("There is no coefficient to quote") for sentence in sentences
     ]

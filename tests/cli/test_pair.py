@@ -404,7 +404,7 @@ def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_pat
     columns = [f"coefficient of static friction: {limit}" for limit in ("lower", "upper")]
     command = ["at", tmp_path / "out", "--load", "7 MPa", "--json"]
     for direction_option, has_interval in (([], 1), (["--direction", 0], 0)):
-        for rule in json.loads(call_stiction(*command, *direction_option, cwd=scans_folder).stdout)["answers"][0][
+        for rule in json.loads(call_stiction(*command, *direction_option, cwd=scans_folder).stdout)["points"][0][
             "rules"
         ]:
             assert rule["lower"] <= rule["value"] <= rule["upper"]
@@ -828,9 +828,9 @@ def folder_options_and_record(tmp_path_factory):
 
 def test_pair_command_reports_resolved_wavelengths_and_the_range_for_finer_scans(folder_options_and_record):
     folder, _, record = folder_options_and_record
-    resolution, answer = record["resolution"], record["answers"][0]
-    assert resolution["waves"]["shortest_um"] == pytest.approx(0.2)
-    assert [entry["cut_off"] for entry in resolution["cut_offs"]] == pytest.approx([0, 0.2], rel=1e-3)
+    resolution, answer = record["resolution"], record["points"][0]
+    assert resolution["wavelengths"]["shortest_um"] == pytest.approx(0.2)
+    assert [entry["cut_off"] for entry in resolution["cutoffs"]] == pytest.approx([0, 0.2], rel=1e-3)
     assert answer["finer_scans"]["from"] == pytest.approx(float(tabor_friction(0.625, 0.2, 0.05, 13.5)), rel=1e-3)
     assert answer["finer_scans"]["to"] >= answer["rules"][0]["value"]
     stored_resolution = store.read(folder / "pair" / "resolution")
@@ -974,7 +974,7 @@ def test_result_for_profiles_lists_the_assumptions_of_the_model(scans_folder, tm
     record = json.loads(
         check_stiction(*arguments, "--offsets", 8, "-o", tmp_path / "out", "--json", cwd=scans_folder).stdout
     )
-    assumptions = record["answers"][0]["assumptions"]
+    assumptions = record["points"][0]["assumptions"]
     assert assumptions == ["parallel grooves across the scans on a strip 1 µm wide", "no adhesion"]
     completed = check_stiction("at", tmp_path / "out", cwd=scans_folder)
     text = " ".join(completed.stdout.split())

@@ -153,7 +153,7 @@ def test_commands_at_and_report_accept_the_result_of_a_pair_of_spectra(spectra_f
     spectral_estimate = find_resolution_limits(dataset, study).spectral
     assert float(spectral_estimate.mean_pressure.max()) == pytest.approx(4.0)
     assert float(spectral_estimate.wavelength.max()) > 1.0
-    cutoffs = [entry["cut_off"] for entry in record["resolution"]["cut_offs"]]
+    cutoffs = [entry["cut_off"] for entry in record["resolution"]["cutoffs"]]
     assert cutoffs[1] == pytest.approx(read_spectrum(spectra_folder / "upper.csv").shortest, rel=1e-3)
 
 

@@ -129,8 +129,8 @@ def test_pull_off_force_is_shown_in_rows_and_text_and_the_report_and_a_figure(ad
 def test_roughness_contribution_is_undefined_for_adhesive_pairs(adhesive_result):
     """The attraction, which depends on the roughness, raises the contribution of mu0 above mu0."""
     for point in adhesive_result.summary().points:
-        assert point.parts[0] > 1.02 * point.at["mu0"]
-        assert point.from_roughness is None
+        assert point.contributions[0] > 1.02 * point.at["mu0"]
+        assert point.roughness_contribution is None
 
 
 def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
@@ -138,21 +138,21 @@ def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
     (unloaded_point,) = unloaded_result.summary().points
     assert unloaded_point.is_unloaded
     assert "at no load" in unloaded_result.sentence
-    assert unloaded_point.sticking.sticking_assessment == "yes"
-    assert astuple(unloaded_point.sticking.pull_off) == pytest.approx(
-        astuple(adhesive_result.summary().points[0].sticking.pull_off), rel=LOAD_PATH_TOLERANCE
+    assert unloaded_point.pull_off.sticking_assessment == "yes"
+    assert astuple(unloaded_point.pull_off.pull_off) == pytest.approx(
+        astuple(adhesive_result.summary().points[0].pull_off.pull_off), rel=LOAD_PATH_TOLERANCE
     )
     assert unloaded_result.dataset["load"].values.max() < 0.01 * float(unloaded_result.dataset["pull_off"].mean())
     assert [point.is_unloaded for point in two_load_result.summary().points] == [True, False]
     assert two_load_result.summary().points[1].value == pytest.approx(
         adhesive_result.summary().points[1].value, rel=LOAD_PATH_TOLERANCE
     )
-    record = json.loads(summary_json("pair", unloaded_result.summary()))["answers"][0]
-    assert record["sticking"]["sticks"] == "yes"
-    assert record["sticking"]["pull_off"]["lower"] < record["sticking"]["pull_off"]["value"]
+    record = json.loads(summary_json("pair", unloaded_result.summary()))["points"][0]
+    assert record["pull_off"]["sticks"] == "yes"
+    assert record["pull_off"]["pull_off"]["lower"] < record["pull_off"]["pull_off"]["value"]
     assert record["assessment"] == "Do not quote"
-    assert pull_off_text(unloaded_point.sticking).removesuffix(".") in unloaded_result.sentence
-    assert pull_off_text(unloaded_point.sticking, "μ0 = 0.3").endswith(" with μ0 = 0.3.")
+    assert pull_off_text(unloaded_point.pull_off).removesuffix(".") in unloaded_result.sentence
+    assert pull_off_text(unloaded_point.pull_off, "μ0 = 0.3").endswith(" with μ0 = 0.3.")
     text_of_two_mu0 = main_values_text(unloaded_result.summary(0, mu0=[0.2, 0.3]))
     assert "with μ0 = 0.2." in " ".join(text_of_two_mu0.split())
     with pytest.raises(ValueError, match="load must be above 0, got 0"):
@@ -162,7 +162,7 @@ def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
         table = at_load(result.source, [0.0]).isel(cut_off=0)
         assert np.isfinite(table["contact_area"].sel(statistic="mean")).all() == has_area
         assert table["pull_off"].sel(statistic="mean").values == pytest.approx(
-            unloaded_point.sticking.pull_off.value, rel=0.01
+            unloaded_point.pull_off.pull_off.value, rel=0.01
         )
         assert is_unloaded(table.isel(load=0))
     with pytest.raises(ValueError, match="loads must be above 0"):
@@ -347,7 +347,7 @@ def test_status_of_complete_contact_is_reported_in_text_and_rows_and_json(tmp_pa
     assert float(fraction.max()) == 1
     assert soft_result.summary().points[0].contact_status == "complete"
     record = json.loads(summary_json("pair", soft_result.summary()))
-    assert record["answers"][0]["contact_status"] == "complete"
+    assert record["points"][0]["contact_status"] == "complete"
     (row,) = (item for item in record["values"] if item["name"] == "contact_area_fraction")
     assert (row["status"], row["value"]) == ("complete", 1.0)
     assert "rue area A/A0 complete" in " ".join(repr(soft_result).split())

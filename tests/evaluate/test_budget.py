@@ -104,7 +104,7 @@ def test_adhesive_friction_at_the_ends_of_the_interval_is_proportional_to_tau0()
     result = pair(
         *rough_surfaces(rms=0.001), load="2 MPa", mu0=0.2, tau0="20..80 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS
     )  # fmt: skip
-    _, adhesion, _ = result.summary().points[0].parts
+    _, adhesion, _ = result.summary().points[0].contributions
     positions_row = result.budget.set_index("input").loc["positions"]
     assert (positions_row.lower, positions_row.upper) == pytest.approx(
         (0.2 + adhesion / 2, 0.2 + 2 * adhesion), rel=MAX_SAMPLING_ERROR
@@ -227,9 +227,9 @@ def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None
         .summary()
         .points[0]
     )
-    assert [dwell.seconds for dwell in aged_point.waited] == [1, 3600, 864000]
-    assert aged_point.waited[0].value == pytest.approx(aged_point.value, rel=1e-9)
-    for dwell in aged_point.waited[1:]:
+    assert [dwell.seconds for dwell in aged_point.after_dwell] == [1, 3600, 864000]
+    assert aged_point.after_dwell[0].value == pytest.approx(aged_point.value, rel=1e-9)
+    for dwell in aged_point.after_dwell[1:]:
         softer_result = pair(
             *rough_surfaces(rms=rms, points=LARGE_MAP_POINTS), hardness=0.8 * dwell.seconds**-0.04, **kwargs
         )
@@ -246,13 +246,13 @@ def test_range_of_creep_exponent_widens_only_intervals_after_a_dwell() -> None:
         pair(*rough_surfaces(rms=0.03, points=LARGE_MAP_POINTS), wait="1 d", creep=m, **kwargs).summary().points[0]
         for m in ("0.03", "0.02..0.04")
     )
-    assert exact_point.waited[0].value == pytest.approx(
-        ranged_point.waited[0].value, rel=1e-3
+    assert exact_point.after_dwell[0].value == pytest.approx(
+        ranged_point.after_dwell[0].value, rel=1e-3
     )  # The two ranges are solved at different hardnesses.
     assert (exact_point.lower, exact_point.upper) == pytest.approx((ranged_point.lower, ranged_point.upper), rel=1e-9)
     low, high = (0.2 + 0.05 / 0.8 * 86400**m for m in (0.02, 0.04))
-    assert ranged_point.waited[0].upper - ranged_point.waited[0].lower > 0.9 * (high - low)
-    assert exact_point.waited[0].upper - exact_point.waited[0].lower < 0.3 * (high - low)
+    assert ranged_point.after_dwell[0].upper - ranged_point.after_dwell[0].lower > 0.9 * (high - low)
+    assert exact_point.after_dwell[0].upper - exact_point.after_dwell[0].lower < 0.3 * (high - low)
 
 
 def test_hardness_of_named_materials_has_a_range_and_explicit_hardness_is_exact() -> None:

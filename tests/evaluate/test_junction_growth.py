@@ -145,7 +145,7 @@ def test_uncertainty_budget_includes_junction_growth_if_seizure_occurs_in_few_sa
 
 def test_junction_growth_after_a_dwell_uses_the_reduced_hardness():
     inputs = PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"wait": "100 s", "creep": 0.05}
-    aged_coefficient = pair(*rough_surfaces(), **inputs, junction_growth=27).summary().points[0].waited[-1].value
+    aged_coefficient = pair(*rough_surfaces(), **inputs, junction_growth=27).summary().points[0].after_dwell[-1].value
     softer_result = pair(
         *rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"hardness": 0.5 * 100**-0.05}, junction_growth=27
     )

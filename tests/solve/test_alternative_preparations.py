@@ -143,7 +143,7 @@ def test_interval_with_alternative_is_the_same_in_all_outputs(name, request):
         combined = each.at()["friction_combined"].sel(sliding="all").squeeze()
         assert combined.values.tolist() == [point.value, *result.interval]
         record = json.loads(summary_json("pair", each.summary()))
-        rule = record["answers"][0]["rules"][0]
+        rule = record["points"][0]["rules"][0]
         assert (rule["lower"], rule["upper"]) == result.interval
         (entry,) = (
             value
@@ -358,8 +358,8 @@ def test_interval_with_uncertain_hardness_and_dwell_times_covers_the_alternative
     assert result.interval == (
         min(own.interval[0], alternative.interval[0]), max(own.interval[1], alternative.interval[1])
     )  # fmt: skip
-    (waited,), (other_waited,) = result.summary().first.waited, alternative.summary().first.waited
-    assert covers((waited.lower, waited.upper), (other_waited.lower, other_waited.upper))
+    (aged,), (other_aged,) = result.summary().first.after_dwell, alternative.summary().first.after_dwell
+    assert covers(aged.interval, other_aged.interval)
     rows, own_rows = result.budget.set_index("input"), own.budget.set_index("input")
     assert set(rows.index) == {*own_rows.index, ALTERNATIVE_LABELS["spikes"]}
     shared = own_rows.index

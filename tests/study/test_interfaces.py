@@ -64,7 +64,7 @@ def result(film_file):
 
 
 def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, result) -> None:
-    _, adhesion, _ = result.summary().points[0].parts
+    _, adhesion, _ = result.summary().points[0].contributions
     fit = interface(film_file).fits[0]
     area = adhesion / np.median(fit.tau0)
     friction = fit.mu0 + fit.tau0 * area
@@ -96,7 +96,7 @@ def test_independent_ranges_of_mu0_and_tau0_replace_a_missing_interface_file(fil
     joint_interval, path = result.interval, result.path
     Path(copy).unlink()
     completed = check_stiction("at", path, "--load", "20 MPa", "--json", cwd=tmp_path)
-    (answer,) = json.loads(completed.stdout)["answers"]
+    (answer,) = json.loads(completed.stdout)["points"]
     rule = answer["rules"][0] if "rules" in answer else answer
     assert np.ptp([rule["lower"], rule["upper"]]) > 1.2 * np.ptp(joint_interval)
     assert "which is missing" in completed.stdout

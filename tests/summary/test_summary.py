@@ -145,7 +145,7 @@ def test_commands_info_and_at_report_the_same_assessment_and_caveats(surface_fol
     for arguments in (["info", surface_folder / "pair", "--json"], ["at", surface_folder / "pair", "--json"]):
         capsys.readouterr()
         run_command(monkeypatch, *arguments)
-        records.append(json.loads(capsys.readouterr().out)["answers"])
+        records.append(json.loads(capsys.readouterr().out)["points"])
     for info_answer, at_answer in zip(*records, strict=True):
         assert [info_answer[name] for name in ("assessment", "caveats", "rules")] == [
             at_answer[name] for name in ("assessment", "caveats", "rules")
@@ -158,6 +158,6 @@ def test_command_at_advises_against_quoting_a_result_from_few_contacts(tmp_path,
     capsys.readouterr()
     arguments = ("--load", "0.002 mN", "--d", "1.3", "--mu0", "0.4", "--tau0", "20 MPa", "--json")
     run_command(monkeypatch, "at", tmp_path / "study", *arguments)
-    (answer,) = json.loads(capsys.readouterr().out)["answers"]
+    (answer,) = json.loads(capsys.readouterr().out)["points"]
     assert answer["assessment"] == "Do not quote"
     assert "too few contacts, 1.9 on average" in [caveat["text"] for caveat in answer["caveats"]]

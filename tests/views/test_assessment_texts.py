@@ -114,7 +114,7 @@ def test_texts_and_records_of_a_point_give_the_cutoff_of_each_body():
     assert "none" in table
     assert "0.2 (upper) and 0.5 (lower)" in latex_table(summary)
     records = [point_record(point) for point in summary.points]
-    assert [record["cut_offs"] for record in records] == [
+    assert [record["cutoffs"] for record in records] == [
         {"upper": [0.2], "lower": [0.5]}, {"upper": [0.0], "lower": [0.0]},
     ]  # fmt: skip
     csv_table = summary_table(summary)
@@ -367,20 +367,20 @@ def test_interval_contains_filtered_and_unfiltered_results(is_floor):
         assert (point.value, point.lower, point.upper) == pytest.approx((0.25, 0.21 * 0.98, 0.25 * 1.02))
         word = "with" if is_floor else "without"
         assert point.caveats[0].text.startswith(f"{caveat.text}; {word} them μ_s is 0.210 [0.206, 0.214]")
-        assert [(remaining.words, remaining.lower) for remaining in point.budget] == [
+        assert [(remaining.label, remaining.lower) for remaining in point.budget] == [
             (POSSIBLE_NOISE_INPUT_NAME, pytest.approx(0.245)),
             ("the hardness", pytest.approx(0.2058)),
         ]
-        assert point.dominant_input.words == POSSIBLE_NOISE_INPUT_NAME
+        assert point.dominant_input.label == POSSIBLE_NOISE_INPUT_NAME
         assert (point.bracket is None) == (not is_floor)
     summary_of_all = summarize(dataset, measured_study(hardness=2.0))
-    assert summary_of_all.headlines == list(summary_of_all.points)
+    assert summary_of_all.reported_points == list(summary_of_all.points)
 
 
 def test_point_without_an_interval_has_no_budget_entry_of_possible_noise():
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
-    assert [entry.words for entry in summarize(dataset, study).points[0].budget] == [POSSIBLE_NOISE_INPUT_NAME]
+    assert [entry.label for entry in summarize(dataset, study).points[0].budget] == [POSSIBLE_NOISE_INPUT_NAME]
     for upper_limit in (np.nan, np.inf):
         dataset["mean_friction"].loc[{"cut_off": 0.5, "statistic": "upper"}] = upper_limit
         assert summarize(dataset, study).points[0].budget == ()
@@ -518,12 +518,12 @@ def test_few_contacts_are_not_a_fault_if_contacts_have_merged(changes):
 def test_roughness_contribution_equals_the_coefficient_minus_the_contributions_of_mu0_and_tau0():
     study = measured_study(hardness=3.0)
     point = summarize_single_point(measured_result(all_contacts=0.23), study)
-    assert point.from_roughness == pytest.approx(0.23 - 0.2 - 0.05 / 3.0)
+    assert point.roughness_contribution == pytest.approx(0.23 - 0.2 - 0.05 / 3.0)
     assert point.hardness == 3.0
-    assert summarize_single_point(measured_result(all_contacts=0.23), measured_study()).from_roughness == pytest.approx(
-        0.03
-    )
-    assert summarize(generated_result(), generated_study()).points[0].from_roughness is None
+    assert summarize_single_point(
+        measured_result(all_contacts=0.23), measured_study()
+    ).roughness_contribution == pytest.approx(0.03)
+    assert summarize(generated_result(), generated_study()).points[0].roughness_contribution is None
 
 
 def test_text_about_finer_scans_states_the_hardness():

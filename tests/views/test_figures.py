@@ -95,11 +95,11 @@ def test_figures_and_table_and_json_and_report_contain_equal_combined_intervals(
     assert {value["interval"] for value in combined_values} == {"combined"}
     title = "coefficient of static friction"
     rows = table[table["upper body to (degree)"] == "all directions"].set_index(
-        ["headline", "normal load (mN)", "mu0", "tau0 (MPa)", "sliding"]
+        ["reported", "normal load (mN)", "mu0", "tau0 (MPa)", "sliding"]
     )
     report = ReportEvaluator(report_page(dataset))
     rules, loads = report.facts["rules"], report.facts["loads"]["values"]
-    points = summary.headlines
+    points = summary.reported_points
     assert len(points) == 8
     assert any(point.upper > point.rules[0].interval_of_mean[1] for point in points)
     for point, rule_result in [(other, rule_result) for other in points for rule_result in other.rules]:
@@ -396,7 +396,7 @@ def test_budget_figure_contains_all_of_its_labels_and_names_inputs_without_artic
     point = summarize(measured_result(), measured_study()).first
     labels = ("the junction growth α", "the roughness that the tip of the instrument did not reach")
     budget = tuple(
-        UncertaintyBudgetEntry(point.value, 0.205, 0.215, words=label, width=width)
+        UncertaintyBudgetEntry(point.value, 0.205, 0.215, label=label, width=width)
         for label, width in zip(labels, (0.001, 0.002), strict=True)
     )
     with mpl.rc_context(style.MATPLOTLIB_STYLE):

@@ -286,7 +286,7 @@ def test_caveats_of_a_gap_do_not_mention_two_scans(tmp_path):
     result = pair(gap=tmp_path / "gap.npy", **options)
     texts = [caveat.text for caveat in result.caveats]
     # A gap does not contain the roughness of the faces, and its name does not repeat the word.
-    assert result.summary().first.from_roughness is None
+    assert result.summary().first.roughness_contribution is None
     assert "oughness contributes" not in result.sentence
     assert get_pair_name(result.study) == "gap.npy"
     assert any("1 point is more than 6 rms heights from its neighbours" in text for text in texts)

@@ -31,10 +31,10 @@ def test_latex_table_has_one_row_for_each_headline_result(summary_name):
     summary = SUMMARIES[summary_name]
     table = latex_table(summary)
     header, *rows = table_cells(table)
-    assert len(rows) == len(summary.headlines)
+    assert len(rows) == len(summary.reported_points)
     assert {len(row) for row in rows} == {len(header)}
     assert rf"\begin{{tabular}}{{{'l' * len(header)}}}" in table
-    for row, point in zip(rows, summary.headlines, strict=True):
+    for row, point in zip(rows, summary.reported_points, strict=True):
         assert row[-1] == point.assessment
         assert all(str(estimate) in row for estimate in point.rules)
     assert not re.search(r"(?<!\\)[%#_]", re.sub(r"^% .*$|\$.*?\$", "", table, flags=re.MULTILINE))

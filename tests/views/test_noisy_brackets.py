@@ -96,7 +96,9 @@ def test_range_for_finer_scans_of_a_blunt_tip_contains_the_true_result(hurst_exp
     surfaces = rough_maps(1, **roughness_options)
     true_value = pair(*surfaces, cutoff="none", **PAIR_OPTIONS).value
     (point,) = (
-        pair(*(scan_with_tip(surface, 0.3) for surface in surfaces), tip="300 nm", **PAIR_OPTIONS).summary().headlines
+        pair(*(scan_with_tip(surface, 0.3) for surface in surfaces), tip="300 nm", **PAIR_OPTIONS)
+        .summary()
+        .reported_points
     )
     assert true_value < point.value < true_value + 0.25 * (true_value - PAIR_OPTIONS["mu0"])
     assert point.bracket[0] < true_value < point.bracket[1]

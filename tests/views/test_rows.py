@@ -136,18 +136,22 @@ def test_json_record_has_the_same_keys_for_all_results(case_name):
 def test_json_record_has_null_for_infinite_ends_of_intervals():
     summary = summarize(measured_result(), measured_study())
     point = summary.points[0]
-    unbounded_interval = UncertaintyBudgetEntry(0.25, 0.2, math.inf, words="the hardness", width=math.inf)
+    unbounded_interval = UncertaintyBudgetEntry(0.25, 0.2, math.inf, label="the hardness", width=math.inf)
     rules = tuple(replace(rule, upper=math.inf, prediction_interval=Interval(0.1, math.inf)) for rule in point.rules)
     point = replace(
-        point, rules=rules, budget=(unbounded_interval,), bracket=(0.2, math.inf), parts=(0.2, math.inf, 0.0),
-        from_roughness=-math.inf,
+        point, rules=rules, budget=(unbounded_interval,), bracket=(0.2, math.inf), contributions=(0.2, math.inf, 0.0),
+        roughness_contribution=-math.inf,
     )  # fmt: skip
     text = summary_json("pair", replace(summary, points=(point,)))
-    (answer,) = json.loads(text, parse_constant=pytest.fail)["answers"]
+    (answer,) = json.loads(text, parse_constant=pytest.fail)["points"]
     assert answer["rules"][0]["upper"] is None
     assert answer["rules"][0]["text"].endswith("∞)")
-    assert answer["budget"] == [{"if_known": "the hardness", "lower": 0.2, "upper": None, "width": None}]
-    assert (answer["finer_scans"]["to"], answer["parts"]["adhesion"], answer["from_roughness"]) == (None, None, None)
+    assert answer["budget"] == [{"input": "the hardness", "lower": 0.2, "upper": None, "width": None}]
+    assert (answer["finer_scans"]["to"], answer["contributions"]["adhesion"], answer["roughness_contribution"]) == (
+        None,
+        None,
+        None,
+    )
 
 
 def test_json_record_contains_the_assessment_and_caveats_and_values():
@@ -156,7 +160,7 @@ def test_json_record_contains_the_assessment_and_caveats_and_values():
             "pair", summarize(measured_result(share_at_edge=0.6, half_width_ratio=0.02), measured_study()), positions=3
         )
     )
-    (answer,) = record["answers"]
+    (answer,) = record["points"]
     assert answer["assessment"] == "Do not quote"
     assert answer["caveats"][0]["severity"] == "fault"
     assert {"text", "remedy", "severity"} == set(answer["caveats"][0])

@@ -139,7 +139,7 @@ def test_caveat_that_applies_to_some_of_the_conditions_states_their_number():
 def test_remedy_is_listed_only_if_it_changes_printed_digits():
     point = summarize(measured_result(), measured_study()).points[0]
     for ends, is_listed in (((0.205, 0.215), True), ((point.lower, point.upper - 1e-6), False)):
-        entry = UncertaintyBudgetEntry(point.value, *ends, words="unresolved roughness", width=0.0)
+        entry = UncertaintyBudgetEntry(point.value, *ends, label="unresolved roughness", width=0.0)
         point_with_budget = replace(point, budget=(entry,))
         assert point_with_budget.dominant_input is not None
         assert ("would give" in format_paragraph(assessment_paragraph([point_with_budget]))) == is_listed
@@ -308,12 +308,12 @@ def test_result_text_for_many_conditions_has_at_most_40_lines():
     assert len(lines) <= 40
     rows = [line for line in lines if line[0:1].isdigit() and line.endswith(tuple(ASSESSMENTS_BY_SEVERITY.values()))]
     assert 10 <= len(rows) <= MAX_PRINTED_POINTS
-    assert f"Shown: {len(rows)} of {len(summary.headlines)} points; --verbose shows all." in lines
+    assert f"Shown: {len(rows)} of {len(summary.reported_points)} points; --verbose shows all." in lines
     verbose_text = result_text(summary, verbose=True)
     assert "Shown" not in verbose_text
     assert " more caveat" not in verbose_text
     all_rows = [line for line in verbose_text.splitlines() if line.endswith(tuple(ASSESSMENTS_BY_SEVERITY.values()))]
-    assert sum(line[0].isdigit() for line in all_rows) == len(summary.headlines)
+    assert sum(line[0].isdigit() for line in all_rows) == len(summary.reported_points)
 
 
 def test_headings_of_quantities_state_the_fractal_dimension():

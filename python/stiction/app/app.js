@@ -336,8 +336,8 @@ async function updateFromReport() {
   if (isStudyPoint) selection = null;
   else if (JSON.stringify(wanted) !== JSON.stringify(selection)) {
     selection = wanted;
-    const {answers} = await requestJson(`/jobs/${job.number}/at?${new URLSearchParams({load, mu0, tau0, ...(wanted.d ? {d} : {})})}`).catch(() => ({answers: []}));
-    if (selection === wanted) showResult(answers[0] ?? null, "", true);
+    const {points} = await requestJson(`/jobs/${job.number}/at?${new URLSearchParams({load, mu0, tau0, ...(wanted.d ? {d} : {})})}`).catch(() => ({points: []}));
+    if (selection === wanted) showResult(points[0] ?? null, "", true);
   }
   render();
 }

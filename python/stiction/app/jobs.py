@@ -307,9 +307,9 @@ def _print_unexpected_error(task: asyncio.Task[None]) -> None:
 def _read_reported_point(record: str) -> dict[str, Any]:
     """Return the values of the reported point in the JSON record of a pair. Raise its remark if it has no values."""
     values = json.loads(record)
-    if "answers" not in values:
+    if "points" not in values:
         raise RejectedRequestError(values["remark"])
-    return replace_option_names_in_caveats(next(point for point in values["answers"] if point["headline"]))
+    return replace_option_names_in_caveats(next(point for point in values["points"] if point["reported"]))
 
 
 def memory_limit_command_prefix(memory: float) -> list[str]:

@@ -370,8 +370,8 @@ class Server:
         job, query = self._find_job(request), request.query_params
         load_mu0_tau0 = [float(query.get(name, "nan")) for name in ("load", "mu0", "tau0")]
         output = await self.jobs.evaluate_result(job, load_mu0_tau0, float(query["d"]) if "d" in query else None)
-        answers = json.loads(output)["answers"]
-        return JSONResponse({"answers": [replace_option_names_in_caveats(record) for record in answers]})
+        points = json.loads(output)["points"]
+        return JSONResponse({"points": [replace_option_names_in_caveats(record) for record in points]})
 
     async def get_result_file(self, request: Request) -> Response:
         """Return the report, JSON, CSV or study file of a job."""

@@ -238,7 +238,7 @@ class CutoffResult:
     at: dict[str, float]
     values: dict[str, float]  # friction for each sliding rule, rms gradient, area fraction and pressure
     contact_status: str
-    cut_offs: ScanCutoffs  # cutoffs of all scans of the upper and of the lower body (µm)
+    cutoffs: ScanCutoffs  # cutoffs of all scans of the upper and of the lower body (µm)
 
 
 @dataclass(frozen=True, eq=False)

@@ -374,7 +374,7 @@ class Evaluation(MemberSums):
         point = self._first_reported_point
         total_width = point.upper - point.lower
         rows = [
-            (entry.words, entry.lower, entry.upper, entry.width, 1 - entry.width / total_width)
+            (entry.label, entry.lower, entry.upper, entry.width, 1 - entry.width / total_width)
             for entry in point.budget
         ]
         return pandas.DataFrame(rows, columns=["input", "lower", "upper", "width", "share"])

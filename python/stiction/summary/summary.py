@@ -70,7 +70,7 @@ class UncertaintyBudgetEntry(Estimate):
     """Entry of the uncertainty budget: the coefficient with the interval that would remain if one input were exact."""
 
     _: KW_ONLY
-    words: str  # name of the input
+    label: str  # name of the input
     width: float  # width of the interval, averaged over the values of the input
 
 
@@ -104,17 +104,17 @@ class PointSummary:
         mu0 + tau0/H to the upper limit of the interval of this scan, with an allowance for a small number of contacts.
         None if there is no hardness, or if the point has a fault. Faults about few contacts per member are ignored,
         unless there is a second cutoff or the fault comes from an alternative preparation of the scans.
-    from_roughness : float, optional
+    roughness_contribution : float, optional
         Contribution to the value that depends on the scans rather than on the inputs alone.
     budget : tuple of UncertaintyBudgetEntry
         Intervals that would remain if an input were exact, starting with the most important input.
-    parts : (float, float, float), optional
+    contributions : (float, float, float), optional
         Contributions to the coefficient: mu0, tau0 on the true area, and slopes.
-    waited : tuple of DwellTimeCoefficient
+    after_dwell : tuple of DwellTimeCoefficient
         Coefficients after each dwell time of the study.
     covered : bool
         True if the interval of another point, at another cutoff, covers this point.
-    sticking : PullOffValues, optional
+    pull_off : PullOffValues, optional
         Pull-off force, and friction without a load, of adhesive bodies.
     quantities : dict of Estimate
         Quantities with one value for the point and their 95 % intervals, for the reported sliding rule: undirected
@@ -132,18 +132,18 @@ class PointSummary:
     caveats: tuple[Caveat, ...] = ()
     at: dict[str, Any] = field(default_factory=dict)
     bracket: tuple[float, float] | None = None
-    from_roughness: float | None = None
+    roughness_contribution: float | None = None
     budget: tuple[UncertaintyBudgetEntry, ...] = ()
-    parts: tuple[float, float, float] | None = None
-    waited: tuple[DwellTimeCoefficient, ...] = ()
+    contributions: tuple[float, float, float] | None = None
+    after_dwell: tuple[DwellTimeCoefficient, ...] = ()
     covered: bool = False
-    sticking: PullOffValues | None = None
+    pull_off: PullOffValues | None = None
     quantities: Mapping[str, Estimate] = field(default_factory=dict, repr=False)
     numbers: Mapping[str, float] = field(default_factory=dict, repr=False)
     distributions: Mapping[str, Mapping[float, Estimate]] = field(default_factory=dict, repr=False)
 
     @property
-    def cut_offs(self) -> ScanCutoffs | None:
+    def cutoffs(self) -> ScanCutoffs | None:
         """Cutoffs (µm, 0 for no filter) of all scans of the upper and of the lower body; None for generated bodies."""
         surfaces: Any = self.study.surfaces
         return surfaces.get_scan_cut_offs(self.at["cut_off"]) if "cut_off" in self.at else None
@@ -260,9 +260,9 @@ class PointSummary:
     @property
     def ageing(self) -> float:
         """Increase of the coefficient per unit increase of ln(dwell time), or NaN if there are no dwell times."""
-        if not self.waited or self.waited[-1].seconds == 1:
+        if not self.after_dwell or self.after_dwell[-1].seconds == 1:
             return math.nan
-        longest_wait = self.waited[-1]
+        longest_wait = self.after_dwell[-1]
         return (longest_wait.value - self.value) / math.log(longest_wait.seconds)
 
     @property
@@ -330,14 +330,14 @@ class Summary:
         return None if self.onset is None else find_onset_values(self.onset)
 
     @property
-    def headlines(self) -> list[PointSummary]:
+    def reported_points(self) -> list[PointSummary]:
         """Points to report. Points at a second cutoff are omitted, because the reported intervals cover them."""
         return [point for point in self.points if not point.covered]
 
     @property
     def first(self) -> PointSummary:
         """First of the reported points."""
-        return self.headlines[0]
+        return self.reported_points[0]
 
 
 def summarize(
@@ -428,12 +428,12 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
     """
     rules = tuple(_include_cutoff_value(*each) for each in zip(point.rules, other_point.rules, strict=True))
-    other_budget = {entry.words: entry for entry in other_point.budget}
+    other_budget = {entry.label: entry for entry in other_point.budget}
     # With one or two positions, the width of the interval is infinite or NaN.
     has_interval = math.isfinite(point.upper - point.lower)
     budget = [_build_entry_of_possible_noise(point)] if has_interval else []
     for entry in point.budget:
-        extended_entry = entry.extended_to(other_budget.get(entry.words, entry))
+        extended_entry = entry.extended_to(other_budget.get(entry.label, entry))
         budget.append(replace(extended_entry, width=extended_entry.upper - extended_entry.lower))
     other_coefficient = other_point.rules[0]
     is_measured = point.at["cut_off"] == 0
@@ -455,7 +455,7 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
 def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntry:
     """Return the budget entry with the interval at the first cutoff alone."""
     width = point.upper - point.lower
-    return UncertaintyBudgetEntry(point.value, point.lower, point.upper, words=POSSIBLE_NOISE_INPUT_NAME, width=width)
+    return UncertaintyBudgetEntry(point.value, point.lower, point.upper, label=POSSIBLE_NOISE_INPUT_NAME, width=width)
 
 
 def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient) -> SlidingRuleCoefficient:
@@ -501,10 +501,10 @@ def summarize_point(
         if any(_invalidates_finer_scan_bounds(caveat) for caveat in caveats)
         else _find_bounds_for_finer_scans(quoted_values, study, rule_with_interval_of_mean),
         budget=_list_budget_entries(point, rules[0]),
-        parts=_compute_friction_contributions(quoted_values, rules[0]),
-        from_roughness=_estimate_roughness_contribution(quoted_values, study, rules[0]),
-        waited=_list_dwell_time_coefficients(point, rules[0].rule),
-        sticking=find_pull_off_values(point, rules[0].rule),
+        contributions=_compute_friction_contributions(quoted_values, rules[0]),
+        roughness_contribution=_estimate_roughness_contribution(quoted_values, study, rules[0]),
+        after_dwell=_list_dwell_time_coefficients(point, rules[0].rule),
+        pull_off=find_pull_off_values(point, rules[0].rule),
         quantities=quantities.estimates,
         numbers=quantities.numbers,
         distributions=quantities.distributions,
@@ -572,7 +572,7 @@ def _list_budget_entries(
     intervals = (Interval(*each) for each in limits[:, 1:].tolist())
     labels_and_widths = (budget[name].values.tolist() for name in ("input_label", "remaining_width"))
     entries = [
-        UncertaintyBudgetEntry(coefficient.value, *interval, words=label, width=width)
+        UncertaintyBudgetEntry(coefficient.value, *interval, label=label, width=width)
         for interval, label, width in zip(intervals, *labels_and_widths, strict=True)
         if math.isfinite(interval.lower) and not math.isnan(interval.upper)
     ]

@@ -113,7 +113,7 @@ def most_useful_measurement_text(point: PointSummary) -> str:
     reduced_limits = str(dominant_input.interval)
     if reduced_limits == str(point.rules[0].interval):
         return ""
-    action_text = _REMEDY_TEXTS.get(dominant_input.words, f"Measuring {dominant_input.words}")
+    action_text = _REMEDY_TEXTS.get(dominant_input.label, f"Measuring {dominant_input.label}")
     return f"{action_text} would give [{reduced_limits.replace(' to ', ', ')}]."
 
 

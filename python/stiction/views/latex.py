@@ -36,7 +36,7 @@ def latex_table(summary: Summary) -> str:
     the table contain their central values. Numbers have the same digits as on the terminal. The table requires the
     LaTeX package booktabs.
     """
-    points = summary.headlines
+    points = summary.reported_points
     coordinate_names = [
         name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at
     ]
@@ -118,8 +118,8 @@ def _column_heading(name: str) -> str:
 
 
 def _coordinate_text(name: str, point: PointSummary) -> str:
-    if name == "cut_off" and point.cut_offs is not None:
-        return cutoff_text(point.cut_offs, lambda length: format_significant(length, 4))
+    if name == "cut_off" and point.cutoffs is not None:
+        return cutoff_text(point.cutoffs, lambda length: format_significant(length, 4))
     factor = 1.0 if name in _COORDINATE_HEADINGS else column_title_and_factor(name)[1]
     return format_significant(factor * point.at[name], 4)
 

@@ -30,7 +30,7 @@ def overview_text(
     """
     if summary.no_points_reason:
         return no_values_text(summary)
-    study, points = summary.study, summary.headlines
+    study, points = summary.study, summary.reported_points
     printed_points = _select_overview_points(points)
     omission_note = _omission_text(printed_points, points, study)
     varying_names = [name for name in ("mu0", "tau0") if len({point.at[name] for point in printed_points}) > 1]

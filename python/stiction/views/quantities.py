@@ -70,7 +70,7 @@ def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = Fals
 def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: bool) -> Iterator[QuantityRow]:
     """Yield the values of each quantity to print."""
     first_point = points[0]
-    has_pull_off_bound = first_point.sticking is not None and first_point.sticking.is_bound
+    has_pull_off_bound = first_point.pull_off is not None and first_point.pull_off.is_bound
     for name in _list_printed_quantities(first_point, verbose=verbose, is_sentence=is_sentence):
         is_bound = has_pull_off_bound and bool(QUANTITIES[name].bound_fraction)
         label = quantity_label(name, first_point.study) + " at least" * is_bound

@@ -62,7 +62,7 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
         values, status = point.values, point.contact_status
         rows.append(
             [
-                cutoff_text(point.cut_offs),
+                cutoff_text(point.cutoffs),
                 str(Estimate(values["rms_gradient"])),
                 percent_text(values["contact_area_fraction"]) if status == STATUS_OK else status,
                 format_with_unit(values["mean_pressure"], "GPa"),
@@ -126,7 +126,7 @@ def resolution_record(resolution: ResolutionEffect) -> dict[str, Any]:
     """Return a JSON record of resolved wavelengths, the cutoff study and, if no hardness is given, yield estimates."""
     record: dict[str, Any] = {}
     if (scan := resolution.roughness) is not None:
-        record["waves"] = {
+        record["wavelengths"] = {
             "shortest_um": scan.shortest,
             "longest_um": scan.longest,
             "rms_gradient": scan.gradient,
@@ -144,5 +144,5 @@ def resolution_record(resolution: ResolutionEffect) -> dict[str, Any]:
             for estimate in estimates
         ]  # fmt: skip
     if resolution.cutoffs:
-        record["cut_offs"] = [point.at | point.values for point in resolution.cutoffs]
+        record["cutoffs"] = [point.at | point.values for point in resolution.cutoffs]
     return record

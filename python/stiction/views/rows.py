@@ -3,7 +3,7 @@
 JSON has the same schema for every command. A record contains ``schema`` (a number that increases with every
 incompatible change), ``stiction`` (the version), ``command``, a description of the inputs, and ``values``. A value has
 ``name``, ``value``, ``unit`` ("1" if dimensionless), ``lower`` and ``upper`` (the 95 % interval), ``at`` (its
-coordinates in µm, mN, GPa and degrees) and ``status``. Records of results also contain ``answers``: the values to quote
+coordinates in µm, mN, GPa and degrees) and ``status``. Records of results also contain ``points``: the values to quote
 for each point, with their caveats. Missing values are null.
 """
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 _POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")  # coordinates that identify a row of a CSV file
 
 COORDINATE_ORDER = (
@@ -222,13 +222,14 @@ def _build_coefficient_columns(points: Sequence[PointSummary]) -> dict[str, list
     rows = [(point, rule is point.rules[0]) for point in points for rule in point.rules]
     coefficients_after_dwell = {
         f"mu_s after {format_time(aged_estimate.seconds)}{end}": [
-            getattr(point.waited[index], field) if is_quoted else math.nan for point, is_quoted in rows
+            getattr(point.after_dwell[index], field) if is_quoted else math.nan for point, is_quoted in rows
         ]
-        for index, aged_estimate in enumerate(points[0].waited if points else ())
+        for index, aged_estimate in enumerate(points[0].after_dwell if points else ())
         for field, end in (("value", ""), ("lower", ": lower"), ("upper", ": upper"))
     }
     roughness_contributions = [
-        math.nan if point.from_roughness is None or not is_quoted else point.from_roughness for point, is_quoted in rows
+        math.nan if point.roughness_contribution is None or not is_quoted else point.roughness_contribution
+        for point, is_quoted in rows
     ]
     return {**coefficients_after_dwell, "mu_s from roughness": roughness_contributions}
 
@@ -249,7 +250,7 @@ def _assessment_table(
             },
             **coefficients,
             **_build_cutoff_columns([point for point, _ in rules]),
-            "headline": [not point.covered for point, _ in rules],
+            "reported": [not point.covered for point, _ in rules],
             "assumptions": ["; ".join(list_assumptions(point.study)) for point, _ in rules],
             "contact status": [point.contact_status for point, _ in rules],
             "assessment": [point.assessment for point, _ in rules],
@@ -260,7 +261,7 @@ def _assessment_table(
 
 def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
     """Return a column for each body with the longest cutoff (µm) of its scans, if these differ between the bodies."""
-    cutoffs = [tuple(map(max, point.cut_offs)) if point.cut_offs is not None else (0.0, 0.0) for point in points]
+    cutoffs = [tuple(map(max, point.cutoffs)) if point.cutoffs is not None else (0.0, 0.0) for point in points]
     if all(upper == lower for upper, lower in cutoffs):
         return {}
     return {f"{side} cutoff (um)": list(each) for side, each in zip(SIDES, zip(*cutoffs, strict=True), strict=True)}
@@ -311,7 +312,7 @@ def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
             fields[name] = float(dataset[name])
     fields |= {} if summary.resolution is None else {"resolution": resolution_record(summary.resolution)}
     fields |= {} if summary.onset_values is None else {"onset": onset_record(summary.onset_values)}
-    fields["answers"] = [point_record(point) for point in summary.points]
+    fields["points"] = [point_record(point) for point in summary.points]
     return record_json(command, value_records(values_frame(dataset)), **fields)
 
 
@@ -330,9 +331,9 @@ def point_record(point: PointSummary) -> dict[str, Any]:
     return {
         "at": point.at,
         # cutoffs of all scans of each body, µm
-        "cut_offs": None if point.cut_offs is None else dict(zip(SIDES, map(list, point.cut_offs), strict=True)),
+        "cutoffs": None if point.cutoffs is None else dict(zip(SIDES, map(list, point.cutoffs), strict=True)),
         # False for a variant of the filter whose value is covered by the interval of another point
-        "headline": not point.covered,
+        "reported": not point.covered,
         "status": point.status,
         "rules": [
             {
@@ -343,27 +344,29 @@ def point_record(point: PointSummary) -> dict[str, Any]:
                 "upper": rule.upper,
                 "members_from": rule.low,
                 "members_to": rule.high,
-                "by_slopes_alone": rule.slopes,
+                "small_slope_estimate": rule.slopes,
                 "interval_of_mean": rule.interval_of_mean._asdict(),
                 "prediction_interval": rule.prediction_interval._asdict(),
             }
             for rule in point.rules
         ],
-        "parts": None if point.parts is None else dict(zip(("mu0", "adhesion", "slopes"), point.parts, strict=True)),
+        "contributions": None
+        if point.contributions is None
+        else dict(zip(("mu0", "adhesion", "slopes"), point.contributions, strict=True)),
         "budget": [
-            {"if_known": entry.words, "lower": entry.lower, "upper": entry.upper, "width": entry.width}
+            {"input": entry.label, "lower": entry.lower, "upper": entry.upper, "width": entry.width}
             for entry in point.budget
         ],
-        "waited": [
+        "after_dwell": [
             {"seconds": aged.seconds, "value": aged.value, "lower": aged.lower, "upper": aged.upper}
-            for aged in point.waited
+            for aged in point.after_dwell
         ],
         "scans": dict(zip(("upper", "lower"), point.scans, strict=True)),
         "contact_status": point.contact_status,
-        "sticking": None if point.sticking is None else pull_off_record(point.sticking),
+        "pull_off": None if point.pull_off is None else pull_off_record(point.pull_off),
         "assessment": point.assessment,
         "sentence": quotable_sentence(point),
-        "from_roughness": point.from_roughness,
+        "roughness_contribution": point.roughness_contribution,
         "assumptions": list(list_assumptions(point.study)),
         "interval_covers": covered_inputs_text(point),
         "finer_scans": None

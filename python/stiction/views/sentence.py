@@ -54,9 +54,9 @@ def finer_scan_text(point: PointSummary) -> str:
 def quotable_sentence(point: PointSummary) -> str:
     """Return the sentence to quote, including the inputs, or the reason why the result must not be quoted."""
     assumptions = list_all_assumptions(point)
-    if point.is_unloaded and point.sticking is not None:
+    if point.is_unloaded and point.pull_off is not None:
         sentence_parts = [
-            f"{pull_off_text(point.sticking).removesuffix('.')}, at {inputs_text(point)}",
+            f"{pull_off_text(point.pull_off).removesuffix('.')}, at {inputs_text(point)}",
             point_note_text(point),
         ]
         return "; ".join([*sentence_parts, f"assumed: {', '.join(assumptions)}"]) + "."
@@ -83,7 +83,7 @@ def quotable_sentences(summary: Summary) -> list[str]:
 
     A point whose coefficient must not be quoted has a sentence with the reason, so that no load is left out.
     """
-    points = summary.headlines
+    points = summary.reported_points
     if not summary.study.is_measured:
         first_coordinates = {name: value for name, value in points[0].at.items() if name != "load"}
         points = [point for point in points if first_coordinates.items() <= point.at.items()]
@@ -94,7 +94,7 @@ def covered_inputs_text(point: PointSummary) -> str:
     """Return a phrase that lists the inputs covered by the 95 % interval, or an empty string without an interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
-    inputs = dict.fromkeys(contribution.words for contribution in point.budget) or [
+    inputs = dict.fromkeys(contribution.label for contribution in point.budget) or [
         f"the mean over {_averaged_members_text(point)}"
     ]
     return f"95 % interval of {', '.join(inputs)}"
@@ -110,9 +110,9 @@ def point_assessment_text(point: PointSummary) -> str:
 
 def roughness_contribution_text(point: PointSummary) -> str:
     """Return text about the contribution of the roughness to the coefficient, or an empty string if it is unknown."""
-    if point.from_roughness is None or not math.isfinite(point.value):
+    if point.roughness_contribution is None or not math.isfinite(point.value):
         return ""
-    return f"roughness contributes {round(point.from_roughness, 3) + 0.0:.3f} of {point.value:.3f}"
+    return f"roughness contributes {round(point.roughness_contribution, 3) + 0.0:.3f} of {point.value:.3f}"
 
 
 # ---- Conditions ------------------------------------------------------------------------------------------------------
@@ -327,7 +327,7 @@ def roughness_text(point: PointSummary) -> str:
 
     The text is empty if the contribution is unknown.
     """
-    if point.from_roughness is None:
+    if point.roughness_contribution is None:
         return ""
     inputs = "the hardness, μ0 and τ0" if point.hardness is not None and point.at["tau0"] > 0 else "μ0"
     return f"R{roughness_contribution_text(point)[1:]}; the rest is from {inputs}."
@@ -335,9 +335,9 @@ def roughness_text(point: PointSummary) -> str:
 
 def contributions_text(point: PointSummary) -> str:
     """Return text with the contributions of mu0, adhesion and slopes to the coefficient, or "" if they are unknown."""
-    if point.parts is None:
+    if point.contributions is None:
         return ""
-    mu0, adhesion_part, slopes_part = (round(contribution, 3) + 0.0 for contribution in point.parts)
+    mu0, adhesion_part, slopes_part = (round(contribution, 3) + 0.0 for contribution in point.contributions)
     sign = "\N{MINUS SIGN}" if slopes_part < 0 else "+"
     load_note = "" if math.isclose(mu0, point.at["mu0"], abs_tol=1e-3) else " on the load of the contacts"
     return (
@@ -358,10 +358,10 @@ def single_test_text(point: PointSummary) -> str:
 
 def dwell_time_text(point: PointSummary) -> str:
     """Return text with the coefficients after the dwell times of the study, or an empty string without dwell times."""
-    estimate_texts = [f"{format_time(aged.seconds)} {aged}" for aged in point.waited]
+    estimate_texts = [f"{format_time(aged.seconds)} {aged}" for aged in point.after_dwell]
     ageing_reason = (
         "; none if the hardness falls below the pressure"
-        if any(math.isnan(aged_estimate.value) for aged_estimate in point.waited)
+        if any(math.isnan(aged_estimate.value) for aged_estimate in point.after_dwell)
         else ""
     )
     rate_text = f"; {format_significant(point.ageing)} for each factor e of time" if math.isfinite(point.ageing) else ""

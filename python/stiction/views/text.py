@@ -117,7 +117,7 @@ def main_values_text(
     """Return `result_text` without the cutoff study and the onset of sliding."""
     if summary.no_points_reason:
         return no_values_text(summary)
-    points = summary.headlines
+    points = summary.reported_points
     printed_points = points if verbose else _select_printed_points(points)
     points_of_first_cell = _select_points_of_first_cell(points, {point.at["load"] for point in printed_points})
     num_omitted = len(points) - len(printed_points)
@@ -282,10 +282,10 @@ def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
 def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
     """Return a sentence about adhesion without a load, or an empty list if the bodies do not adhere."""
     first_point = points[0]
-    if first_point.sticking is None or not first_point.sticking.pull_off.value > 0:
+    if first_point.pull_off is None or not first_point.pull_off.pull_off.value > 0:
         return []
     varying_names = [name for name in ("mu0", "tau0") if len({point.at[name] for point in points}) > 1]
-    return [pull_off_text(first_point.sticking, _assignments_text(first_point, varying_names))]
+    return [pull_off_text(first_point.pull_off, _assignments_text(first_point, varying_names))]
 
 
 def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:

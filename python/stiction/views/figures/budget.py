@@ -32,17 +32,22 @@ def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure
     ]
     test_interval = point.rules[0].prediction_interval
     rows = [("combined interval", point.lower, point.upper)]
-    rows += [(item.words.removeprefix("the "), item.lower, item.upper) for item in remaining_inputs]
+    rows += [(item.label.removeprefix("the "), item.lower, item.upper) for item in remaining_inputs]
     row_labels = [textwrap.fill(label, MAX_ROW_LABEL_WIDTH) for label, _, _ in rows]
     figure = new_figure(42 + 6 * len(rows))
     axes: Any = figure.subplots()
     contribution_start = 0.0
     labels = (r"$\mu_0$", r"$\tau_0$ on the true area", "slopes")
     for contribution, colour, label in zip(
-        point.parts or (point.value,), (NOT_OPPOSING_COLOUR, AREA_COLOUR, OPPOSING_COLOUR), labels, strict=False
+        point.contributions or (point.value,), (NOT_OPPOSING_COLOUR, AREA_COLOUR, OPPOSING_COLOUR), labels, strict=False
     ):
         axes.barh(
-            0, contribution, left=contribution_start, height=0.6, color=colour, label=label if point.parts else None
+            0,
+            contribution,
+            left=contribution_start,
+            height=0.6,
+            color=colour,
+            label=label if point.contributions else None,
         )
         contribution_start += contribution
     interval_distances = [[point.value - point.lower], [point.upper - point.value]]
@@ -66,7 +71,7 @@ def dwell_time_figure(point: PointSummary, *, title: str = "") -> Figure:
     rows = [(1.0, estimate.value, estimate.lower, estimate.upper)]
     rows += [
         (aged_estimate.seconds, aged_estimate.value, aged_estimate.lower, aged_estimate.upper)
-        for aged_estimate in point.waited
+        for aged_estimate in point.after_dwell
         if aged_estimate.seconds != 1
     ]
     seconds, values, lower, upper = zip(*sorted(rows), strict=True)

@@ -28,7 +28,7 @@ def generated_report_content(data: GeneratedReportData, name: str) -> ReportCont
     """Return the content of a report on generated surfaces. The default title is the name of the study."""
     name, values = name or data.description.name, data.values
     facts = _page_facts(data) | {"name": name, "repetitions": data.num_solved, "hasIntervals": data.num_solved > 1}
-    facts |= {"kinds": [REPETITION_NAMES.plural], "combined": [True], "answers": [], "asked": []}
+    facts |= {"kinds": [REPETITION_NAMES.plural], "combined": [True], "points": [], "asked": []}
     arrays: dict[str, ReportArray] = {}
     if values is not None:
         colour_ranges = _compute_colour_ranges(values)

@@ -95,7 +95,7 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
         "memberCounts": values.member_counts,
         "hasAlternatives": values.has_alternatives,
         "ranged": any(axis.ranged.size for axis in values.axes),
-        "answers": [_assessment_record(point) for point in summary.points], "validity": [],
+        "points": [_assessment_record(point) for point in summary.points], "validity": [],
         "curves": _CURVE_PANELS[data.study.has_nominal_area],
         "modulus": data.effective_modulus, "area": area,
     }  # fmt: skip
@@ -143,7 +143,7 @@ def _summary_markup(summary: Summary) -> str:
         lines.append(resolved_wavelengths_text(summary.resolution.roughness))
     if summary.onset_values is not None:
         lines.append(f"{onset_text(summary.onset_values)} {onset_note(summary.onset_values, summary.study)}")
-    if summary.study.contact.adheres and (pull_off_values := summary.points[0].sticking) is not None:
+    if summary.study.contact.adheres and (pull_off_values := summary.points[0].pull_off) is not None:
         lines.append(pull_off_text(pull_off_values))
     return "".join(f"<p>{escape_html(line)}</p>" for line in lines)
 
@@ -228,14 +228,14 @@ _FRICTION_CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
     """Return the coefficient for friction at all contacts, its interval, and its contributions as numbers and text."""
     all_contacts_estimate = next((rule for rule in point.rules if rule.rule == "all"), None)
-    if point.parts is None or all_contacts_estimate is None or not math.isfinite(all_contacts_estimate.value):
+    if point.contributions is None or all_contacts_estimate is None or not math.isfinite(all_contacts_estimate.value):
         return None
     contribution_texts = []
-    for index, (contribution, label) in enumerate(zip(point.parts, _FRICTION_CONTRIBUTION_LABELS, strict=True)):
+    for index, (contribution, label) in enumerate(zip(point.contributions, _FRICTION_CONTRIBUTION_LABELS, strict=True)):
         sign = (" \N{MINUS SIGN} " if contribution <= -0.0005 else " + ") if index else ""
         contribution_texts.append(f"{sign}{abs(contribution):.3f} ({label})")
     return {
-        "parts": point.parts,
+        "contributions": point.contributions,
         "ends": [all_contacts_estimate.lower, all_contacts_estimate.upper],
         "value": all_contacts_estimate.value,
         "texts": contribution_texts,

@@ -126,13 +126,13 @@ function showReadout() {
 const isSame = (first, second) => Math.abs(first - second) <= 1e-9 * Math.max(Math.abs(first), Math.abs(second), 1e-300);
 
 /** Draw the contributions to a coefficient as a bar, with its interval. */
-function contributionBar({parts, ends: [low, high], value, texts}) {
+function contributionBar({contributions, ends: [low, high], value, texts}) {
   const most = 1.05 * Math.max(value, high ?? value);
   const percent = (part) => `${(100 * part) / most}%`;
   const bar = shape("svg", {class: "bar", role: "img", width: "100%", height: 34});
   let from = 0;
   const colours = ["accent", "area", "opposing"].map((name) => `var(--${name})`);
-  parts.forEach((part, index) => {
+  contributions.forEach((part, index) => {
     const begin = part < 0 ? from + part : from;
     bar.append(shape("rect", {x: percent(begin), y: 6, width: percent(Math.abs(part)), height: 16, fill: colours[index]}));
     from += part;
@@ -184,9 +184,9 @@ function judgement(points, d, l) {
   }
   const isWhole = facts.ways[state.way].isWhole;
   const isHere = ({at}) => isSame(at.load, loads[l]) && (at.cut_off === undefined || isSame(at.cut_off, cells.values[d]));
-  const answer = facts.answers.find((each) => isHere(each) && isSame(each.at.mu0, state.mu0) && isSame(1000 * each.at.tau0, state.tau0));
+  const answer = facts.points.find((each) => isHere(each) && isSame(each.at.mu0, state.mu0) && isSame(1000 * each.at.tau0, state.tau0));
   if (answer) return assemble(assessmentElements(answer.assessment, answer.caveats), isWhole && answer.slopes !== "", isWhole ? answer : null);
-  const near = facts.answers.reduce((best, each) => {
+  const near = facts.points.reduce((best, each) => {
     const apart = ({at}) => Math.abs(Math.log(at.load / loads[l])) + (at.cut_off !== undefined && !isSame(at.cut_off, cells.values[d]) ? 10 : 0);
     return !best || apart(each) < apart(best) ? each : best;
   }, null);
