@@ -6,9 +6,12 @@ import re
 
 import numpy as np
 import pytest
+from scipy.stats import qmc
 from stiction.study.input_distributions import (
+    SOBOL_GENERATORS,
     UNCERTAINTY_PATTERN,
     draw_input_samples,
+    generate_sobol_points,
     parse_study_input,
     parse_uncertain_input,
 )
@@ -33,6 +36,14 @@ def test_input_distribution_has_95_percent_of_samples_between_its_limits(text, k
     assert result.quantile([0.025, 0.975]) == pytest.approx(ends, rel=1e-3)
     values = draw_input_samples({"input": result})["input"]
     assert np.quantile(values, [0.025, 0.975]) == pytest.approx(ends, rel=0.01)
+
+
+@pytest.mark.parametrize("count", [1, 2, 4096])
+def test_sobol_points_equal_the_points_of_scipy(count) -> None:
+    for dimensions in range(1, len(SOBOL_GENERATORS) + 2):
+        expected_points = qmc.Sobol(dimensions, rng=np.random.default_rng(2016)).random(count)
+        points = generate_sobol_points(dimensions, count, seed=2016)
+        np.testing.assert_array_equal(points, np.clip(expected_points, 1e-9, 1 - 1e-9))
 
 
 def test_samples_of_mu0_are_not_negative() -> None:

@@ -11,12 +11,12 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo, field_validator
 
 from stiction._arguments import MAX_INPUT_NUMBER
@@ -265,15 +265,59 @@ def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
     return first_text, last_text
 
 
+SOBOL_BITS = 30  # number of binary digits of a coordinate
+
+SOBOL_GENERATORS: tuple[tuple[int, tuple[int, ...]], ...] = (
+    (1, (1,) * SOBOL_BITS), (3, (1,)), (7, (1, 3)), (11, (1, 3, 1)), (13, (1, 1, 1)), (19, (1, 1, 3, 3)),
+    (25, (1, 3, 5, 13)), (37, (1, 1, 5, 5, 17)), (41, (1, 1, 5, 5, 5)), (47, (1, 1, 7, 11, 19)), (55, (1, 1, 5, 1, 1)),
+    (59, (1, 1, 1, 3, 11)),
+)  # fmt: skip
+"""Primitive polynomial and initial direction numbers of each dimension (Joe and Kuo, SIAM J. Sci. Comput. 30, 2008)."""
+
+
+def _compute_direction_bits(polynomial: int, initial_numbers: Sequence[int]) -> NDArray[np.uint32]:
+    """Return the bits of the direction numbers, most significant first, as an array of shape (bits, numbers)."""
+    numbers, degree = list(initial_numbers), polynomial.bit_length() - 1
+    while len(numbers) < SOBOL_BITS:
+        number = numbers[-degree]
+        for lag in range(1, degree + 1):
+            if polynomial >> (degree - lag) & 1:
+                number ^= numbers[-lag] << lag
+        numbers.append(number)
+    bits = [[number >> (index - row) & 1 if row <= index else 0 for index, number in enumerate(numbers)]
+            for row in range(SOBOL_BITS)]  # fmt: skip
+    return np.array(bits, dtype=np.uint32)
+
+
 @functools.lru_cache(maxsize=32)
 def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, seed: int = 0) -> Floats:
     """Return points of a scrambled Sobol sequence in the unit cube, as an array of shape (count, dimensions).
 
-    `count` must be a power of two.
+    `count` must be a power of two. The points are those of `scipy.stats.qmc.Sobol`. For few dimensions, they are
+    computed here, because importing `scipy.stats` takes longer than evaluating a result.
     """
-    from scipy.stats import qmc
+    generator, num_bits = np.random.default_rng(seed), round(math.log2(count))
+    if dimensions > len(SOBOL_GENERATORS):
+        from scipy.stats import qmc
 
-    points = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(round(math.log2(count)))
+        points = qmc.Sobol(dimensions, rng=generator).random_base2(num_bits)
+    else:
+        # Matoušek's scrambling: a random lower triangular matrix over the bits, and a random shift.
+        random_bits = functools.partial(generator.spawn(1)[0].integers, 2, dtype=np.uint32)
+        shift_bits = random_bits(size=(dimensions, SOBOL_BITS))
+        matrices = np.tril(random_bits(size=(dimensions, SOBOL_BITS, SOBOL_BITS)), -1) + np.eye(
+            SOBOL_BITS, dtype=np.uint32
+        )
+        place_values = 2 ** np.arange(SOBOL_BITS, dtype=np.uint32)
+        integers = np.empty((count, dimensions), dtype=np.uint32)
+        integers[0] = shift_bits @ place_values
+        for dimension, matrix in enumerate(matrices):
+            bits = matrix @ _compute_direction_bits(*SOBOL_GENERATORS[dimension]) % 2
+            for index, number in enumerate((place_values[::-1] @ bits)[:num_bits]):
+                # In Gray-code order, the second half of the points is the first half in reverse, with one bit flipped.
+                first_half = integers[: 2**index, dimension]
+                integers[2**index : 2 ** (index + 1), dimension] = first_half[::-1] ^ number
+        points = integers * 0.5**SOBOL_BITS
     return make_read_only(np.clip(points, 1e-9, 1 - 1e-9))
 
 
