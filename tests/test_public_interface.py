@@ -384,6 +384,13 @@ def test_public_functions_accept_strings_with_units(upper, lower):
             call()
 
 
+def test_press_function_accepts_a_modulus_with_its_unit(upper, lower):
+    curve = press(upper, lower, "5 nm", effective_modulus="3 GPa")
+    expected = press(upper, lower, [0.005], effective_modulus=3.0)
+    np.testing.assert_array_equal(curve.normal_elastic, expected.normal_elastic)
+    assert curve.effective_modulus == 3.0
+
+
 @pytest.fixture(scope="module")
 def scanned_surface(lower, tmp_path_factory):
     path = tmp_path_factory.mktemp("scan") / "scan.npy"
@@ -567,6 +574,8 @@ REJECTED_ARGUMENT_CASES = [
     ({"unit": "nm"}, "unit must not be given for a body in memory"),
     ({"first": [0.0, 1.0]}, "first must be a Profile or a Surface, or an object from .* got float"),
     ({"second": "nowhere.npy"}, "nowhere.npy"),
+    ({"first": "a\0b"}, "first must be a path of printable characters, got 'a\\\\x00b'"),
+    ({"onset": "\uff11"}, "onset must be a whole number of at least 0, got '\uff11'"),
 ]
 
 
@@ -577,6 +586,44 @@ def test_pair_function_rejects_invalid_input_with_a_one_line_error(upper, lower,
         pair(arguments.pop("first"), arguments.pop("second"), **arguments)
     assert "--" not in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+ARRAY = np.zeros((3, 3))
+REJECTED_VALUE_CASES = [
+    (
+        lambda result: result.at(load_definition=ARRAY),
+        "load_definition must be one of 'mean', 'elastic', 'normal', got array",
+    ),
+    (lambda result: result.at(load_definition=ARRAY, per_member=True), "load_definition must be one of"),
+    (
+        lambda result: result.at(load_definition=ARRAY, height_scale=2),
+        "load_definition must be 'elastic' if height_scale is given",
+    ),
+    (lambda result: result.at(mu0=1e300), "mu0 must be at most 1e\\+12, got 1e\\+300"),
+    (lambda result: result.at(tau0=1e300), "tau0 must be at most 1e\\+12, got 1e\\+300"),
+    (lambda result: result.at(mu0=[]), "mu0 must have at least one value"),
+    (lambda result: result.contacts(members=[[1.0], [2.0, 3.0]]), "members must be a whole number of at least 0"),
+    (lambda result: result.compute_once(3), "compute must be a function, got 3"),
+    (lambda _: half_space(*SMALL_PAIR, [1e-3], progress=ARRAY), "progress must be a function of three arguments"),
+    (lambda _: half_space(*SMALL_PAIR, [1e-3], record=ARRAY), "record must be a SolutionRecord, got ndarray"),
+    (lambda _: half_space(*SMALL_PAIR, [1e-3]).at(SMALL_PAIR[0]), "index must be at least -1 and below 1"),
+    (lambda _: stiction.read_surface("u.csv", unit=SMALL_PAIR[0]), "unit must be a unit of length"),
+    (lambda _: stiction.read_surface("u.csv", crop=ARRAY), "crop must be"),
+    (lambda _: stiction.read_surface("u.csv", channel=ARRAY), "channel must be a name or a number"),
+    (lambda _: stiction.read_surface("u.csv", missing_value="\ud800"), "missing_value must have printable words"),
+    (lambda _: stiction.lines_along_both(SMALL_PAIR[0], band="x" * 5000), "band must be"),
+    (lambda _: stiction.weierstrass_mandelbrot_family([[1.0]], [[1.0], [2.0, 3.0]]), "fractal_dimensions must be"),
+    (lambda _: stiction.table_study(extent=1e300), "extent must be a finite number above 0 and below"),
+]
+SMALL_PAIR = [create_surface(side, 16) for side in ("upper", "lower")]
+
+
+@pytest.mark.parametrize(("call", "pattern"), REJECTED_VALUE_CASES)
+def test_public_functions_reject_arrays_and_extreme_values_with_a_short_line(function_result, call, pattern):
+    with pytest.raises(ValueError, match=pattern) as caught:
+        call(function_result)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 200
 
 
 def test_pair_function_warns_about_a_flipped_surface(upper, lower):

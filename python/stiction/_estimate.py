@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, choose_prefixed_unit, format_significant
+from stiction._units import short_repr
 
 MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is very narrow
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
@@ -88,7 +89,7 @@ class Estimate:
         if not format_spec:
             return str(self)
         if format_spec != ".2u":
-            raise ValueError(f"format of an estimate must be '' or '.2u', got {format_spec!r}")
+            raise ValueError(f"format of an estimate must be '' or '.2u', got {short_repr(format_spec)}")
         return self._format(2)
 
     @property

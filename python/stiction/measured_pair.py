@@ -326,7 +326,7 @@ def pair(
             options = options.model_copy(update={"interface": store_interface(interface, folder)})
         study = build_study_from_options(options)
         with executor_or_thread_pool(executor) as workers:
-            return complete_result(study, folder, workers, replace=replace, onset=onset, progress=progress)
+            return complete_result(study, folder, workers, replace=replace, onset=options.onset, progress=progress)
     except ArgumentError as error:
         raise ValueError(error.translated_message(format_python_name)) from None
     except ValueError as error:

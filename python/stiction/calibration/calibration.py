@@ -95,7 +95,7 @@ def calibrate(
     check_bool("outliers", outliers)
     common = validate_number("common", common)
     if not 0 <= common < 1:
-        raise ValueError(f"common must be at least 0 and below 1, got {common!r}")
+        raise ValueError(f"common must be at least 0 and below 1, got {short_repr(common)}")
     has_no_error = {test.uncertainty is None for test in tests}
     if len(has_no_error) > 1:
         raise ValueError("uncertainty must be given for all tests or for none")
@@ -119,7 +119,7 @@ def calibrate(
     if not rules or not set(rules) <= set(available_rules):
         raise ValueError(
             f"sliding must be a rule for which every result has coefficients "
-            f"({', '.join(available_rules) or 'none exists'}), got {sliding!r}"
+            f"({', '.join(available_rules) or 'none exists'}), got {short_repr(sliding)}"
         )
     problems = [CalibrationProblem(tests, rule, common, known_strengths, outliers=outliers) for rule in rules]
     fits = [problem.fit() for problem in problems]

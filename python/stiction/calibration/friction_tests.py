@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats, validate_number
-from stiction._units import is_pressure, loads_to_core_units, to_core_units
+from stiction._units import is_pressure, loads_to_core_units, short_repr, to_core_units
 from stiction.evaluate.hardness_nodes import AreaInterpolator
 from stiction.evaluate.junction_growth import build_area_interpolator
 from stiction.evaluate.member_values import compute_mean_areas, interpolate_member_sums, member_values
@@ -318,7 +318,7 @@ class FrictionTest:
             if is_pressure(self.load):
                 raise ValueError(
                     "coefficient must be given instead of force if the load is a pressure, because the area of the "
-                    f"specimen is unknown, got load {self.load!r} and force {self.force!r}"
+                    f"specimen is unknown, got load {short_repr(self.load)} and force {short_repr(self.force)}"
                 )
             force = validate_number("force", to_core_units("force", self.force, "force"), unit="mN")
             object.__setattr__(self, "coefficient", force / load)
@@ -343,7 +343,9 @@ class FrictionTest:
             try:
                 percent_value = float(uncertainty.strip().removesuffix("%"))
             except ValueError:
-                raise ValueError(f"uncertainty must be a percentage, as in '3 %', got {uncertainty!r}") from None
+                raise ValueError(
+                    f"uncertainty must be a percentage, as in '3 %', got {short_repr(uncertainty)}"
+                ) from None
             return validate_number("uncertainty", 0.01 * percent_value * float(self.coefficient or 0.0), above=0)
         if isinstance(uncertainty, str):
             uncertainty, is_force = to_core_units("uncertainty", uncertainty, "force"), True

@@ -20,6 +20,7 @@ from stiction._arguments import (
     validate_nonnegative_values,
 )
 from stiction._errors import ArgumentError
+from stiction._units import short_repr
 from stiction.cli.application import command, print_output, print_warning, report_interruption, show_status
 from stiction.cli.execution import WorkersOption
 from stiction.cli.options import JsonOption, VerboseOption, option, reject_options
@@ -217,7 +218,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
         if is_per_area:
             coordinates = result.head.coords
             if "nominal_area" not in coordinates:
-                raise ValueError(f"--load must be a force if the result has no nominal area, got {value!r}")
+                raise ValueError(f"--load must be a force if the result has no nominal area, got {short_repr(value)}")
             force *= float(coordinates["nominal_area"])
         # Forces are rounded in the same way as the loads of `pair`, so that equal loads compare as equal.
         loads.add(float(f"{force:.12g}"))

@@ -12,6 +12,7 @@ import typer
 from stiction._arguments import parse_quantity
 from stiction._files import check_replaceable
 from stiction._text import MAX_PATH_LENGTH, printable_path, printable_text
+from stiction._units import short_repr
 from stiction.cli.application import command, option_was_given, print_message, print_output
 from stiction.cli.options import JsonOption, VerboseOption, load_measurement, option
 from stiction.cli.pair_options import pair_option, read_given_options
@@ -143,7 +144,7 @@ def characterise(
     cutoff_wavelength = None if cutoff is None else parse_quantity("cutoff", cutoff, "length")
     filters = _parse_filters(lc, ls, robust=robust)
     if texture is not None and texture not in MACHINING_PROCESSES:
-        raise ValueError(f"--texture must be one of {', '.join(MACHINING_PROCESSES)}, got {texture!r}")
+        raise ValueError(f"--texture must be one of {', '.join(MACHINING_PROCESSES)}, got {short_repr(texture)}")
     tip_radius = None if tip is None else parse_quantity("tip", tip, "length")
     characterisations, readings = [], []
     for file in files:
@@ -329,7 +330,7 @@ def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
     level = ("line" if is_profile else "plane") if level is None else level
     allowed_forms = "none", *get_args(ProfileForm if is_profile else SurfaceForm)
     if level not in allowed_forms:
-        raise ValueError(f"--level must be one of {', '.join(map(repr, allowed_forms))}, got {level!r}")
+        raise ValueError(f"--level must be one of {', '.join(map(repr, allowed_forms))}, got {short_repr(level)}")
     return levelled(body, level)
 
 
@@ -354,8 +355,8 @@ def _parse_band(text: str | None) -> tuple[float, float] | None:
         return None
     limit_texts = text.split(",")
     if len(limit_texts) != 2:
-        raise ValueError(f'--band must be two wavelengths, such as "1 um,100 um", got {text!r}')
+        raise ValueError(f'--band must be two wavelengths, such as "1 um,100 um", got {short_repr(text)}')
     shortest, longest = (parse_quantity("band", limit_text.strip(), "length") for limit_text in limit_texts)
     if not shortest < longest:
-        raise ValueError(f"--band must start with the shortest wavelength, got {text!r}")
+        raise ValueError(f"--band must start with the shortest wavelength, got {short_repr(text)}")
     return shortest, longest

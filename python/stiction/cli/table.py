@@ -14,6 +14,7 @@ from stiction._arguments import (
     split_values,
 )
 from stiction._text import printable_path
+from stiction._units import short_repr
 from stiction.cli.application import command, print_output
 from stiction.cli.execution import SchedulerOption, WorkersOption, compute_result_in_folder, open_executor
 from stiction.cli.options import option
@@ -69,7 +70,7 @@ def table_command(
     modulus = determine_elasticity(effective_modulus, young, poisson).effective_modulus
     wavelength_limits = parse_quantities("wavelengths", wavelengths, "length")
     if len(wavelength_limits) != 2:
-        raise ValueError(f'--wavelengths must be two lengths, such as "0.3 um,2.5 um", got {wavelengths!r}')
+        raise ValueError(f'--wavelengths must be two lengths, such as "0.3 um,2.5 um", got {short_repr(wavelengths)}')
     shortest, longest = map(float, wavelength_limits)
     friction_parameters: dict[str, Any] = {
         "mu0": parse_coefficients("mu0", mu0),
@@ -102,5 +103,5 @@ def table_command(
 def _parse_pressure(text: str) -> float:
     amount, is_per_area = parse_load("load", text)
     if not is_per_area:
-        raise ValueError(f'--load must be a pressure, such as "10 MPa", got {text!r}')
+        raise ValueError(f'--load must be a pressure, such as "10 MPa", got {short_repr(text)}')
     return float(amount)

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array, validate_whole_number
+from stiction._checks import Floats, float_array, unwrap_scalar, validate_whole_number
 from stiction._errors import NoSolutionError
 from stiction._units import short_repr
 from stiction.evaluate.maps import find_cell_dimensions
@@ -286,12 +286,13 @@ def build_contact_table(
 
 
 def _validate_member_indices(members: int | Sequence[int], available: list[int]) -> list[int]:
-    member_list = [members] if np.ndim(members) == 0 else list(members)  # type: ignore[arg-type]
+    members = unwrap_scalar(members)
+    member_list = list(members) if isinstance(members, Iterable) else [members]
     indices = [validate_whole_number("members", index, minimum=0) for index in member_list]
     if not indices or not set(indices) <= set(available):
         raise ValueError(
             f"members must be indices of the {len(available)} members "
-            f"of the result (the first index is {min(available)}), got {members!r}"
+            f"of the result (the first index is {min(available)}), got {short_repr(members)}"
         )
     return indices
 

@@ -77,7 +77,7 @@ def at_load(
     result = MemberSums.of(result)
     study = result.study
     is_measured = study.is_measured
-    load_definition = load_definition or ("elastic" if is_measured else "mean")
+    load_definition = ("elastic" if is_measured else "mean") if load_definition is None else load_definition
     check_choice("load_definition", load_definition, LoadDefinition)
     unique_loads = np.unique(np.atleast_1d(float_array("loads", loads)))
     if study.contact.adheres and 0 in unique_loads:

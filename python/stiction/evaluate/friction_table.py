@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, validate_number
-from stiction._units import exact_quantity, short_repr
+from stiction._units import VALID_QUANTITY_RANGES, exact_quantity, short_repr
 from stiction.evaluate import intervals
 from stiction.evaluate.ensemble_means import compute_ensemble_friction
 from stiction.evaluate.maps import choose_mu0_and_tau0
@@ -97,9 +97,10 @@ def table_study(
     exponents = _require_positive_values("hurst_exponents", hurst_exponents)
     if not all(exponent <= 1 for exponent in exponents):
         raise ValueError(f"hurst_exponents must be above 0 and at most 1, got {short_repr(hurst_exponents)}")
+    max_length = VALID_QUANTITY_RANGES["length"][1]
     lengths = {"extent": extent, "longest_wavelength": longest_wavelength, "shortest_wavelength": shortest_wavelength}
     extent, longest_wavelength, shortest_wavelength = (
-        validate_number(name, value, unit="µm", above=0) for name, value in lengths.items()
+        validate_number(name, value, unit="µm", above=0, below=max_length) for name, value in lengths.items()
     )
     effective_modulus = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
     area = extent**2

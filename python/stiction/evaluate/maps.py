@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
+from stiction._units import short_repr
 from stiction.evaluate import intervals
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, Validity
@@ -252,7 +253,7 @@ def evaluate_ensemble_quantities(
     if load_values.ndim != 1:
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
     if not load_values.size or not (load_values > 0).all():
-        raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
+        raise ValueError(f"loads must be a list of numbers above 0 mN, got {short_repr(loads)}")
     dataset = result.head
     strengths = choose_mu0_and_tau0(result, mu0, tau0)
     missing_dimensions = [name for name in ("repetition", find_step_dimension(dataset)) if not dataset.sizes.get(name)]
@@ -494,7 +495,11 @@ def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLi
         friction.warn_if_tau0_is_large(
             friction.validate_friction_parameter("tau0", tau0), float(study.contact.effective_modulus)
         )
-    return tuple(
-        np.atleast_1d(friction.validate_friction_parameter(name, strengths)).ravel()
+    arrays_by_name = {
+        name: np.atleast_1d(friction.validate_friction_parameter(name, strengths)).ravel()
         for name, strengths in (("mu0", mu0), ("tau0", tau0))
-    )  # type: ignore[return-value]
+    }
+    for name, array in arrays_by_name.items():
+        if not array.size:
+            raise ValueError(f"{name} must have at least one value, got none")
+    return arrays_by_name["mu0"], arrays_by_name["tau0"]

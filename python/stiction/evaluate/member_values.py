@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array
+from stiction._checks import Floats, check_choice, float_array
+from stiction._units import short_repr
 from stiction.evaluate.intervals import LoadCrossings
 from stiction.evaluate.junction_growth import ADHESIVE_SUMS, apply_junction_growth, build_member_area_interpolator
 from stiction.evaluate.maps import MOTION_DIMENSIONS, choose_mu0_and_tau0, find_cell_dimensions
@@ -78,6 +79,7 @@ def member_values(
         1. Height maps with the asperity model at elastic loads also have lateral_load (mN). Other quantities have the
         dimensions of the cells, repetition and load (and fraction_below), and are evaluated at the elastic load.
     """
+    check_choice("load_definition", load_definition, LoadDefinition)
     if load_definition == "mean":
         raise ValueError("load_definition must be 'elastic' or 'normal', because a single member has no mean load")
     result = MemberSums.of(result)
@@ -164,7 +166,7 @@ def _evaluate_pieces(
     is_wanted = bool(is_surrogate.all()) if member_kind is None else member_kind == "surrogates"
     if not (is_surrogate == is_wanted).any():
         other_kind: MemberKind = "shifts" if is_wanted else "surrogates"
-        raise ValueError(f"member_kind must be {other_kind!r} for this result, got {member_kind!r}")
+        raise ValueError(f"member_kind must be {other_kind!r} for this result, got {short_repr(member_kind)}")
     return values.isel(repetition=np.flatnonzero(is_surrogate == is_wanted))
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 import stiction._core
 from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, make_read_only, validate_number
+from stiction._units import short_repr
 from stiction.mechanics.model import (
     ContactModel,
     CurvatureRequirement,
@@ -179,7 +180,9 @@ def candidates_and_model(
     model = make_model(contact)
     for name, expected in (("detection", "gap-minimum"), ("curvature", upper.curvature)):
         if getattr(model, name) not in (None, expected):
-            raise ValueError(f"{name} must be {expected!r} for these candidates, got {getattr(model, name)!r}")
+            raise ValueError(
+                f"{name} must be {expected!r} for these candidates, got {short_repr(getattr(model, name))}"
+            )
     model = replace(model, detection="gap-minimum", curvature=upper.curvature)
     is_areal = isinstance(upper.core, stiction._core.ArealCandidates)
     return upper, model.for_surfaces() if is_areal else model.for_profiles()

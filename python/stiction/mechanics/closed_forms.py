@@ -119,7 +119,7 @@ def effective_modulus(
     for name, values in (("poisson_upper", poisson_upper), ("poisson_lower", poisson_lower)):
         poisson_ratio = float_array(name, values)
         if not ((poisson_ratio > -1) & (poisson_ratio <= 0.5)).all():
-            raise ValueError(f"{name} must be above -1 and at most 0.5, got {values!r}")
+            raise ValueError(f"{name} must be above -1 and at most 0.5, got {short_repr(values)}")
         poisson_ratios.append(poisson_ratio)
     modulus = 1 / ((1 - poisson_ratios[0] ** 2) / upper_modulus + (1 - poisson_ratios[1] ** 2) / lower_modulus)
     return float(modulus) if np.ndim(modulus) == 0 else np.asarray(modulus)
@@ -751,7 +751,7 @@ def slope_friction(
     theta = float_array("slope_angle", slope_angle)
     mu, tau = validate_friction_parameter("mu0", mu0), validate_friction_parameter("tau0", tau0)
     if not ((theta >= 0) & (theta < np.pi / 2)).all():
-        raise ValueError(f"slope_angle must be at least 0 and below pi/2 rad, got {slope_angle!r}")
+        raise ValueError(f"slope_angle must be at least 0 and below pi/2 rad, got {short_repr(slope_angle)}")
     if mean_pressure is not None:
         mu = mu + tau / validate_positive_arguments(mean_pressure=mean_pressure)[0]
     elif (tau > 0).any():
@@ -951,7 +951,7 @@ def gentle_friction(
     slope = gradient / np.sqrt(2) if rms_slope is None else validate_positive_arguments(rms_slope=rms_slope)[0]
     ratio = float_array("slope_ratio", slope_ratio)
     if not (ratio >= 0).all():
-        raise ValueError(f"slope_ratio must not be negative, got {slope_ratio!r}")
+        raise ValueError(f"slope_ratio must not be negative, got {short_repr(slope_ratio)}")
     check_choice("sliding", sliding, SlidingRule)
     if not isinstance(unwrap_scalar(order), int) or order not in (1, 2):
         raise ValueError(f"order must be 1 or 2, got {short_repr(order)}")
@@ -963,7 +963,9 @@ def gentle_friction(
     if order == 2:
         transverse_mean_square = gradient**2 - slope**2
         if not (transverse_mean_square >= -_SLOPE_TOLERANCE * gradient**2).all():
-            raise ValueError(f"rms_slope must be at most rms_gradient, got {rms_slope!r} and {rms_gradient!r}")
+            raise ValueError(
+                f"rms_slope must be at most rms_gradient, got {short_repr(rms_slope)} and {short_repr(rms_gradient)}"
+            )
         mean_secant, mean_cosine = _mean_secant_and_cosine(
             ratio_factor * np.sqrt(np.maximum(transverse_mean_square, 0))
         )

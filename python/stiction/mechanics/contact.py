@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import stiction._core
 from stiction._checks import Floats, check_choice, make_read_only, validate_number
 from stiction._repr import TextReprMixin
-from stiction._units import to_core_units
+from stiction._units import short_repr, to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
 from stiction.mechanics.model import ContactModelArguments, add_model_keywords_to_signature, warn_if_same_body
 from stiction.surfaces.profile import Profile, Side
@@ -156,7 +156,8 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     approach = validate_number("approach", to_core_units("approach", approach, "length"), unit="µm")
     if model.angles().ndim > 0:
         raise ValueError(
-            f"direction must be a single angle, because a contact has only one tangent, got {model.direction!r}"
+            "direction must be a single angle, because a contact has only one tangent, "
+            f"got {short_repr(model.direction)}"
         )
     if isinstance(upper, Surface):
         minima = candidates(upper, lower, deepest=max(0.0, float(approach)), curvature=model.curvature)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array, validate_number
+from stiction._checks import Floats, check_callable, float_array, validate_number
 from stiction._drawing import draw_contact_area, draw_friction
 from stiction._number_format import format_with_unit
 from stiction._repr import PlotReprMixin, TextReprMixin, axes_or_new_axes
@@ -77,6 +77,7 @@ class ContactSums:
 
     def apply(self, function: Callable[[NDArray[Any]], Any]) -> ContactSums:
         """Apply a function, such as indexing or averaging, to every sum, and return the new sums."""
+        check_callable("function", function)
         return ContactSums(**{name: function(getattr(self, name)) for name in SUM_QUANTITIES})
 
 
@@ -300,9 +301,14 @@ def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
+MAX_FRICTION_PARAMETER = 1e12  # largest accepted mu0 and tau0 (GPa); larger values may overflow
+
+
 def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
-    """Return mu0 or tau0 as an array of finite, non-negative numbers."""
+    """Return mu0 or tau0 as an array of non-negative numbers up to `MAX_FRICTION_PARAMETER`."""
     array = float_array(name, values)
+    if not (array <= MAX_FRICTION_PARAMETER).all():
+        raise ValueError(f"{name} must be at most {MAX_FRICTION_PARAMETER:g}, got {short_repr(values)}")
     if not (array >= 0).all():
         raise ValueError(f"{name} must not be negative, got {short_repr(values)}")
     return array

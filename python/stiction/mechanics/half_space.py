@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._caching import cached_property
-from stiction._checks import Floats, check_choice, make_read_only, validate_fraction, validate_number
+from stiction._checks import Floats, check_choice, check_instance, make_read_only, validate_fraction, validate_number
 from stiction._drawing import draw_contact_pressure
 from stiction._errors import NoSolutionError
 from stiction._repr import PlotReprMixin, axes_or_new_axes
-from stiction._units import loads_to_core_units, to_core_units
+from stiction._units import loads_to_core_units, short_repr, to_core_units
 from stiction.mechanics.adhesion import solve_separation, solve_with_adhesion
 from stiction.mechanics.friction import FrictionCurve
 from stiction.mechanics.half_space_problem import (
@@ -513,7 +513,7 @@ def half_space(
     check_choice("tilt", tilt, TiltMode)
     tolerance = validate_number("tolerance", tolerance, above=0, below=1)
     if not (progress is None or callable(progress)):
-        raise ValueError(f"progress must be a function of three arguments or None, got {progress!r}")
+        raise ValueError(f"progress must be a function of three arguments or None, got {short_repr(progress)}")
     problem = make_problem(
         upper, lower, float(model.effective_modulus), periodic=boundary == "periodic",
         compliance_share=validate_fraction("compliance_share", compliance_share),
@@ -544,7 +544,8 @@ def half_space(
         problem, loads, to_core_units("approaches", approaches, "length")
     )
     warn_if_same_body(upper, lower)
-    record = record or SolutionRecord()
+    record = SolutionRecord() if record is None else record
+    check_instance("record", record, SolutionRecord, "a SolutionRecord")
     solutions = _solve_contacts(problem, step_kind, step_values, tolerance=tolerance, progress=progress, record=record)
     return _make_curve(problem, model, solutions, tolerance, record)
 
@@ -592,7 +593,7 @@ def _add_adhesion(
         raise ValueError(
             f"hardness must be above {work / adhesion_range:.3g} GPa, the attraction in contact "
             f"(work_of_adhesion divided by adhesion_range), because the surfaces would otherwise yield without a load; "
-            f"got {problem.hardness!r}"
+            f"got {short_repr(problem.hardness)}"
         )
     return replace(problem, work_of_adhesion=work, adhesion_range=adhesion_range)
 

@@ -18,6 +18,7 @@ import stiction._core as _core
 from stiction._caching import cached_property
 from stiction._checks import Floats, float_array, make_read_only
 from stiction._errors import NoSolutionError
+from stiction._units import short_repr
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.patches import PatchSums, grid_slopes, patch_sums
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
@@ -273,15 +274,13 @@ def make_problem(
 ) -> HalfSpaceProblem:  # fmt: skip
     """Create the contact problem of two surfaces on the same grid. The other arguments must have been checked."""
     if upper.heights.shape != lower.heights.shape:
-        raise ValueError(
-            f"upper and lower must have equal shapes, got {upper.heights.shape!r} and {lower.heights.shape!r}"
-        )
+        raise ValueError(f"upper and lower must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}")
     spacing = upper.spacings
     cell_area = float(np.prod(spacing))
     if not (np.finfo(np.float64).tiny <= cell_area < np.inf and max(spacing) <= MAX_CELL_ASPECT_RATIO * min(spacing)):
         raise ValueError(
             f"spacing must give grid cells of at least {np.finfo(np.float64).tiny:.0e} µm² with sides that differ by a "
-            f"factor of at most {MAX_CELL_ASPECT_RATIO:g}, got {upper.spacing!r} µm"
+            f"factor of at most {MAX_CELL_ASPECT_RATIO:g}, got {upper.spacing} µm"
         )
     gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
     gap -= gap.min() if missing is None else gap[~missing].min()
@@ -312,19 +311,20 @@ def parse_loads_or_approaches(
         if step_kind == "approaches":
             raise ValueError("approaches must not be given for surfaces with adhesion; give loads instead")
         if not (steps.size > 0 and len(set(np.sign(np.diff(steps)))) <= 1 and np.diff(steps).all()):
-            raise ValueError(f"loads must be strictly increasing or strictly decreasing, got {loads!r}")
+            raise ValueError(f"loads must be strictly increasing or strictly decreasing, got {short_repr(loads)}")
     elif not (steps.size > 0 and (steps > 0).all() and (np.diff(steps) > 0).all()):
         unit = "mN" if step_kind == "loads" else "µm"
-        raise ValueError(f"{step_kind} must be above 0 {unit} and strictly increasing, got {given_values!r}")
+        raise ValueError(f"{step_kind} must be above 0 {unit} and strictly increasing, got {short_repr(given_values)}")
     gap, hardness = problem.gap, problem.hardness
     if step_kind == "loads":
         max_load = np.inf if hardness is None else hardness * problem.area
         if not steps.max() < max_load:
-            raise ValueError(f"loads must be below hardness times area, {max_load:g} mN, got {loads!r}")
+            raise ValueError(f"loads must be below hardness times area, {max_load:g} mN, got {short_repr(loads)}")
         return step_kind, steps
     if hardness is not None:
         raise ValueError(
-            f"approaches must not be given for surfaces with a hardness, got hardness={hardness!r}; give loads instead"
+            "approaches must not be given for surfaces with a hardness, "
+            f"got hardness={short_repr(hardness)}; give loads instead"
         )
     if not problem.has_finite_approach:
         raise ValueError(
@@ -333,7 +333,8 @@ def parse_loads_or_approaches(
         )
     if problem.periodic and not steps[-1] < gap.mean():
         raise ValueError(
-            f"approaches must be below {gap.mean():g} µm, at which all points are in contact, got {approaches!r}"
+            f"approaches must be below {gap.mean():g} µm, at which all points are in contact, "
+            f"got {short_repr(approaches)}"
         )
     return step_kind, steps
 

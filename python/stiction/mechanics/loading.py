@@ -100,7 +100,9 @@ def approach_at_load(
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     model = make_pair_model(upper, lower, contact)
     if model.angles().ndim > 0:
-        raise ValueError(f"direction must be a single angle, because F_N depends on it, got {model.direction!r}")
+        raise ValueError(
+            f"direction must be a single angle, because F_N depends on it, got {short_repr(model.direction)}"
+        )
     mu0, tau0 = friction.validate_mu0_and_tau0(mu0, tau0, model.effective_modulus)
     approach, _ = find_approaches_at_loads(
         SurfacePair(upper, lower), target_loads.ravel(), mu0=mu0, tau0=tau0, model=model

@@ -166,7 +166,8 @@ def material(name: str) -> Material:
         is_coating = "coat" in name.casefold() or is_coating_formula(name)
         hint = "; for a coating much thinner than the contact width, name its substrate" if is_coating else ""
         raise ValueError(
-            f"name must be the name of a known material, got {name[:80]!r}; {introduction} {', '.join(names)}{hint}"
+            "name must be the name of a known material, "
+            f"got {short_repr(name)}; {introduction} {', '.join(names)}{hint}"
         )
     return result
 

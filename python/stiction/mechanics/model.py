@@ -14,6 +14,7 @@ import numpy as np
 import stiction._core
 from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, check_instance, validate_number
+from stiction._units import short_repr
 from stiction.mechanics.law import ContactLaw, HertzCylinder, LawName, parse_contact_law
 from stiction.surfaces.preparation import count_flips, list_history_without_flips
 from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing_points
@@ -85,12 +86,17 @@ class ContactModel:
         check_choice("sliding", self.sliding, SlidingRule)
         if self.direction is not None:
             if self.shear != "+x":
-                raise ValueError(f"shear and direction must not both be given, got {self.shear!r}, {self.direction!r}")
+                raise ValueError(
+                    "shear and direction must not both be given, "
+                    f"got {short_repr(self.shear)}, {short_repr(self.direction)}"
+                )
             if isinstance(self.direction, (list, tuple, range)) or np.ndim(self.direction):
                 object.__setattr__(self, "direction", tuple(self.direction))  # type: ignore[arg-type]
             if not self._angles:
                 raise ValueError("direction must have at least one element, got none")
-        validate_number("effective_modulus", self.effective_modulus, unit="GPa", above=0)
+        object.__setattr__(
+            self, "effective_modulus", validate_number("effective_modulus", self.effective_modulus, unit="GPa", above=0)
+        )
         self.core()
 
     def angles(self) -> Floats:
@@ -120,7 +126,7 @@ class ContactModel:
     def for_profiles(self) -> ContactModel:
         """Return the model with the defaults for profiles. The direction must be along x."""
         if self._has_many_directions() or self._angles[0] not in (0.0, 180.0):
-            raise ValueError(f'direction on profiles must be "+x" or "-x", got {self.direction!r}')
+            raise ValueError(f'direction on profiles must be "+x" or "-x", got {short_repr(self.direction)}')
         return self._with_defaults(self.detection or "cell", self.curvature or "convex")
 
     def for_surfaces(self) -> ContactModel:
@@ -161,7 +167,7 @@ def _parse_angle(direction: Any) -> float:
     """Return a direction in degrees from +x towards +y (0 <= angle < 360)."""
     if isinstance(direction, str):
         if direction not in ("+x", "-x"):
-            raise ValueError(f'direction must be "+x", "-x" or an angle in degrees, got {direction!r}')
+            raise ValueError(f'direction must be "+x", "-x" or an angle in degrees, got {short_repr(direction)}')
         return 0.0 if direction == "+x" else 180.0
     return validate_number("direction", direction, unit="degrees") % 360.0
 
@@ -279,7 +285,7 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
     if isinstance(upper, Surface) and upper.heights.size > MAX_POINTS:
         raise ValueError(f"upper and lower must have at most {MAX_POINTS} points, got {upper.heights.size}")
     if upper.spacing != lower.spacing:
-        raise ValueError(f"upper and lower must have equal spacings, got {upper.spacing!r} and {lower.spacing!r} µm")
+        raise ValueError(f"upper and lower must have equal spacings, got {upper.spacing} and {lower.spacing} µm")
 
 
 def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> None:

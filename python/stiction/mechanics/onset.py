@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array, make_read_only, validate_number, validate_whole_number
 from stiction._drawing import draw_onset
 from stiction._repr import PlotReprMixin, axes_or_new_axes
+from stiction._units import short_repr
 from stiction.mechanics.friction import validate_mu0_and_tau0
 from stiction.mechanics.model import ContactModel, Direction
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
@@ -272,7 +273,8 @@ class Onset(PlotReprMixin):
         loads = float_array("amplitude", amplitude)
         if not ((loads >= 0) & (loads <= self.sliding_load * (1 + LOAD_TOLERANCE))).all():
             raise ValueError(
-                f"amplitude must be between 0 and {self.sliding_load:g} mN, the sliding load, got {amplitude!r}"
+                f"amplitude must be between 0 and {self.sliding_load:g} mN, the sliding load, "
+                f"got {short_repr(amplitude)}"
             )
         return np.minimum(loads, self.sliding_load)
 
@@ -331,7 +333,7 @@ def resolve_index(index: Any, count: int, items: str) -> int:
         checked_index = validate_whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
         raise ValueError(
-            f"index must be at least {-count} and below {count}, the number of {items}, got {index!r}"
+            f"index must be at least {-count} and below {count}, the number of {items}, got {short_repr(index)}"
         ) from None
     return checked_index % count
 
@@ -351,7 +353,7 @@ def parse_direction(direction: Direction, *, line: bool) -> float:
     """Return a single direction in degrees from +x towards +y. For profiles, the direction must be along x."""
     model = ContactModel(direction=direction)
     if model.angles().ndim > 0:
-        raise ValueError(f"direction must be a single angle, got {direction!r}")
+        raise ValueError(f"direction must be a single angle, got {short_repr(direction)}")
     if line:
         model.for_profiles()
     return float(model.angles())
@@ -363,7 +365,7 @@ def parse_poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float
     if values.shape not in ((), (1,), (2,)) or not ((values > -1) & (values <= 0.5)).all():
         raise ValueError(
             "poisson must be one ratio, or two ratios for the upper and the lower body, above -1 and at most 0.5, "
-            f"got {poisson!r}"
+            f"got {short_repr(poisson)}"
         )
     two_ratios = np.broadcast_to(values.ravel(), (2,))
     return float(two_ratios[0]), float(two_ratios[1])
@@ -376,16 +378,18 @@ def parse_load_fractions(steps: int | Sequence[float]) -> Floats:
         return np.arange(1, count + 1) / count
     fractions = float_array("steps", steps, ndim=1)
     if not (fractions.size > 0 and (fractions > 0).all() and (np.diff(fractions) > 0).all()):
-        raise ValueError(f"steps must be fractions of the sliding load, above 0 and strictly increasing, got {steps!r}")
+        raise ValueError(
+            f"steps must be fractions of the sliding load, above 0 and strictly increasing, got {short_repr(steps)}"
+        )
     if not fractions[-1] <= 1:
-        raise ValueError(f"steps are fractions of the sliding load and must be at most 1, got {steps!r}")
+        raise ValueError(f"steps are fractions of the sliding load and must be at most 1, got {short_repr(steps)}")
     return fractions
 
 
 def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
     displacement_array = float_array("displacements", displacements, ndim=1)
     if not (displacement_array.size > 0 and (displacement_array > 0).all() and (np.diff(displacement_array) > 0).all()):
-        raise ValueError(f"displacements must be above 0 µm and strictly increasing, got {displacements!r}")
+        raise ValueError(f"displacements must be above 0 µm and strictly increasing, got {short_repr(displacements)}")
     if not np.isfinite(limit):
         raise ValueError(
             "displacements must not be given for a free half-plane, because its displacement is infinite at any load; "
@@ -393,7 +397,7 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
         )
     if not displacement_array[-1] <= limit:
         raise ValueError(
-            f"displacements must be at most {limit:g} µm, at which the surfaces slide, got {displacements!r}"
+            f"displacements must be at most {limit:g} µm, at which the surfaces slide, got {short_repr(displacements)}"
         )
     return displacement_array
 

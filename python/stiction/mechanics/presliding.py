@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array, make_read_only
 from stiction._repr import TextReprMixin
+from stiction._units import short_repr
 
 MIN_FIT_POINTS = 3  # minimum number of points for a fit of two parameters
 # The first displacement counts as round-off if it is below this fraction of the last displacement.
@@ -179,5 +180,5 @@ def _check_curve(displacement: Floats, load: Floats, min_points: int) -> None:
 def _validate_displacement(displacement: ArrayLike) -> Floats:
     displacements = float_array("displacement", displacement)
     if not (displacements >= 0).all():
-        raise ValueError(f"displacement must be at least 0 µm, got {displacement!r}")
+        raise ValueError(f"displacement must be at least 0 µm, got {short_repr(displacement)}")
     return displacements

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, check_instance, float_array, validate_number
+from stiction._units import short_repr
 from stiction.mechanics import brackets
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import LOAD_SUM_NAMES, compute_load, validate_friction_parameter
@@ -280,7 +281,7 @@ class _BodyPair:
         ):
             raise ValueError(
                 f"cut_offs must be 0, or between {self.shortest_cut_off:g} µm (two points) and "
-                f"{MAX_CUTOFF_FRACTION * side_length:g} µm (a third of the shortest side), got {cut_offs!r}"
+                f"{MAX_CUTOFF_FRACTION * side_length:g} µm (a third of the shortest side), got {short_repr(cut_offs)}"
             )
         return sorted({0.0, *lengths})
 
@@ -534,7 +535,9 @@ def spectral_resolution(
     is_rough = gradient > 0
     wavelength_array, slopes, gradient = wavelength_array[is_rough], slopes[:, is_rough], gradient[is_rough]
     if not wavelength_array.size:
-        raise ValueError(f"wavelengths must be at most the longest wavelength of the bodies, got {wavelengths!r}")
+        raise ValueError(
+            f"wavelengths must be at most the longest wavelength of the bodies, got {short_repr(wavelengths)}"
+        )
     area = np.minimum(np.maximum(area_coefficient * p / (modulus * gradient), p / max_pressure), 1.0)
     slope_ratio = slopes.min(axis=0) / slopes.max(axis=0) if lower is not None else np.zeros(wavelength_array.size)
     friction = [

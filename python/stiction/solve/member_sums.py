@@ -167,6 +167,7 @@ class MemberSums:
 
     def compute_once(self, compute: Callable[[Self], _Value]) -> _Value:
         """Return `compute(self)`, and cache the value for the next call with the same function."""
+        check_callable("compute", compute)
         if compute not in self._computed:
             self._computed[compute] = compute(self)
         return self._computed[compute]  # type: ignore[no-any-return]

@@ -355,7 +355,7 @@ class HalfSpaceSettings(CommonContactSettings):
         if self.hardness is not None and not max_attraction < float(self.hardness):
             raise make_key_error(
                 "hardness", f"must be above work_of_adhesion / adhesion_range = {max_attraction:g} GPa, at which "
-                f"bodies yield without a load, got {format_quantities(self.hardness)!r}",
+                f"bodies yield without a load, got {short_repr(format_quantities(self.hardness))}",
             )  # fmt: skip
         return self
 

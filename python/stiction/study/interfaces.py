@@ -170,7 +170,7 @@ class InterfaceStrength:
             if Path(name_or_path).is_file():
                 return cls.read(name_or_path)
             known_names = "; ".join(interfaces())
-            raise ValueError(f"interface must be a file or one of {known_names}, got {str(name_or_path)!r}")
+            raise ValueError(f"interface must be a file or one of {known_names}, got {short_repr(str(name_or_path))}")
         ranges: dict[str, UncertainInput] = {
             "mu0": parse_uncertain_input("mu0", published_entry["mu0"]),
             "tau0": parse_uncertain_input("tau0", published_entry["tau0"], "pressure"),
@@ -351,7 +351,9 @@ def write_interface(interface: InterfaceStrength, path: str | Path, about: Mappi
     'A. B.'
     """
     check_instance("interface", interface, InterfaceStrength, "an Interface from calibrate()")
-    content = _format_interface(interface, about or {})
+    about = {} if about is None else about
+    check_instance("about", about, Mapping, "a mapping of names to texts")
+    content = _format_interface(interface, about)
     with replace_file_atomically(parse_path("path", path), INTERFACE_FILE_HEADER.encode(), ValueError) as file:
         file.write_bytes(content)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,7 +18,6 @@ from pydantic.fields import FieldInfo
 from stiction._arguments import split_values
 from stiction._checks import unwrap_scalar, validate_number, validate_whole_number
 from stiction._errors import ArgumentError
-from stiction._text import MAX_WORD_LENGTH
 from stiction._units import short_repr
 from stiction.mechanics.half_space import TiltMode
 from stiction.mechanics.law import JacksonGreen
@@ -67,8 +67,11 @@ def _parse_value_list(value: object) -> object:
     )
 
 
+_WHOLE_NUMBER_PATTERN = re.compile(r"\s*-?[0-9]{1,80}\s*")
+
+
 def _parse_whole_number(value: object, minimum: int) -> int:
-    if isinstance(value, str) and value.strip().removeprefix("-").isdecimal() and len(value) <= MAX_WORD_LENGTH:
+    if isinstance(value, str) and _WHOLE_NUMBER_PATTERN.fullmatch(value):
         value = int(value)
     try:
         return validate_whole_number("", value, minimum=minimum)

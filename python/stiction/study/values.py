@@ -43,7 +43,7 @@ def _make_quantity_parser(kind: str, *, allows_zero: bool = False) -> Callable[[
     def parse_checked_quantity(text: object) -> Quantity:
         value = quantity(text, kind)
         if not (value > 0 or (allows_zero and float(value) == 0)):
-            raise ValueError(f"must be {'at least' if allows_zero else 'above'} 0, got {value.text!r}")
+            raise ValueError(f"must be {'at least' if allows_zero else 'above'} 0, got {short_repr(value.text)}")
         return value
 
     return parse_checked_quantity

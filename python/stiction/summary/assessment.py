@@ -365,7 +365,7 @@ def compute_checked_quantities(
     """
     value, lower, upper, mu0, count = (np.asarray(array, float) for array in (value, lower, upper, mu0, contact_count))
     separate_contacts = np.where(is_merged, np.nan, count)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio_to_mu0 = np.where(value == mu0, 1.0, np.where(mu0 > 0, value / mu0, np.nan))
         ratio_to_mu0 = np.where(np.asarray(tau0) == 0, ratio_to_mu0, np.nan)
         half_width = (upper - lower) / (2 * value)

@@ -231,7 +231,13 @@ class Evaluation(MemberSums):
         loads = self.default_loads if load is None else self._to_forces(load)
         strengths = to_core_units("tau0", tau0, "pressure")
         if per_member:
-            return member_values(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition or "elastic")
+            return member_values(
+                self,
+                loads,
+                mu0=mu0,
+                tau0=strengths,
+                load_definition="elastic" if load_definition is None else load_definition,
+            )
         return add_uncertainty(
             at_load(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition, names=quantities),
             self,
@@ -242,8 +248,10 @@ class Evaluation(MemberSums):
         self, factors: Any, load: Any, mu0: Any, tau0: Any, load_definition: Any, scaled: Any, compute: bool
     ) -> xarray.Dataset:
         check_bool("compute", compute)
-        if load_definition not in (None, "elastic"):
-            raise ValueError(f"load_definition must be 'elastic' if height_scale is given, got {load_definition!r}")
+        if not (load_definition is None or (isinstance(load_definition, str) and load_definition == "elastic")):
+            raise ValueError(
+                f"load_definition must be 'elastic' if height_scale is given, got {short_repr(load_definition)}"
+            )
         if self.stored is None:
             raise ValueError("height_scale needs a stored result, as returned by `pair` or `open_result`")
         factors = parse_height_factors(factors)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 import stiction._core
 from stiction._checks import Floats, check_choice, float_array, make_read_only, validate_number, validate_whole_number
+from stiction._units import short_repr
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ProfileMoments
 from stiction.surfaces.surface import Surface, parse_lengths, parse_shape
@@ -78,7 +79,7 @@ def hurst_from_fractal_dimension(fractal_dimension: float, *, convention: Fracta
     check_choice("convention", convention, FractalConvention)
     dimension = validate_number("fractal_dimension", fractal_dimension)
     if not 1 <= dimension < 2:
-        raise ValueError(f"fractal_dimension must be at least 1 and below 2, got {fractal_dimension!r}")
+        raise ValueError(f"fractal_dimension must be at least 1 and below 2, got {short_repr(fractal_dimension)}")
     return 4 - 2 * dimension if convention == "paper" else 2 - dimension
 
 
@@ -138,7 +139,8 @@ def weierstrass_mandelbrot_family(
     (2, 2000)
     """
     points = validate_whole_number("points", points, minimum=MIN_POINTS, maximum=MAX_POINTS)
-    family = np.empty((np.size(fractal_dimensions), points))
+    fractal_dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
+    family = np.empty((fractal_dimensions.size, points))
     fill_profile_family(
         family, phases, fractal_dimensions, length_scale=length_scale, gamma=gamma, extent=extent,
         convention=convention, band_limit=band_limit,

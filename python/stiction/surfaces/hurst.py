@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats, check_bool, validate_number
 from stiction._repr import TableReprMixin
+from stiction._units import short_repr
 from stiction.surfaces.floor_fit import BinnedSpectrum, fit_noise_floor
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -269,7 +270,7 @@ def estimate_hurst_exponent(
         selection, piece_bins = _remove_noisy_end(wave_number, power, variance_factor, selection, piece_bins)
     else:
         if not isinstance(band, (tuple, list)) or len(band) != 2:
-            raise ValueError(f"band must be a pair (shortest, longest) of wavelengths, got {band!r}")
+            raise ValueError(f"band must be a pair (shortest, longest) of wavelengths, got {short_repr(band)}")
         shortest = validate_number("band", band[0], unit="µm", above=0)
         selection, piece_bins = (
             is_within_wavelength_band(
@@ -279,7 +280,8 @@ def estimate_hurst_exponent(
         )
         if (count := int(selection.sum())) < MIN_BAND_HARMONICS:
             raise ValueError(
-                f"band must contain at least {MIN_BAND_HARMONICS} harmonics, got {band!r} µm with {count} harmonics"
+                f"band must contain at least {MIN_BAND_HARMONICS} harmonics, "
+                f"got {short_repr(band)} µm with {count} harmonics"
             )
     q, power = wave_number[selection], power[selection]
     bins = _SpectrumBins.from_harmonics(q, power)

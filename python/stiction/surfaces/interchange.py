@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from stiction._repr import format_with_unit
+from stiction._units import short_repr
 from stiction.surfaces.measured.raw import LENGTH_UNITS
 
 if TYPE_CHECKING:
@@ -129,7 +130,7 @@ def _unit_factor(name: str, unit: Any, kind: str) -> float:
         allowed_units = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
         raise ValueError(
             f"{name} must have a unit of length ({allowed_units}), given as an attribute or by the argument unit, "
-            f"got {unit!r} of a {kind}"
+            f"got {short_repr(unit)} of a {kind}"
         )
     return float(LENGTH_UNITS[unit])
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from stiction._caching import cached_property
 from stiction._checks import check_choice, validate_number, validate_whole_number
+from stiction._units import short_repr
 from stiction.surfaces.cut_off import cut_off
 from stiction.surfaces.joined_spectrum import MAX_WAVELENGTH_FRACTION, JoinedSpectrum, joined_spectrum
 from stiction.surfaces.preparation import (
@@ -114,7 +115,7 @@ class LinePairs:
             max_travel = (track_points - min(upper_points, track_points) // 2) * spacing
             raise ValueError(
                 f"travel must be between 0 and {max_travel:g} µm, because a slider of half of the shorter profile "
-                f"must remain, got {self.travel!r}"
+                f"must remain, got {short_repr(self.travel)}"
             )
         slider_profile = (
             upper_line if slider_points == upper_points else cropped(upper_line, 0.0, slider_points * spacing)

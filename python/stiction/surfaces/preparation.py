@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, validate_number
+from stiction._units import short_repr
 from stiction.surfaces.form import fit_round_form
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, select_from_mask
 from stiction.surfaces.surface import AnyBody, Surface, as_body
@@ -228,7 +229,9 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
         axes = " along y", " along x"
         starts, stops = ([value, value] if np.ndim(value) == 0 else value for value in (start, stop))
         if len(starts) != 2 or len(stops) != 2:
-            raise ValueError(f"start and stop of a surface must be pairs (y, x), got {start!r} and {stop!r}")
+            raise ValueError(
+                f"start and stop of a surface must be pairs (y, x), got {short_repr(start)} and {short_repr(stop)}"
+            )
     ranges = [
         find_crop_range(*pair) for pair in zip(axes, body.heights.shape, body.spacings, starts, stops, strict=True)
     ]

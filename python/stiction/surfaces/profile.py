@@ -13,6 +13,7 @@ import stiction._core
 from stiction._checks import Floats, check_choice, float_array, make_read_only, validate_number
 from stiction._drawing import draw_profile, draw_surface
 from stiction._repr import PlotReprMixin, axes_or_new_axes
+from stiction._units import short_repr
 from stiction.surfaces.interchange import describe_body, extract_heights, to_data_array
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ class Body(PlotReprMixin):
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "spacing", spacing)
         if not isinstance(self.history, tuple) or not all(isinstance(step, str) for step in self.history):
-            raise ValueError(f"history must be a tuple of strings, got {self.history!r}")
+            raise ValueError(f"history must be a tuple of strings, got {short_repr(self.history)}")
         if self.missing is not None:
             try:
                 missing = np.array(self.missing)

@@ -210,8 +210,8 @@ def _check_scans(first: Any, second: Any) -> None:
     if type(first) is not type(second) or not np.allclose(first.spacing, second.spacing, rtol=1e-6, atol=0):
         raise ValueError(
             "first and second must be two profiles or two surfaces with equal spacings, "
-            f"got a {type(first).__name__} with a spacing of {first.spacing!r} µm and "
-            f"a {type(second).__name__} with a spacing of {second.spacing!r} µm"
+            f"got a {type(first).__name__} with a spacing of {first.spacing} µm and "
+            f"a {type(second).__name__} with a spacing of {second.spacing} µm"
         )
 
 

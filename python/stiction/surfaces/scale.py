@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_bool, float_array, make_read_only, validate_number
 from stiction._repr import TableReprMixin, TextReprMixin
+from stiction._units import short_repr
 from stiction.surfaces.filters import MIN_CUTOFF_POINTS, gaussian_transmission
 from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, density_between_harmonics, find_texture_harmonics
 from stiction.surfaces.height_step import find_height_step
@@ -290,7 +291,7 @@ def _interpolate_log_log(wavelength: Floats, values: Floats, target_wavelengths:
     """Interpolate values linearly on logarithmic axes. Beyond the longest wavelength, the values are zero."""
     wavelengths = float_array("wavelength", target_wavelengths)
     if not (wavelengths > 0).all():
-        raise ValueError(f"wavelength must be above 0 µm, got {target_wavelengths!r}")
+        raise ValueError(f"wavelength must be above 0 µm, got {short_repr(target_wavelengths)}")
     with np.errstate(divide="ignore"):
         interpolated_values = np.exp(np.interp(-np.log(wavelengths), -np.log(wavelength), np.log(values)))
     return np.asarray(np.where(wavelengths > wavelength[0] * (1 + 1e-9), 0.0, interpolated_values))

@@ -11,6 +11,7 @@ import numpy as np
 
 from stiction._checks import Floats, check_bool, check_choice, validate_number, validate_whole_number
 from stiction._repr import format_with_unit
+from stiction._units import short_repr
 from stiction.surfaces.filters import gaussian_low_pass, robust_gaussian_low_pass
 from stiction.surfaces.material_ratio import core_parameters, heights_at_material_ratios
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ParameterSet
@@ -204,7 +205,7 @@ def section_parameters(
     sections = validate_whole_number("sections", sections, minimum=1)
     short_cutoff = None if ls is None else validate_number("ls", ls, unit="µm")
     if short_cutoff is not None and short_cutoff < 0:
-        raise ValueError(f"ls must be 0 or above, got {ls!r}")
+        raise ValueError(f"ls must be 0 or above, got {short_repr(ls)}")
     if lc is not None:
         result = _compute_with_cutoff(
             profile, validate_number("lc", lc, unit="µm", above=0), short_cutoff, sections, robust, derivative

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from stiction._checks import check_bool, check_choice, make_read_only, validate_number, validate_whole_number
+from stiction._units import short_repr
 from stiction.surfaces.fractal import SIDE_SEED_KEYS, random_phases
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
@@ -106,7 +107,7 @@ def self_affine(
     if periodic and longest > extent * ROUND_OFF_FACTOR:
         raise ValueError(
             f"longest_wavelength of a periodic profile must be at most its extent, {extent:g} µm, "
-            f"got {longest_wavelength!r}"
+            f"got {short_repr(longest_wavelength)}"
         )
     period = points
     while not periodic and (period < 2 * points or period * spacing * ROUND_OFF_FACTOR < 4 * longest):
@@ -132,7 +133,7 @@ def self_affine(
 def _validate_hurst_exponent_and_rms(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
     hurst = validate_number("hurst_exponent", hurst_exponent, above=0)
     if hurst > 2:
-        raise ValueError(f"hurst_exponent must be above 0 and at most 2, got {hurst_exponent!r}")
+        raise ValueError(f"hurst_exponent must be above 0 and at most 2, got {short_repr(hurst_exponent)}")
     return hurst, validate_number("rms", rms, unit="µm", above=0)
 
 
@@ -149,7 +150,7 @@ def _validate_shortest_wavelength(wavelength: Any, finest_wavelength: float, spa
     if shortest * ROUND_OFF_FACTOR < finest_wavelength:
         raise ValueError(
             f"shortest_wavelength must be at least twice the {spacing_name}, {finest_wavelength:g} µm, "
-            f"got {wavelength!r}"
+            f"got {short_repr(wavelength)}"
         )
     return shortest
 
@@ -234,7 +235,7 @@ def self_affine_surface(
         longest = validate_number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
         if longest > longer_extent * ROUND_OFF_FACTOR:
             raise ValueError(
-                f"longest_wavelength must be at most the longer side, {longer_extent:g} µm, got {longest!r}"
+                f"longest_wavelength must be at most the longer side, {longer_extent:g} µm, got {short_repr(longest)}"
             )
     check_choice("side", side, Side)
     seed = validate_whole_number("seed", seed, minimum=0)

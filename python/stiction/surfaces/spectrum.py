@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats, check_bool, make_read_only, validate_number, validate_whole_number
 from stiction._drawing import draw_spectrum
 from stiction._repr import PlotReprMixin, TableReprMixin, TextReprMixin, axes_or_new_axes
+from stiction._units import short_repr
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
@@ -257,7 +258,8 @@ def spectral_moments(
     shortest = validate_number("shortest_wavelength", shortest_wavelength, unit="µm")
     if not longest_wavelength > shortest:
         raise ValueError(
-            f"longest_wavelength must be above shortest_wavelength, {shortest:g} µm, got {longest_wavelength!r}"
+            f"longest_wavelength must be above shortest_wavelength, {shortest:g} µm, "
+            f"got {short_repr(longest_wavelength)}"
         )
     spectrum = power_spectrum(profile, periodic=periodic)
     is_in_band = is_within_wavelength_band(spectrum.wave_number, shortest, longest_wavelength)

@@ -179,7 +179,7 @@ def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
         raise ValueError(f"shape must be (rows, columns), got {short_repr(shape)}")
     rows, columns = (validate_whole_number("shape", size, minimum=least, maximum=MAX_POINTS) for size in shape)
     if rows * columns > MAX_POINTS:
-        raise ValueError(f"shape must have at most {MAX_POINTS} points, got {shape!r}")
+        raise ValueError(f"shape must have at most {MAX_POINTS} points, got {short_repr(shape)}")
     return rows, columns
 
 

@@ -81,10 +81,10 @@ def validate_read_options(
     check_choice("outliers", outliers, OutlierTreatment)
     crop = crop.split(",") if isinstance(crop, str) else crop
     if crop is not None and not (isinstance(crop, (list, tuple)) and len(crop) in (2, 4)):
-        raise ValueError(f'crop must be "x0,x1" or "x0,x1,y0,y1", got {crop!r}')
+        raise ValueError(f'crop must be "x0,x1" or "x0,x1,y0,y1", got {short_repr(crop)}')
     pair = spacing if isinstance(spacing, tuple) else (spacing, spacing)
     if len(pair) != 2:
-        raise ValueError(f"spacing must be one quantity or a pair (Δy, Δx), got {spacing!r}")
+        raise ValueError(f"spacing must be one quantity or a pair (Δy, Δx), got {short_repr(spacing)}")
     if columns is not None:
         columns = (columns,) if isinstance(columns, (str, int)) else columns
         if not isinstance(columns, (tuple, list)) or len(columns) not in (1, 2, 3):
@@ -94,7 +94,7 @@ def validate_read_options(
             )
     for name, selection in (("channel", channel), *(("columns", column) for column in columns or ())):
         if selection is not None and (isinstance(selection, bool) or not isinstance(selection, (str, int))):
-            raise ValueError(f"{name} must be a name or a number counted from 0, got {selection!r}")
+            raise ValueError(f"{name} must be a name or a number counted from 0, got {short_repr(selection)}")
     columns = None if columns is None else tuple(columns)
     dy, dx = (None if item is None else _parse_length("spacing", item) for item in pair)
     crop = None if crop is None else tuple(float(_parse_length("crop", bound, allows_zero=True)) for bound in crop)
@@ -124,7 +124,10 @@ def _parse_missing_markers(given: Any) -> tuple[tuple[float, ...], tuple[str, ..
         try:
             codes.append(float(part))
         except (ValueError, OverflowError):
-            words.append(str(part).strip())
+            word = str(part).strip()
+            if not word.isprintable():
+                raise ValueError(f"missing_value must have printable words, got {short_repr(given)}") from None
+            words.append(word)
     return tuple(codes), tuple(words)
 
 
@@ -249,7 +252,7 @@ def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]
     """Return the units of the positions and of the heights."""
     pair = unit if isinstance(unit, tuple) else (unit, unit)
     if len(pair) != 2 or not all(item is None or (isinstance(item, str) and parse_length_unit(item)) for item in pair):
-        raise ValueError(f"unit must be a unit of length (m, mm, um, nm, pm) or a pair of them, got {unit!r}")
+        raise ValueError(f"unit must be a unit of length (m, mm, um, nm, pm) or a pair of them, got {short_repr(unit)}")
     return pair
 
 
@@ -260,7 +263,7 @@ def _parse_length(name: str, text: Any, *, allows_zero: bool = False) -> Quantit
     except ValueError as error:
         raise ValueError(f"{name} {error}") from None
     if not (allows_zero or length > 0):
-        raise ValueError(f"{name} must be above 0, got {text!r}")
+        raise ValueError(f"{name} must be above 0, got {short_repr(text)}")
     return length
 
 
