@@ -10,6 +10,7 @@ import socket
 import stat
 import subprocess
 import threading
+import tomllib
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, suppress
@@ -175,6 +176,18 @@ def test_invalid_entry_is_reported_with_its_option_before_a_job_is_added(app, ma
     assert response["error"].startswith(reason)
     assert str(app.folder) not in response["error"]
     assert len(app.list_jobs()) == num_jobs
+
+
+def test_job_uses_the_directions_dwell_times_and_creep_exponent_of_the_form(app, map_scans):
+    options = {"upper": "steel", "lower": "brass", "hardness": "1.2 GPa", "load": "10 MPa", "mu0": "0.2"}
+    options |= {"tau0": "20 MPa", "shifts": "1", "direction": "0,90", "wait": "1 min,1 h", "creep": "0.03"}
+    job = app.post_json("/jobs", {"command": "pair", "options": list(options.items()), **map_scans})["job"]
+    finished = wait_until(app.list_jobs, lambda listed: listed[-1]["state"] in ("done", "failed"))
+    assert finished[-1]["state"] == "done", finished[-1]["error"]
+    study = tomllib.loads(app.request("GET", f"/jobs/{job}/study.toml")[2].decode())
+    assert study["contact"]["direction"] == [0, 90]
+    assert study["friction"]["wait"] == ["1 min", "1 h"]
+    assert study["known"]["creep"] == "0.03"
 
 
 def test_interface_of_the_form_must_be_published_so_that_no_file_is_read(app, map_scans):

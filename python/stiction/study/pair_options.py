@@ -615,10 +615,11 @@ class MaterialOptions(OptionGroup):
         "TIMES", 'Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.',
         kind="time",
         key="friction.wait", applies=(has_creep_exponent, has_half_space_result),
+        field=FormField(label="dwell times", example="1 min,1 h"),
     )] = None  # fmt: skip
     creep: Annotated[QuantityInput | None, PairOption(
         "NUMBER", 'Exponent m of indentation creep, "0.03" or "0.02..0.05": the hardness falls as (t/1 s)^-m.',
-        key="known.creep", applies=(has_dwell_times,),
+        key="known.creep", applies=(has_dwell_times,), field=FormField(label="creep exponent", example="0.02..0.05"),
     )] = None  # fmt: skip
     work_of_adhesion: Annotated[QuantityInput | None, PairOption(
         "ENERGY", 'Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" declares that there is none.', kind="work of adhesion",
@@ -664,6 +665,7 @@ class FrictionOptions(OptionGroup):
     direction: Annotated[QuantityInputs | None, PairOption(
         "DEGREES", 'Directions of motion of the upper body, from +x towards +y, "0,90".', usual="every 30 degrees",
         key="contact.direction", applies=(presses_maps_or_surrogates,),
+        field=FormField(label="directions, °", example="0,90"),
     )] = None  # fmt: skip
 
 
