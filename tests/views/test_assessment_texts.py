@@ -1,6 +1,7 @@
 """Tests of assessments and their sentences; each caveat has a case with it and a case without it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -530,6 +531,15 @@ def test_text_about_finer_scans_states_the_hardness():
     text = finer_scan_text(summarize_single_point(measured_result(), measured_study(hardness=3.0)))
     assert text.startswith("with H = 3 GPa a finer scan would give 0.21")
     assert finer_scan_text(summarize_single_point(measured_result(), measured_study())) == ""
+
+
+@pytest.mark.parametrize(("half_width", "is_stated"), [(0.02, True), (0.5, False)])
+def test_finer_scans_are_stated_unless_their_effect_is_small_beside_the_interval(half_width, is_stated):
+    point = summarize_single_point(measured_result(), measured_study(hardness=3.0))
+    rules = tuple(replace(rule, lower=rule.value - half_width, upper=rule.value + half_width) for rule in point.rules)
+    text = " ".join(point_detail_sentences(replace(point, rules=rules)))
+    assert ("a finer scan would give" in text) == is_stated
+    assert point.bracket is not None
 
 
 def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():

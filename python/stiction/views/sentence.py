@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 # The sentence states how the load is defined if this choice changes the coefficient by more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
+# The terminal and the report state what finer scans would give if it spans this fraction of the interval.
+MIN_STATED_BRACKET_WIDTH = 0.05
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Largest relative difference of A E* h'/F from its usual value for which the small-slope estimate applies."""
 
@@ -315,11 +317,19 @@ def point_detail_sentences(point: PointSummary) -> list[str]:
     sentences = (
         [] if point.is_unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]
     )
-    if finer_scans := finer_scan_text(point):
+    if (finer_scans := finer_scan_text(point)) and _are_finer_scans_relevant(point):
         sentences.append(f"{finer_scans[0].upper()}{finer_scans[1:]}.")
     assumptions = list_assumptions(point.study)
     assumptions_note = f" Assumes {', '.join(assumptions)}." if assumptions else ""
     return [*filter(None, sentences), f"At {inputs_text(point)}; {point_note_text(point)}.{assumptions_note}"]
+
+
+def _are_finer_scans_relevant(point: PointSummary) -> bool:
+    """Return whether finer scans could change the coefficient by an appreciable fraction of its interval."""
+    if point.bracket is None:
+        return False
+    width = max((rule.upper - rule.lower for rule in point.rules if rule.rule == "all"), default=math.nan)
+    return not point.bracket[1] - point.bracket[0] < MIN_STATED_BRACKET_WIDTH * width
 
 
 def roughness_text(point: PointSummary) -> str:
