@@ -169,6 +169,11 @@ class _CommandWithHelpPanels(TyperCommand):
                     raise typer.BadParameter("must not be empty", ctx, parameter)
         return remainder
 
+    def invoke(self, ctx: Any) -> Any:
+        with exit_on_interrupt():  # OpenBLAS raises SIGINT if it cannot start its threads
+            import_module("numpy")
+        return super().invoke(ctx)
+
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         return [re.sub("[{}]", "", piece) for piece in super().collect_usage_pieces(ctx)]
 

@@ -9,35 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stiction._arguments import (
-    parse_coefficients,
-    parse_load,
-    parse_numbers,
-    parse_quantities,
-    parse_quantity,
-    reject_decimal_commas,
-    split_values,
-    validate_nonnegative_values,
-)
 from stiction._errors import ArgumentError
 from stiction._units import short_repr
 from stiction.cli.application import command, print_output, print_warning, report_interruption, show_status
-from stiction.cli.execution import WorkersOption
-from stiction.cli.options import JsonOption, VerboseOption, option, reject_options
-from stiction.cli.result_output import VERBOSE_OPTION, open_result_with_warning
-from stiction.companions.height_scale import (
-    compute_results_at_height_factors,
-    evaluate_at_height_factors,
-    parse_height_factors,
-)
-from stiction.evaluate.computed_loads import find_loads_outside_range, find_loads_without_values
-from stiction.mechanics.model import PROFILE_WIDTH
-from stiction.mechanics.quantities import UNCERTAINTY_QUANTITIES
-from stiction.result import Result
-from stiction.solve.executors import thread_pool_executor
-from stiction.views import rows
-from stiction.views.height_scale import height_scale_json, height_scale_text
-from stiction.views.text import default_friction_parameters_text, missing_loads_text, result_text
+from stiction.cli.options import JsonOption, VerboseOption, WorkersOption, option, reject_options
 
 if TYPE_CHECKING:
     import xarray
@@ -122,6 +97,18 @@ def at(
     values, the exit status is 2. If there are more points than fit on a screen, a selection is printed; --verbose and
     --json contain all points. Each factor of --scale-heights is computed once and stored with the result.
     """
+    from stiction._arguments import (
+        parse_coefficients,
+        parse_numbers,
+        parse_quantities,
+        parse_quantity,
+        validate_nonnegative_values,
+    )
+    from stiction.cli.result_output import VERBOSE_OPTION, open_result_with_warning
+    from stiction.evaluate.computed_loads import find_loads_without_values
+    from stiction.views import rows
+    from stiction.views.text import default_friction_parameters_text, result_text
+
     result = open_result_with_warning(directory)
     mu0_values = None if mu0 is None else parse_coefficients("mu0", mu0)
     tau0_values = None
@@ -164,6 +151,8 @@ def at(
 
 def _report_missing_loads(result: Result, values: xarray.Dataset, missing_loads: Sequence[float]) -> None:
     """Print a warning that names the loads without values. If no load has values, raise a `ValueError` instead."""
+    from stiction.views.text import missing_loads_text
+
     if not missing_loads:
         return
     message = missing_loads_text(result, values, missing_loads)
@@ -177,6 +166,16 @@ def _print_height_factor_results(
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Print a result for several height factors. If `compute` is True, first compute the missing results."""
+    from stiction.companions.height_scale import (
+        compute_results_at_height_factors,
+        evaluate_at_height_factors,
+        parse_height_factors,
+    )
+    from stiction.evaluate.computed_loads import find_loads_outside_range
+    from stiction.result import Result
+    from stiction.solve.executors import thread_pool_executor
+    from stiction.views.height_scale import height_scale_json, height_scale_text
+
     scaled_bodies: Any = scaled
     height_factors = parse_height_factors(text)
     if compute:
@@ -201,6 +200,9 @@ def _print_height_factor_results(
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
     """Parse and sort the loads (mN) given on the command line. By default, return the loads of the study."""
+    from stiction._arguments import parse_load, parse_quantity, reject_decimal_commas, split_values
+    from stiction.mechanics.model import PROFILE_WIDTH
+
     width_factor = 1.0
     if width is not None:
         if result.study.surfaces.press != "lines":
@@ -245,6 +247,8 @@ def _select_nearest_parameters(
 
 
 def _select_direction(dataset: xarray.Dataset, direction: float) -> xarray.Dataset:
+    from stiction.mechanics.quantities import UNCERTAINTY_QUANTITIES
+
     directions = dataset["direction"].values.reshape(-1).tolist() if "direction" in dataset.coords else []
     if direction % 360 not in directions:
         directions_text = ", ".join(f"{value:g}" for value in directions) or "none"

@@ -7,20 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
-from stiction._arguments import parse_quantity
-from stiction.calibration.calibration import calibrate as fit_interface
-from stiction.calibration.friction_tests import Ball, FrictionTest
-from stiction.calibration.tests_file import parse_friction_tests
 from stiction.cli.application import command, print_message, print_output
 from stiction.cli.options import JsonOption, option, reject_options
 from stiction.cli.pair_options import pair_option
-from stiction.cli.result_output import choose_message_printer, open_result_with_warning
-from stiction.study.input_distributions import Z_95, parse_uncertain_input
-from stiction.study.interfaces import interfaces as builtin_interfaces
-from stiction.study.interfaces import read_interface_entries, write_interface
-from stiction.views.calibration import calibration_figure, calibration_json, calibration_text, interfaces_text
-from stiction.views.rows import record_json
-from stiction.views.style import save_figure
 
 _TESTS_HELP = (
     'Friction tests, one per row. Columns: "load (mN)", "force (mN)" or coefficient; optional uncertainty, pair, run, '
@@ -85,6 +74,16 @@ def calibrate(
     A test determines mu0 + tau0 A/F, where A is the true contact area at the load F. Separate values of mu0 and tau0
     need tests with different A/F. If A/F varies too little, the output suggests a further test.
     """
+    from stiction._arguments import parse_quantity
+    from stiction.calibration.calibration import calibrate as fit_interface
+    from stiction.calibration.friction_tests import Ball, FrictionTest
+    from stiction.calibration.tests_file import parse_friction_tests
+    from stiction.cli.result_output import choose_message_printer, open_result_with_warning
+    from stiction.study.input_distributions import Z_95, parse_uncertain_input
+    from stiction.study.interfaces import write_interface
+    from stiction.views.calibration import calibration_figure, calibration_json, calibration_text
+    from stiction.views.style import save_figure
+
     bodies: dict[str, Any] = {folder.resolve().name: open_result_with_warning(folder) for folder in pair or ()}
     if len(bodies) < len(pair or ()):
         raise ValueError(
@@ -150,6 +149,11 @@ def interfaces(path: InterfacePathArgument = None, as_json: JsonOption = False) 
     "Measured" values come from contacts of known area. "Lumped" values come from friction at a nominal pressure and do
     not separate the effect of roughness. Each value is a range for the listed pressures and conditions.
     """
+    from stiction.study.interfaces import interfaces as builtin_interfaces
+    from stiction.study.interfaces import read_interface_entries
+    from stiction.views.calibration import interfaces_text
+    from stiction.views.rows import record_json
+
     values_by_name = builtin_interfaces() if path is None else read_interface_entries(path)
     if not (values_by_name or as_json):
         print_output(f"{path} contains no interfaces; stiction calibrate with --output NAME writes one")

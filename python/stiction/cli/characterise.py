@@ -5,44 +5,21 @@ from __future__ import annotations
 import os
 import shlex
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
-from stiction._arguments import parse_quantity
-from stiction._files import check_replaceable
 from stiction._text import MAX_PATH_LENGTH, printable_path, printable_text
 from stiction._units import short_repr
 from stiction.cli.application import command, option_was_given, print_message, print_output
 from stiction.cli.options import JsonOption, VerboseOption, load_measurement, option
 from stiction.cli.pair_options import pair_option, read_given_options
-from stiction.cli.result_output import choose_message_printer
-from stiction.study.measured_bodies import MACHINING_PROCESSES
-from stiction.study.pair_options import READING_OPTION_NAMES
-from stiction.summary.characterisation import Characterisation
-from stiction.surfaces.cut_off import cut_off
-from stiction.surfaces.joined_spectrum import joined_spectrum
-from stiction.surfaces.measured.spectrum_file import write_spectrum
-from stiction.surfaces.measured.writing import write_profile, write_surface
-from stiction.surfaces.preparation import ProfileForm, SurfaceForm, levelled
-from stiction.surfaces.profile import Profile
-from stiction.surfaces.repeated_scans import compare_repeated_scans
-from stiction.surfaces.surface import Surface
-from stiction.views import characterisation as views
-from stiction.views.characterisation import find_outlier_caveats
-from stiction.views.files import REPORT_FILE_SIGNATURE, write_new_text_file
-from stiction.views.report.reading import file_reading_table
-from stiction.views.rows import record_json
-from stiction.views.scans import (
-    joined_spectrum_figure,
-    joined_spectrum_record,
-    joined_spectrum_text,
-    octave_noise_csv,
-    repeated_scans_figure,
-    repeated_scans_record,
-    repeated_scans_text,
-)
-from stiction.views.style import FIGURE_FILE_SIGNATURES, save_figure
+
+if TYPE_CHECKING:
+    from stiction.summary.characterisation import Characterisation
+    from stiction.surfaces.profile import Profile
+    from stiction.surfaces.surface import Surface
+
 
 RowOption = Annotated[
     int | None, option("--row N", "Characterise only this row of a surface, counted from 0.", minimum=0)
@@ -131,6 +108,18 @@ def characterise(
     For one file, print the main parameters (all of them with --verbose), and write an HTML report and a figure. For
     several files, write one CSV file with a row for each. With --json, write only the file of --output.
     """
+    from stiction._arguments import parse_quantity
+    from stiction.cli.result_output import choose_message_printer
+    from stiction.study.measured_bodies import MACHINING_PROCESSES
+    from stiction.study.pair_options import READING_OPTION_NAMES
+    from stiction.summary.characterisation import Characterisation
+    from stiction.surfaces.cut_off import cut_off
+    from stiction.views import characterisation as views
+    from stiction.views.files import write_new_text_file
+    from stiction.views.report.reading import file_reading_table
+    from stiction.views.rows import record_json
+    from stiction.views.style import save_figure
+
     reading_options = {
         name: str(text) for name, text in read_given_options(context).items() if name in READING_OPTION_NAMES
     }
@@ -214,6 +203,14 @@ def _print_joined_spectrum(
     files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
 ) -> None:
     """Print and write the joined spectrum of several scans."""
+    from stiction.cli.result_output import choose_message_printer
+    from stiction.surfaces.joined_spectrum import joined_spectrum
+    from stiction.surfaces.measured.spectrum_file import write_spectrum
+    from stiction.views.characterisation import find_outlier_caveats
+    from stiction.views.rows import record_json
+    from stiction.views.scans import joined_spectrum_figure, joined_spectrum_record, joined_spectrum_text
+    from stiction.views.style import save_figure
+
     names = _name_scans(files)
     joined_scans = joined_spectrum(
         [scan.body_without_outliers for scan in scans], tip_radii=[scan.tip_radius for scan in scans], names=names
@@ -242,6 +239,16 @@ def _print_scan_comparison(
     files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
 ) -> None:
     """Print and write the comparison of two scans of the same place."""
+    from stiction.cli.result_output import choose_message_printer
+    from stiction.surfaces.measured.writing import write_profile, write_surface
+    from stiction.surfaces.profile import Profile
+    from stiction.surfaces.repeated_scans import compare_repeated_scans
+    from stiction.views.characterisation import find_outlier_caveats
+    from stiction.views.files import write_new_text_file
+    from stiction.views.rows import record_json
+    from stiction.views.scans import octave_noise_csv, repeated_scans_figure, repeated_scans_record, repeated_scans_text
+    from stiction.views.style import save_figure
+
     comparison = compare_repeated_scans(
         scans[0].body, scans[1].body, outliers=[scan.excluded_outliers for scan in scans]
     )
@@ -269,6 +276,10 @@ def _print_scan_comparison(
 
 def _choose_output_paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     """Return the paths of the files to write. Existing files other than figures and reports are never replaced."""
+    from stiction._files import check_replaceable
+    from stiction.views.files import REPORT_FILE_SIGNATURE
+    from stiction.views.style import FIGURE_FILE_SIGNATURES
+
     paths = _list_output_paths(files, output, together=together, repeated=repeated)
     file_marks = {".html": REPORT_FILE_SIGNATURE.encode(), **FIGURE_FILE_SIGNATURES}
     for path in paths:
@@ -307,6 +318,8 @@ def _list_output_paths(files: list[Path], output: Path | None, *, together: bool
 
 def _select_row_or_column(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
     """Return a row or a column of a surface, or the body unchanged if no index is given."""
+    from stiction.surfaces.profile import Profile
+
     for name, index, other_index in (("row", row, column), ("column", column, row)):
         if index is None:
             continue
@@ -324,6 +337,9 @@ def _select_row_or_column(body: Profile | Surface, row: int | None, column: int 
 
 def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
     """Subtract a trend or form from a body. The default is a line for a profile and a plane for a surface."""
+    from stiction.surfaces.preparation import ProfileForm, SurfaceForm, levelled
+    from stiction.surfaces.profile import Profile
+
     if level == "none":
         return body
     is_profile = isinstance(body, Profile)
@@ -344,6 +360,8 @@ def _reject_unused_options(context: typer.Context, *, together: bool, repeated: 
 
 def _parse_filters(lc: str | None, ls: str | None, *, robust: bool) -> dict[str, Any]:
     """Parse the filter options `--lc`, `--ls` and `--robust`, which apply to roughness parameters."""
+    from stiction._arguments import parse_quantity
+
     long_cutoff = None if lc is None else parse_quantity("lc", lc, "length")
     short_cutoff = 0.0 if ls == "none" else None if ls is None else parse_quantity("ls", ls, "length")
     return {"lc": long_cutoff, "ls": short_cutoff, "robust": robust}
@@ -351,6 +369,8 @@ def _parse_filters(lc: str | None, ls: str | None, *, robust: bool) -> dict[str,
 
 def _parse_band(text: str | None) -> tuple[float, float] | None:
     """Parse the shortest and the longest wavelength (µm) of the band used for a fit."""
+    from stiction._arguments import parse_quantity
+
     if text is None:
         return None
     limit_texts = text.split(",")

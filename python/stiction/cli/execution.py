@@ -7,12 +7,11 @@ import re
 from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from stiction._text import printable_path
 from stiction._units import short_repr
 from stiction.cli.application import print_message, print_output, report_interruption, show_status
-from stiction.cli.options import option
 from stiction.pipeline import complete_result
 from stiction.result import Result
 from stiction.solve.executors import connect_to_cluster, thread_pool_executor
@@ -20,19 +19,6 @@ from stiction.solve.members_in_progress import find_members_in_progress
 from stiction.solve.store import StoreError, StudyMismatchError, open_stored_result
 from stiction.study.study import Study
 from stiction.study.values import StudyError
-
-WorkersOption = Annotated[
-    int | None, option("--workers -w N", "Number of threads.", "one per core", minimum=1, panel="Computing")
-]
-
-SchedulerOption = Annotated[str | None, option(
-    "--scheduler ADDRESS",
-    "Compute on the workers of a Dask scheduler, such as tcp://host:8786.", False, panel="Computing",
-)]  # fmt: skip
-
-PartOption = Annotated[
-    str | None, option("--part I/N", "Compute only the I-th of N parts, such as 3/16.", False, panel="Computing")
-]
 
 _FILE_ENDINGS = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json", ".xlsx", ".zip", ".toml")
 

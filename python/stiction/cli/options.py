@@ -12,14 +12,11 @@ import typer
 
 from stiction._text import printable_path
 from stiction.cli.application import option_was_given, show_status
-from stiction.study.pair_options import split_option_text
-from stiction.surfaces.measured.reading import READERS, read_with_interpretation
-from stiction.surfaces.measured.spectrum_file import is_spectrum_file
-from stiction.surfaces.profile import Profile
-from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
     from stiction.surfaces.measured.reading import FileReading
+    from stiction.surfaces.profile import Profile
+    from stiction.surfaces.surface import Surface
 
 
 def option(
@@ -44,9 +41,26 @@ VerboseOption = Annotated[
     bool, _output_option("--verbose -v", "Show all: inputs, directions, cutoffs, onset, quantities.")
 ]
 
+WorkersOption = Annotated[
+    int | None, option("--workers -w N", "Number of threads.", "one per core", minimum=1, panel="Computing")
+]
+
+SchedulerOption = Annotated[str | None, option(
+    "--scheduler ADDRESS",
+    "Compute on the workers of a Dask scheduler, such as tcp://host:8786.", False, panel="Computing",
+)]  # fmt: skip
+
+PartOption = Annotated[
+    str | None, option("--part I/N", "Compute only the I-th of N parts, such as 3/16.", False, panel="Computing")
+]
+
 
 def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReading[Profile | Surface]:
     """Load a profile or surface from a file, applying the reading options given on the command line."""
+    from stiction.study.pair_options import split_option_text
+    from stiction.surfaces.measured.reading import read_with_interpretation
+    from stiction.surfaces.measured.spectrum_file import is_spectrum_file
+
     if is_spectrum_file(file):
         raise ValueError(
             f"{printable_path(file)} is a spectrum of several scans; only stiction pair accepts a spectrum instead of "
@@ -59,6 +73,8 @@ def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReadi
 
 def show_reader_import_status(file: Path) -> None:
     """If SurfaceTopography must be imported to read a file, show a message on a terminal."""
+    from stiction.surfaces.measured.reading import READERS
+
     if file.suffix.lower() not in READERS and file.is_file() and "SurfaceTopography" not in sys.modules:
         show_status(f"loading SurfaceTopography, which takes some seconds, to read {printable_path(file.name)}")
 

@@ -6,22 +6,21 @@ import json
 from concurrent.futures import Executor, Future
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from stiction._text import printable_text
 from stiction.cli.application import command, is_stderr_terminal, print_message, print_output
-from stiction.cli.execution import (
+from stiction.cli.options import (
+    JsonOption,
     PartOption,
     SchedulerOption,
+    VerboseOption,
     WorkersOption,
-    check_output_directory,
-    compute_result_in_folder,
-    open_executor,
-    parse_part,
+    option,
+    show_reader_import_status,
 )
-from stiction.cli.options import JsonOption, VerboseOption, option, show_reader_import_status
 from stiction.cli.pair_options import (
     PAIR_SHORT_HELP_PARAMETERS,
     HelpAllOption,
@@ -29,23 +28,11 @@ from stiction.cli.pair_options import (
     pair_option,
     read_given_options,
 )
-from stiction.cli.result_output import (
-    choose_message_printer,
-    print_pair_values,
-    print_resolution_and_onset,
-    print_result_json,
-    write_pair_files,
-)
-from stiction.pipeline import compute_preview_result
-from stiction.result import Result
-from stiction.solve.store import STUDY_FILE
-from stiction.study.members import find_body_attributes
-from stiction.study.pair_options import validate_option_values
-from stiction.study.pair_study import MeasuredPair
-from stiction.study.study import Study
-from stiction.views.files import OUTPUT_FILE_SIGNATURES, check_all_replaceable
-from stiction.views.rows import summary_json
-from stiction.views.text import preview_text
+
+if TYPE_CHECKING:
+    from stiction.result import Result
+    from stiction.study.study import Study
+
 
 UpperFileArgument = Annotated[str | None, pair_argument("upper")]
 LowerFileArgument = Annotated[str | None, pair_argument("lower")]
@@ -137,6 +124,21 @@ def pair(
     files; repeat an option to set UPPER and LOWER separately. The result is a study in DIR that run, at, plot, report,
     info and export accept.
     """
+    from stiction.cli.execution import check_output_directory, compute_result_in_folder, open_executor, parse_part
+    from stiction.cli.result_output import (
+        choose_message_printer,
+        print_pair_values,
+        print_resolution_and_onset,
+        print_result_json,
+        write_pair_files,
+    )
+    from stiction.solve.store import STUDY_FILE
+    from stiction.study.members import find_body_attributes
+    from stiction.study.pair_options import validate_option_values
+    from stiction.study.pair_study import MeasuredPair
+    from stiction.views.files import OUTPUT_FILE_SIGNATURES, check_all_replaceable
+    from stiction.views.rows import summary_json
+
     part_number, print_written = parse_part(part), choose_message_printer(as_json)
     check_output_directory(output)
     check_all_replaceable(output, OUTPUT_FILE_SIGNATURES)
@@ -201,6 +203,9 @@ def compute_preview_line(study: Study) -> str:
 
     Raises `ValueError` if the surfaces do not touch.
     """
+    from stiction.pipeline import compute_preview_result
+    from stiction.views.text import preview_text
+
     return preview_text(compute_preview_result(study).summary())
 
 

@@ -7,23 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
-from stiction._arguments import split_values
 from stiction._text import printable_path
 from stiction.cli.application import command, print_output
 from stiction.cli.options import JsonOption, VerboseOption, option
-from stiction.cli.result_output import (
-    open_result_with_warning,
-    print_result,
-    print_result_json,
-    print_sentences,
-    write_figures,
-)
-from stiction.result import Result
-from stiction.solve.store import open_stored_result
-from stiction.study.study import Study, find_table_differences
-from stiction.views.files import write_result
-from stiction.views.layout import wrap_text
-from stiction.views.style import parse_formats
 
 DirectoryArgument = Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair` or `run`.")]
 
@@ -41,6 +27,12 @@ def info(
     sentence: SentenceOption = False,
 ) -> None:
     """Show the inputs of a result, its progress, its friction at a few loads, and its reliability."""
+    from stiction.cli.result_output import open_result_with_warning, print_result, print_result_json, print_sentences
+    from stiction.result import Result
+    from stiction.solve.store import open_stored_result
+    from stiction.study.study import Study, find_table_differences
+    from stiction.views.layout import wrap_text
+
     if sentence:
         if as_json or verbose:
             raise ValueError(f"--sentence must not be combined with {'--json' if as_json else '--verbose'}")
@@ -78,6 +70,10 @@ def plot(
     formats: Annotated[str, option("--format FORMATS", 'Formats of the figures, from "png,pdf,svg".')] = "png",
 ) -> None:
     """Redraw the figures of a complete or unfinished result."""
+    from stiction._arguments import split_values
+    from stiction.cli.result_output import open_result_with_warning, write_figures
+    from stiction.views.style import parse_formats
+
     chosen_formats = parse_formats(split_values(formats))
     result = open_result_with_warning(directory)
     figure_directory = directory if output is None else output
@@ -94,6 +90,7 @@ def report(
     output: Annotated[Path | None, option("--output -o FILE.html", "File to write.", "DIR/report.html")] = None,
 ) -> None:
     """Write an interactive HTML report on a complete or unfinished result."""
+    from stiction.cli.result_output import open_result_with_warning
     from stiction.views.report import save_report
 
     path = output if output is not None else directory / "report.html"
@@ -109,5 +106,8 @@ def export(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write: .nc, .csv or .tex. It must not exist.")],
 ) -> None:
     """Write the stored result to a netCDF file, or write a table of the values at the loads shown by `info`."""
+    from stiction.cli.result_output import open_result_with_warning
+    from stiction.views.files import write_result
+
     write_result(open_result_with_warning(directory), file)
     print_output(f"wrote {printable_path(file)}")

@@ -4,26 +4,17 @@ from __future__ import annotations
 
 import difflib
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from stiction._units import short_repr
 from stiction.cli.application import command, print_output
-from stiction.cli.execution import (
-    PartOption,
-    SchedulerOption,
-    WorkersOption,
-    compute_result_in_folder,
-    open_executor,
-    parse_part,
-)
-from stiction.cli.options import VerboseOption, option
-from stiction.cli.result_output import print_result, write_figures
-from stiction.study.study import Study, read_study_description, study_names
-from stiction.study.values import MAX_LISTED_FAULTS, StudyError, parse_toml
-from stiction.views.layout import wrap_text
-from stiction.views.study_keys import study_keys_text
+from stiction.cli.options import PartOption, SchedulerOption, VerboseOption, WorkersOption, option
+
+if TYPE_CHECKING:
+    from stiction.study.study import Study
+
 
 ChangesOption = Annotated[
     list[str] | None, option("--set KEY=VALUE", "Change a value, such as ensemble.repetitions=10. Repeatable.")
@@ -53,6 +44,10 @@ def run_study_command(
 
     Repetitions (for a pair, positions) that already exist in the output directory are kept.
     """
+    from stiction.cli.execution import compute_result_in_folder, open_executor, parse_part
+    from stiction.cli.result_output import print_result, write_figures
+    from stiction.study.values import MAX_LISTED_FAULTS, StudyError
+
     chosen_study, directory = _load_study(study)
     try:
         chosen_study = chosen_study.with_changes(parse_overrides(overrides or []))
@@ -76,6 +71,11 @@ def studies(
     keys: Annotated[bool, option("--keys", "List the keys of study files: defaults, values and meanings.")] = False,
 ) -> None:
     """List the built-in studies, print one as a study file, or list the keys of study files."""
+    from stiction.study.study import Study, read_study_description, study_names
+    from stiction.study.values import StudyError
+    from stiction.views.layout import wrap_text
+    from stiction.views.study_keys import study_keys_text
+
     if keys:
         if name is not None:
             raise StudyError(f"--keys must not be combined with the name of a study, got {short_repr(name)}")
@@ -92,6 +92,9 @@ def studies(
 
 def _load_study(text: str) -> tuple[Study, Path]:
     """Load a study by name, file or directory. Also return the default directory for its results."""
+    from stiction.study.study import Study, study_names
+    from stiction.study.values import StudyError
+
     if text in study_names():
         return Study.named(text), Path(text)
     path = Path(text)
@@ -109,6 +112,8 @@ def _load_study(text: str) -> tuple[Study, Path]:
 
 def parse_overrides(assignments: list[str]) -> dict[str, Any]:
     """Parse the values of `--set` into a mapping from dotted keys to new values."""
+    from stiction.study.values import StudyError
+
     overrides = {}
     for assignment in assignments:
         key, equals, value = assignment.partition("=")
@@ -120,6 +125,8 @@ def parse_overrides(assignments: list[str]) -> dict[str, Any]:
 
 def _parse_toml_value(text: str) -> Any:
     """Parse a TOML value. Other text is returned as a string, so that quantities need no quotes."""
+    from stiction.study.values import parse_toml
+
     try:
         parsed_value = parse_toml(f"value = {text}")
     except ValueError:

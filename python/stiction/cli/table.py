@@ -5,33 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-from stiction._arguments import (
-    parse_coefficients,
-    parse_load,
-    parse_numbers,
-    parse_quantities,
-    parse_quantity,
-    split_values,
-)
 from stiction._text import printable_path
 from stiction._units import short_repr
 from stiction.cli.application import command, print_output
-from stiction.cli.execution import SchedulerOption, WorkersOption, compute_result_in_folder, open_executor
-from stiction.cli.options import option
+from stiction.cli.options import SchedulerOption, WorkersOption, option
 from stiction.cli.pair_options import pair_option
-from stiction.evaluate.friction_table import friction_table, table_study
-from stiction.solve.store import CHECKSUM_PREFIX, export
-from stiction.study.elasticity import determine_elasticity
-from stiction.views.files import check_all_replaceable, replace_text_file
-from stiction.views.friction_table import fitted_laws_csv, friction_table_csv, friction_table_text
 
 NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME = "table.nc", "table.csv", "laws.csv"
-TABLE_FILE_SIGNATURES = {
-    NETCDF_FILE_NAME: CHECKSUM_PREFIX,
-    CSV_FILE_NAME: b"stiffness over area (",
-    LAWS_FILE_NAME: b"b of k/A0 = b p^c",
-}
-"""Bytes that identify the files of an earlier table. Only such files may be overwritten."""
 
 
 @command(
@@ -67,6 +47,14 @@ def table_command(
     Pairs of generated surfaces are pressed as elastic half-spaces. The same command resumes an interrupted table.
     Further values of mu0 and tau0 need no new contact computation.
     """
+    from stiction._arguments import parse_coefficients, parse_numbers, parse_quantities, parse_quantity, split_values
+    from stiction.cli.execution import compute_result_in_folder, open_executor
+    from stiction.evaluate.friction_table import friction_table, table_study
+    from stiction.solve.store import CHECKSUM_PREFIX, export
+    from stiction.study.elasticity import determine_elasticity
+    from stiction.views.files import check_all_replaceable, replace_text_file
+    from stiction.views.friction_table import fitted_laws_csv, friction_table_csv, friction_table_text
+
     modulus = determine_elasticity(effective_modulus, young, poisson).effective_modulus
     wavelength_limits = parse_quantities("wavelengths", wavelengths, "length")
     if len(wavelength_limits) != 2:
@@ -88,19 +76,26 @@ def table_command(
         repetitions=repetitions,
         seed=seed,
     )
-    check_all_replaceable(output, TABLE_FILE_SIGNATURES)
+    signatures = {  # only files of an earlier table, which contain these bytes, may be overwritten
+        NETCDF_FILE_NAME: CHECKSUM_PREFIX,
+        CSV_FILE_NAME: b"stiffness over area (",
+        LAWS_FILE_NAME: b"b of k/A0 = b p^c",
+    }
+    check_all_replaceable(output, signatures)
     with open_executor(workers, scheduler) as executor:
         result = compute_result_in_folder(study, output, executor)
     table = friction_table(result, **friction_parameters)
     print_output(friction_table_text(table))
     export(table, output / NETCDF_FILE_NAME, replace=True)
     for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, fitted_laws_csv(table))):
-        replace_text_file(output / name, text, TABLE_FILE_SIGNATURES[name])
+        replace_text_file(output / name, text, signatures[name])
     for name in (NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME):
         print_output(f"wrote {printable_path(output / name)}")
 
 
 def _parse_pressure(text: str) -> float:
+    from stiction._arguments import parse_load
+
     amount, is_per_area = parse_load("load", text)
     if not is_per_area:
         raise ValueError(f'--load must be a pressure, such as "10 MPa", got {short_repr(text)}')
