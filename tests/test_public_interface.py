@@ -603,6 +603,8 @@ REJECTED_VALUE_CASES = [
     (lambda result: result.at(tau0=1e300), "tau0 must be at most 1e\\+12, got 1e\\+300"),
     (lambda result: result.at(mu0=[]), "mu0 must have at least one value"),
     (lambda result: result.contacts(members=[[1.0], [2.0, 3.0]]), "members must be a whole number of at least 0"),
+    (lambda _: stiction.LoadCurve.from_columns(3), "columns must be a mapping of names to arrays, got int"),
+    (lambda _: stiction.LoadCurve.from_columns({}), "columns must contain .*, got \\[\\]"),
     (lambda result: result.compute_once(3), "compute must be a function, got 3"),
     (lambda _: half_space(*SMALL_PAIR, [1e-3], progress=ARRAY), "progress must be a function of three arguments"),
     (lambda _: half_space(*SMALL_PAIR, [1e-3], record=ARRAY), "record must be a SolutionRecord, got ndarray"),

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, check_callable, float_array, validate_number
+from stiction._checks import Floats, check_callable, check_instance, float_array, validate_number
 from stiction._drawing import draw_contact_area, draw_friction
 from stiction._number_format import format_with_unit
 from stiction._repr import PlotReprMixin, TextReprMixin, axes_or_new_axes
@@ -73,6 +73,9 @@ class ContactSums:
     @classmethod
     def from_columns(cls, columns: Mapping[str, Any]) -> ContactSums:
         """Create the sums from a mapping of names to arrays, such as the variables of a dataset."""
+        check_instance("columns", columns, Mapping, "a mapping of names to arrays")
+        if missing_names := [name for name in SUM_QUANTITIES if name not in columns]:
+            raise ValueError(f"columns must contain {missing_names[0]}, got {short_repr(list(columns))}")
         return ContactSums(**{name: columns[name] for name in SUM_QUANTITIES})
 
     def apply(self, function: Callable[[NDArray[Any]], Any]) -> ContactSums:
