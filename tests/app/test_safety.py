@@ -144,8 +144,8 @@ def test_requests_for_paths_outside_the_app_are_rejected(app, path):
         {"command": "run", "options": [["set", "x" * 300]]},
         {"command": "run", "options": [["set", 'surfaces={kind="measured",upper={file="/etc/passwd"}}']]},
         {"command": "run", "options": [["set", "surfaces.kind=measured"]]},
-        {"command": "run", "options": [["set", "known.interface=/etc/passwd"]]},
-        {"command": "run", "options": [["set", "ensemble.seed=1\n[known]"]]},
+        {"command": "run", "options": [["set", "friction.interface=/etc/passwd"]]},
+        {"command": "run", "options": [["set", "ensemble.seed=1\n[contact]"]]},
         [],
     ],
     ids=str,
@@ -187,7 +187,7 @@ def test_job_uses_the_directions_dwell_times_and_creep_exponent_of_the_form(app,
     study = tomllib.loads(app.request("GET", f"/jobs/{job}/study.toml")[2].decode())
     assert study["contact"]["direction"] == [0, 90]
     assert study["friction"]["wait"] == ["1 min", "1 h"]
-    assert study["known"]["creep"] == "0.03"
+    assert study["friction"]["creep"] == 0.03
 
 
 def test_interface_of_the_form_must_be_published_so_that_no_file_is_read(app, map_scans):

@@ -476,7 +476,7 @@ def test_interface_file_preserves_junction_growth(tmp_path) -> None:
     assert stored_interface.fits[0].junction_growth == pytest.approx(interface.fits[0].junction_growth, rel=1e-6)
     options = {name: value for name, value in PLASTIC_PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
     result = pair(*rough_surface_pair(0.03), **options, interface=path)
-    assert result.study.known.junction_growth == "0..27"
+    assert result.study.contact.junction_growth.estimate.text == "0..27"
     assert result.study.contact.junction_growth == pytest.approx(9.0, abs=1.0)
     expected = interface.predict(compute_plastic_pair("0..27"), "20 MPa")
     table = result.at("20 MPa")["friction_combined"].sel(sliding="all").squeeze()

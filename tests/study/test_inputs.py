@@ -1,50 +1,176 @@
-"""Test the entries of a study for inputs that may be uncertain."""
+"""Test the entries of a study for inputs that may be uncertain, each of which has one entry."""
 
-import numpy as np
+import json
+import pickle
+from pathlib import Path
+
 import pytest
-from stiction import Study, pair, self_affine_surface
-from stiction.study.study import parse_study
-from stiction.study.uncertain_inputs import find_yield_exponent
+from stiction import Study, material, materials, pair, self_affine_surface
+from stiction.study.elasticity import determine_elasticity
+from stiction.study.inputs import Inputs
+from stiction.study.study import find_member_differences, parse_study
 from stiction.study.values import StudyError
+from support.command import check_stiction
 
-HARD_CONTACT = {"contact.mechanics": "half-space", "contact.hardness": "1 GPa"}
+STUDY_TEXT = (Path(__file__).parent / "stored_studies/half-space_of_measured_areas.toml").read_text("utf-8")
+STUDY = parse_study(STUDY_TEXT, "stored")  # mild steel on brass, with junction growth and dwell times
+MODULUS_STUDY = STUDY.with_changes({"contact.effective_modulus": "80 GPa"})
 
 
-@pytest.mark.parametrize(("entry", "central", "low", "high"), [
-    ("uniform 1 .. 1.5", 1.25, 1.0, 1.5), (1.2, 1.2, 1.2, 1.2), ("1.2", 1.2, 1.2, 1.2), ("1.1..1.3", 1.2, 1.1, 1.3),
+def compute_pair(directory=None, **options):
+    maps = [
+        self_affine_surface(seed, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1, shortest_wavelength=0.6)
+        for seed in (1, 2)
+    ]
+    values = {"load": "10 MPa", "mu0": 0.2, "cutoff": "none", "shifts": 3, "onset": 0, "directory": directory}
+    return pair(*maps, **values | ({} if "upper" in options else {"effective_modulus": "80 GPa"}) | options)
+
+
+@pytest.mark.parametrize(("key", "entry", "central", "limits"), [
+    ("contact.hardness", "120 HV ± 10 %", 1.269, (1.0204, 1.5180)),
+    ("contact.hardness", "0.6 GPa (0.2..1.7 GPa)", 0.6, (0.2, 1.7)), ("contact.hardness", "2 GPa", 2.0, (2.0, 2.0)),
+    ("contact.effective_modulus", "80 GPa ± 5 %", 80.0, (72.16, 87.84)), ("contact.junction_growth", 9, 9.0, (9, 9)),
+    ("contact.junction_growth", "11 (0..27)", 11.0, (0, 27)), ("friction.mu0", "0.2 ± 0.02", 0.2, (0.1608, 0.2392)),
+    ("friction.mu0", 0.3, 0.3, (0.3, 0.3)), ("friction.mu0", ["0.2..0.4"], 0.3, (0.2, 0.4)),
+    ("friction.tau0", "20..80 MPa", 0.04, (0.02, 0.08)), ("friction.tau0", "50 MPa", 0.05, (0.05, 0.05)),
+    ("friction.creep", "0.02..0.05", 0.035, (0.02, 0.05)), ("contact.yield_exponent", 1.2, 1.2, (1.2, 1.2)),
+    ("contact.yield_exponent", "uniform 1 .. 1.5", 1.25, (1.0, 1.5)),
+    ("contact.yield_exponent", "1.1..1.3", 1.2, (1.1, 1.3)),
 ])  # fmt: skip
-def test_yield_exponent_of_a_study_is_a_number_or_a_range(entry, central, low, high):
-    study = Study().with_changes(HARD_CONTACT | {"contact.yield_exponent": entry})
-    exponent = find_yield_exponent(parse_study(study.to_toml(), "text"))
-    assert (study.contact.yield_exponent, exponent.value) == (central, central)
-    assert (exponent.low, exponent.high) == (low, high)
+def test_one_entry_of_a_study_has_the_central_value_and_the_range_of_an_input(key, entry, central, limits):
+    study = STUDY.with_changes({key: entry})
+    name = key.partition(".")[2]
+    for each in (study, parse_study(study.to_toml(), "text"), pickle.loads(pickle.dumps(study))):
+        assert each == study
+        inputs = Inputs.from_study(each)
+        assert inputs.central(name) == pytest.approx(central)
+        estimate = inputs.entries[name].estimate
+        assert (estimate.low, estimate.high) == pytest.approx(limits, rel=1e-4)
+        assert (name in inputs.uncertain) == (limits[0] < limits[1])
 
 
-@pytest.mark.parametrize(("changes", "reason"), [
-    ({"contact.yield_exponent": "0.2..1.2"}, "must be from 0.5 to 10, including its uncertainty, got '0.2..1.2'"),
-    ({"contact.yield_exponent": 11}, "must be from 0.5 to 10, including its uncertainty, got 11"),
-    ({"contact.yield_exponent": True}, "must be a number, or a text with a range or an uncertainty, got True"),
-    ({"contact.yield_exponent": 1.2, "contact.work_of_adhesion": "50 mJ/m^2"},
+@pytest.mark.parametrize(("changes", "key", "reason"), [
+    ({"contact.hardness": "2 GPa (0.2..1.7 GPa)"}, "contact.hardness", "must be a value within the range in brackets"),
+    ({"contact.hardness": "1..2 GPa (0.2..3 GPa)"}, "contact.hardness", "must be a value within the range in brackets"),
+    ({"contact.hardness": "0 GPa"}, "contact.hardness", "must be above 0, got '0 GPa'"),
+    ({"contact.hardness": 2.0}, "contact.hardness", "must be a pressure with its unit"),
+    ({"contact.hardness": "20 kg"}, "contact.hardness", "unit of pressure .*; HV and HRC are also accepted"),
+    ({"contact.junction_growth": "0..200"}, "contact.junction_growth", "must be from 0 to 100, got '0..200'"),
+    ({"contact.poisson": ["0.4..0.6", 0.3]}, "contact.poisson", "must be from 0 to 0.5, including its uncertainty"),
+    ({"contact.young": "80 GPa", "contact.effective_modulus": "80 GPa"}, "contact.effective_modulus",
+     "must not be given together with young, which determines it"),
+    ({"contact.young": "80 GPa", "contact.compliance_share": 0.5}, "contact.compliance_share",
+     "must not be given together with young, which determines it"),
+    ({"contact.young": "80 GPa", "contact.poisson": None}, "contact.poisson", "must be given together with young"),
+    ({"friction.mu0": ["0.2 ± 0.02", 0.3]}, "friction.mu0", "must be one value if it has a range or an uncertainty"),
+    ({"friction.interface": "MoS2 on bearing steel, dry air", "friction.mu0": [0.2]}, "friction.mu0",
+     "must not be given together with interface, which determines it"),
+    ({"friction.interface": "no such film"}, "friction.interface", "must be a file or one of "),
+    ({"friction.creep": None}, "", "friction.wait: needs .* add friction.creep"),
+    ({"contact.yield_exponent": "0.2..1.2"}, "contact.yield_exponent", "must be from 0.5 to 10, including its unc"),
+    ({"contact.yield_exponent": True}, "contact.yield_exponent", "must be a number, or a text with a range or an unc"),
+    ({"contact.junction_growth": 0, "contact.work_of_adhesion": "50 mJ/m^2"}, "contact.yield_exponent",
      "must not be given if work_of_adhesion is above 0, because the contacts then do not yield"),
 ])  # fmt: skip
-def test_study_rejects_an_impossible_yield_exponent(changes, reason):
-    with pytest.raises(StudyError) as caught:
-        Study().with_changes(HARD_CONTACT | changes)
-    assert caught.value.faults == (("contact.yield_exponent", reason),)
+def test_study_rejects_entries_that_are_impossible_or_contradict_each_other(changes, key, reason):
+    with pytest.raises(StudyError, match=reason) as caught:
+        STUDY.with_changes(changes)
+    assert len(str(caught.value).splitlines()) == 1
+    assert caught.value.faults[0][0].partition("[")[0] == key
 
 
-def compute_pair(**options):
-    maps = [self_affine_surface(seed, hurst_exponent=0.8, rms=0.02, shape=(40, 40), spacing=0.1) for seed in (1, 2)]
-    values = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "cutoff": "none", "shifts": 1, "onset": 0}
-    return pair(*maps, **values | options)
+def test_study_of_generated_surfaces_rejects_an_uncertain_input():
+    with pytest.raises(StudyError, match=r"contact.effective_modulus: must be exact for generated surfaces, got '8"):
+        Study().with_changes({"contact.effective_modulus": "80 GPa ± 5 %"})
 
 
-def test_yielding_pair_has_a_range_of_the_yield_exponent_by_default():
-    assert compute_pair(hardness="2 GPa").study.contact.yield_exponent.text == "uniform 1 .. 1.5"
-    assert compute_pair(hardness="2 GPa", yield_exponent=1.1).study.contact.yield_exponent == 1.1
-    assert compute_pair().study.contact.yield_exponent is None
-    adhesion = {"work_of_adhesion": "50 mJ/m^2", "adhesion_range": "20 nm"}
-    assert compute_pair(hardness="4 GPa", **adhesion).study.contact.yield_exponent is None
+@pytest.mark.parametrize("name", ["mild steel", "copper", "silicon", "PTFE"])
+def test_elastic_constants_of_a_pair_of_materials_give_the_modulus_and_share_of_their_names(name):
+    for other in materials():
+        elasticity = determine_elasticity(upper_material=name, lower_material=other.name)
+        body, counterface = (material(each) for each in (name, other.name))
+        study = STUDY.with_changes({
+            "contact.materials": [name, other.name],
+            "contact.young": [f"{each.young_modulus:.6g} GPa" for each in (body, counterface)],
+            "contact.poisson": [float(f"{each.poisson_ratio:.6g}") for each in (body, counterface)],
+        })  # fmt: skip
+        contact = study.contact
+        derived = (float(contact.effective_modulus), contact.compliance_share)
+        assert derived == (elasticity.effective_modulus, elasticity.compliance_share)
+
+
+def test_pair_of_materials_stores_their_ranges_in_the_study():
+    inputs = Inputs.from_study(compute_pair(upper="steel", lower="brass").study)
+    steel, brass = material("steel"), material("brass")
+    values = {
+        "hardness": brass.hardness, "young_upper": steel.young_modulus, "poisson_upper": steel.poisson_ratio,
+        "young_lower": brass.young_modulus, "junction_growth": brass.junction_growth,
+    }  # fmt: skip
+    for name, value in values.items():
+        estimate = inputs.uncertain[name].estimate
+        assert (estimate.low, estimate.high) == (value.low, value.high)
+    assert inputs.entries["hardness"].label == "the hardness of the brass"
+    assert inputs.entries["young_upper"].label == "Young's modulus of the mild steel"
+    assert "poisson_lower" not in inputs.uncertain  # the source has a single value
+
+
+def test_material_and_given_modulus_of_the_other_body_have_separate_ranges():
+    study = compute_pair(upper="steel", young="3 MPa ± 5 %", poisson="0.5", effective_modulus=None).study
+    inputs = Inputs.from_study(study)
+    assert set(inputs.uncertain) >= {"young_upper", "young_lower"}
+    assert inputs.central("young_lower") == 0.003
+    assert inputs.entries["young_upper"].text == "209 GPa (207..212 GPa)"
+
+
+def test_modulus_relative_to_the_study_follows_from_samples_of_both_bodies():
+    inputs = Inputs.from_study(STUDY)
+    samples = {name: inputs.quantile(name, [0.025, 0.975]) for name in ("young_upper", "young_lower")}
+    low, high = inputs.relative_modulus(samples)
+    assert low == pytest.approx(0.965, abs=0.01)
+    assert high == pytest.approx(1.035, abs=0.01)
+    assert inputs.relative_modulus({}) == 1
+    exact_inputs = Inputs.from_study(MODULUS_STUDY)
+    assert not {"young_upper", "effective_modulus"} & set(exact_inputs.uncertain)
+
+
+def test_replaced_value_has_no_uncertainty_unless_it_equals_the_value_of_the_study():
+    inputs = Inputs.from_study(STUDY.with_changes({"friction.mu0": "0.2 ± 0.02", "friction.tau0": "50 MPa ± 20 %"}))
+    assert inputs.replaced(mu0=0.2, hardness=0.625).uncertain == inputs.uncertain
+    changed = inputs.replaced(mu0=0.3, hardness=0.5)
+    assert set(inputs.uncertain) - set(changed.uncertain) == {"mu0", "hardness"}
+    assert (changed.central("mu0"), changed.central("hardness"), changed.central("tau0")) == (0.3, 0.5, 0.05)
+    assert changed.quantile("hardness", [0.1, 0.9]).tolist() == [0.5, 0.5]
+
+
+def test_replaced_mu0_of_an_interface_has_no_joint_distribution_with_tau0():
+    study = STUDY.with_changes({"friction.interface": "MoS2 on bearing steel, dry air"})
+    inputs = Inputs.from_study(study)
+    assert (inputs.central("mu0"), inputs.central("tau0")) == (0.001, 0.02479)
+    assert inputs.strength is not None
+    assert inputs.replaced(mu0=0.001, tau0=0.02479).strength is not None
+    assert inputs.replaced(mu0=0.2).strength is None
+    assert set(inputs.replaced(mu0=0.2).uncertain) == set(inputs.uncertain) - {"mu0"}
+
+
+def test_studies_with_equal_numbers_and_other_ranges_differ_but_have_equal_members():
+    first, second = (STUDY.with_changes({"contact.hardness": text}) for text in ("1.1..1.21 GPa", "1.154 GPa"))
+    assert first.contact.hardness == 1.154
+    assert first != second
+    assert find_member_differences(first, second) == []
+    assert find_member_differences(first, STUDY.with_changes({"contact.hardness": "2 GPa"}))[0][0] == "contact.hardness"
+    assert find_member_differences(STUDY, STUDY.with_changes({"contact.yield_exponent": 1.1})) == []
+    by_modulus = STUDY.with_changes({"contact.effective_modulus": "78.7 GPa"})
+    assert by_modulus.contact.compliance_share == STUDY.contact.compliance_share == 0.657
+    assert find_member_differences(STUDY, by_modulus) == []
+
+
+@pytest.mark.parametrize(("options", "text"), [
+    ({"hardness": "2 GPa"}, "uniform 1 .. 1.5"), ({"hardness": "2 GPa", "yield_exponent": 1.1}, "1.1"), ({}, None),
+    ({"hardness": "4 GPa", "work_of_adhesion": "50 mJ/m^2", "adhesion_range": "20 nm"}, None),
+])  # fmt: skip
+def test_yielding_pair_has_a_range_of_the_yield_exponent_by_default(options, text):
+    exponent = compute_pair(**options).study.contact.yield_exponent
+    assert (exponent and exponent.text) == text
 
 
 @pytest.mark.parametrize(("options", "reason"), [
@@ -56,10 +182,42 @@ def test_pair_rejects_an_impossible_yield_exponent(options, reason):
         compute_pair(**options)
 
 
-def test_values_of_an_input_with_equal_numbers_differ_if_their_ranges_differ():
-    first, second = (
-        Study().with_changes(HARD_CONTACT | {"contact.yield_exponent": text}) for text in ("1.1..1.3", "1..1.4")
-    )
-    assert first.contact.yield_exponent == 1.2 == second.contact.yield_exponent
-    assert first != second
-    assert np.isclose(find_yield_exponent(first).quantile(0.975), 1.3)
+@pytest.fixture(scope="module")
+def study_file(tmp_path_factory):
+    """Study file of a pair whose inputs are all uncertain."""
+    options = {"hardness": "1 GPa ± 10 %", "mu0": "0.2 ± 0.01", "tau0": "50 MPa ± 20 %", "load": "50 MPa"}
+    folder = tmp_path_factory.mktemp("pair")
+    study = compute_pair(folder / "result", upper="steel", lower="brass", junction_growth="0..20", **options).study
+    (folder / "study.toml").write_text(study.to_toml(), "utf-8")
+    return folder / "study.toml"
+
+
+@pytest.mark.parametrize(("key", "entry", "text", "label"), [
+    ("contact.hardness", '"0.6 GPa"', "hardness 600 MPa, ", "the hardness of the brass"),
+    ("contact.hardness", '"0.5..0.7 GPa"', "hardness 592 MPa (0.5..0.7 GPa), ", "the hardness of the brass"),
+    ("contact.effective_modulus", '"40 GPa"', "E* = 40 GPa, ", "Young's modulus of the mild steel"),
+    ("contact.effective_modulus", '"40 GPa ± 5 %"', "E* = 40 GPa, ", "E*"),
+    ("contact.young", '["300 GPa ± 3 %", "150 GPa"]', "E* = 112 GPa, ", "Young's modulus of the mild steel"),
+    ("contact.poisson", '["0.2..0.4", 0.2]', "E* = 74.2 GPa, ", "Poisson's ratio of the mild steel"),
+    ("contact.junction_growth", "9", "α = 9, ", "the junction growth α"),
+    ("contact.junction_growth", '"9..15"', "α = 9..15, ", "the junction growth α"),
+    ("friction.mu0", "[0.25]", "μ0 = 0.25, ", "μ0"),
+    ("friction.mu0", '"0.25 ± 0.02"', "μ0 = 0.25 (0.25 ± 0.02), ", "μ0"),
+    ("friction.tau0", '["20 MPa"]', "τ0 = 20 MPa, ", "τ0"),
+    ("friction.tau0", '"20..30 MPa"', "τ0 = 24.5 MPa (20..30 MPa), ", "τ0"),
+])  # fmt: skip
+def test_run_with_a_changed_entry_prints_its_value_and_range_and_lists_it_in_the_budget(
+    study_file, tmp_path, key, entry, text, label
+):
+    check_stiction("run", study_file, "--set", f"{key}={entry}", "--output", "changed", cwd=tmp_path)
+    document = json.loads(check_stiction("info", "changed", "--json", cwd=tmp_path).stdout)
+    point = document["points"][0]
+    assert text in point["sentence"]
+    study = parse_study(document["study"], "json")
+    assert Study.from_toml(tmp_path / "changed/study.toml") == study
+    labels = {each.label for each in Inputs.from_study(study).uncertain.values()}
+    is_uncertain = "±" in entry or ".." in entry
+    assert (label in labels) == is_uncertain
+    budget = {row["input"] for row in point["budget"]}
+    assert {each for each in budget if each.startswith(("the", "Y", "P", "E", "μ", "τ"))} <= labels
+    assert (label in budget) == is_uncertain

@@ -24,7 +24,7 @@ from stiction import (
     write_surface,
 )  # fmt: skip
 from stiction.study.input_distributions import Z_95
-from stiction.study.interfaces import find_interface
+from stiction.study.inputs import find_interface
 from support.command import assert_rejected, call_stiction, check_stiction
 
 pytestmark = pytest.mark.usefixtures("no_contact_pictures")
@@ -77,8 +77,8 @@ def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, r
     assert (interface_row.lower, interface_row.upper) == pytest.approx(
         result.interval_of_mean, abs=0.1 * np.ptp(result.interval)
     )
-    inputs = result.study.known
-    uncorrelated_result = pair(*rough_surfaces(), mu0=inputs.mu0, tau0=inputs.tau0, **PAIR_OPTIONS)
+    (mu0,), (tau0,) = result.study.friction.mu0, result.study.friction.tau0
+    uncorrelated_result = pair(*rough_surfaces(), mu0=mu0.text, tau0=tau0.text, **PAIR_OPTIONS)
     assert np.ptp(uncorrelated_result.interval) > 1.2 * np.ptp(result.interval)  # the correlation is lost
     assert "interface film (measured)" in result.sentence
 

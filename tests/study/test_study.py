@@ -506,11 +506,12 @@ class TestStudyKeys:
         for title, _, rows in list_key_tables():
             for key, _, values, _ in rows:
                 documented_values.setdefault((title, key.strip("`")), values)
-        assert documented_values["`[contact]`", "effective_modulus"] == "a pressure above 0"
-        assert documented_values["`[contact]`", "hardness"] == "a pressure above 0"
-        assert documented_values["`[surfaces]`, measured", "gap"] == "`true`"
         assert documented_values["`[contact]`", "work_of_adhesion"] == "an energy per area, at least 0"
-        assert "range" in documented_values["`[known]`", "hardness"]
+        assert documented_values["`[surfaces]`, measured", "gap"] == "`true`"
+        assert documented_values["`[contact]`", "adhesion_range"] == "a length above 0"
+        for key, kind in (("effective_modulus", "a pressure"), ("hardness", "a pressure"), ("creep", "a number")):
+            table = "`[friction]`" if key == "creep" else "`[contact]`"
+            assert documented_values[table, key] == f"{kind}, a range or a value with its uncertainty"
         assert "hurst_exponent" in study_keys_text()
 
     def test_self_affine_study_accepts_parameter_names_of_the_python_function(self):

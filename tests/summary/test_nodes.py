@@ -76,8 +76,8 @@ def test_node_axes_of_a_report_contain_mu0_and_tau0_of_the_study():
 def test_node_axis_of_an_uncertain_input_has_a_separate_node_at_the_value_of_the_input(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path))
     assert [axis.ranged.size for axis in build_initial_axes(study)] == [0, 0]
-    text = study.with_changes({"friction.tau0": ["40 MPa"]}).to_toml() + '\n[known]\nmu0 = "0.25..0.35"\n'
-    mu0, tau0 = build_initial_axes(parse_study(text, "test"))
+    changes = {"friction.tau0": ["40 MPa"], "friction.mu0": "0.25..0.35"}
+    mu0, tau0 = build_initial_axes(study.with_changes(changes))
     assert mu0.ranged.tolist() == [0.3]
     assert np.abs(mu0.rising - 0.3).min() > 3e-4
     assert tau0.ranged.size == 0

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 import xarray
 from stiction import Result, Study, run
+from stiction.study.interfaces import InterfaceSettings
 from stiction.study.study import parse_study_of_dataset
 from stiction.study.study_description import describe_study
 from stiction.summary.report_data import collect_report_data
@@ -44,12 +45,13 @@ def test_description_contains_no_folders_of_further_scans_and_of_an_interface(ma
     surfaces = study.surfaces
     folder = str(Path(surfaces.upper.file).parent)
     upper = surfaces.upper.model_copy(update={"others": (surfaces.lower,)})
-    known = study.known.model_copy(update={"interface": f"{folder}/steel.toml"})
-    study = study.model_copy(update={"surfaces": surfaces.model_copy(update={"upper": upper}), "known": known})
+    interface = InterfaceSettings(file=f"{folder}/steel.csv", mu0=0.2, tau0="20..80 MPa")
+    changes = {"friction.interface": interface.model_dump()}
+    study = study.model_copy(update={"surfaces": surfaces.model_copy(update={"upper": upper})}).with_changes(changes)
     description = describe_study(study)
     assert study.to_toml().count(folder) == 4
     assert folder not in description.file_text
-    assert 'interface = "steel.toml"' in description.file_text
+    assert 'interface = { file = "steel.csv", mu0' in description.file_text
 
 
 def test_measured_report_data_equal_the_result(maps_dataset):

@@ -424,10 +424,10 @@ def test_range_for_finer_scans_extends_from_the_plastic_limit_to_above_the_coeff
 
 
 @pytest.mark.parametrize(
-    ("input_range", "expected_text"), [("1.1 GPa", "1.1 GPa;"), ("0.9..1.3 GPa", "1.1 GPa (0.9..1.3 GPa);")]
+    ("input_range", "expected_text"), [("1.1 GPa", "1.1 GPa;"), ("0.9..1.3 GPa", "1.08 GPa (0.9..1.3 GPa);")]
 )
 def test_sentence_states_hardness_with_its_range(input_range, expected_text):
-    study = measured_study(hardness=1.1).with_changes({"known.hardness": input_range})
+    study = measured_study(hardness=1.1).with_changes({"contact.hardness": input_range})
     assert f"hardness {expected_text}" in quotable_sentence(summarize_single_point(measured_result(), study)).replace(
         ", points", ";"
     )
@@ -440,7 +440,8 @@ def test_sentence_states_the_number_of_surrogate_pairs():
 
 
 def test_text_of_inputs_states_materials_and_the_hardness_range_of_the_softer_body():
-    point = summarize(measured_result(load_share_at_hardness=0.9), study_with_materials(0.625)).points[0]
+    study = study_with_materials(0.625).with_changes({"contact.hardness": "0.625 GPa (0.23..1.7 GPa)"})
+    point = summarize(measured_result(load_share_at_hardness=0.9), study).points[0]
     assert "mild steel on brass" in inputs_text(point)
     assert "hardness 625 MPa (230 MPa to 1.7 GPa)" in inputs_text(point)
 

@@ -95,7 +95,7 @@ def compute_member_onset(
 ) -> dict[str, Any] | None:
     """Return the onset curve, slip map, index and position of a member, or None if the solver fails."""
     member = load_bodies(study).member(index, cut_off)
-    poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
+    poisson = study.contact.poisson or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
         pressed_pair = PressedPair.solve(study, member.pair, load)
         if pressed_pair is None:
@@ -145,7 +145,7 @@ def _average_onset_curves(study: Study, curves: Sequence[dict[str, Any]], attrib
         ),
         "statistic": _STATISTIC_NAMES,
     }
-    poisson_ratios = study.contact.poisson_ratio
+    poisson_ratios = study.contact.poisson
     attributes = attributes | {
         "members": len(curves), "mechanics": study.contact.mechanics,
         "poisson_ratio": np.array(poisson_ratios or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)),

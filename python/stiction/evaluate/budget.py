@@ -31,7 +31,8 @@ from stiction.mechanics.friction import LOAD_SUM_NAMES, ForcesPerLoad
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
 from stiction.solve.member_sums import MemberSums
-from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, find_interface
+from stiction.study.inputs import find_interface
+from stiction.study.interfaces import HARDNESS_HEADER_ENTRY
 from stiction.study.uncertain_inputs import find_junction_growth, find_uncertain_inputs
 from stiction.surfaces.pairing import SIDES
 

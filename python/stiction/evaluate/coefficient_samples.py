@@ -110,12 +110,9 @@ class CoefficientSamples:
         remaining joint samples are returned.
         """
         for name, value in (("mu0", self.mu0), ("tau0", self.tau0)):
-            if self.study.known.interface:
-                study_value = float(getattr(self.study.friction, name)[0])
-            elif name in self.inputs:
-                study_value = self.inputs[name].value
-            else:
+            if self.study.friction.interface is None and name not in self.inputs:
                 continue
+            study_value = float(getattr(self.study.friction, name)[0])
             if abs(study_value - value) > SAME_INPUT_TOLERANCE * value:
                 self.inputs.pop(name, None)
                 strengths = ()

@@ -8,10 +8,18 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, PlainSerializer, PlainValidator, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from stiction._checks import Floats, float_array
-from stiction._units import VALID_QUANTITY_RANGES, quantity, short_repr
+from stiction._units import VALID_QUANTITY_RANGES, exact_quantity, quantity, short_repr
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, BoundaryCondition, TiltMode
 from stiction.mechanics.law import CONTACT_LAWS_BY_NAME, HertzCylinder, JacksonGreen, LawName, parse_contact_law
 from stiction.mechanics.model import (
@@ -23,8 +31,17 @@ from stiction.mechanics.model import (
     ShearDirection,
     SlidingRule,
 )
+from stiction.study.elasticity import derive_elasticity
 from stiction.study.generated_surfaces import GeneratedProfileSettings, GeneratedSurfaceSettings
-from stiction.study.input_distributions import MAX_JUNCTION_GROWTH_COEFFICIENT, YieldExponentEntry
+from stiction.study.input_distributions import (
+    EffectiveModulusEntry,
+    HardnessEntry,
+    JunctionGrowthEntry,
+    PoissonRatioEntry,
+    YieldExponentEntry,
+    YoungModulusEntry,
+    parse_input_value,
+)
 from stiction.study.measured_surfaces import MeasuredSurfaceSettings
 from stiction.study.values import (
     ApproachesOrRange,
@@ -124,7 +141,6 @@ LawNameOrSettings = Annotated[LawName | LawTableSettings, PlainValidator(_parse_
 # ---- Contacts -------------------------------------------------------------------------------------------------------
 
 _MaterialName = Annotated[str, Field(min_length=1, max_length=80)]
-_PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 DetectionSetting = Annotated[
     DetectionMethod,
     Field(description="Criterion for a contact: as in the paper, or minima of the gap (the only criterion for areas)."),
@@ -133,8 +149,19 @@ CurvatureSetting = Annotated[
     CurvatureRequirement, Field(description="Convexity required at a contact: of both bodies, or only of their gap.")
 ]
 MaterialNames = Annotated[tuple[_MaterialName, _MaterialName], as_tuple]
-# Poisson's ratios of the upper and the lower body
-PoissonRatios = Annotated[tuple[_PoissonRatio, _PoissonRatio], as_tuple]
+DERIVED_ELASTICITY_KEYS = ("effective_modulus", "compliance_share")
+"""Keys of the table that follow from Young's moduli and Poisson's ratios, if these are given."""
+
+
+def _repeat_single_value(value: Any) -> Any:
+    """Return the values of both bodies as a tuple. A single value applies to both."""
+    values = tuple(value) if isinstance(value, (list, tuple)) else (value,)
+    return 2 * values if len(values) == 1 else values
+
+
+_for_both_bodies = BeforeValidator(_repeat_single_value)
+YoungModuli = Annotated[tuple[YoungModulusEntry, YoungModulusEntry], _for_both_bodies]
+PoissonRatios = Annotated[tuple[PoissonRatioEntry, PoissonRatioEntry], _for_both_bodies]
 
 
 class OnsetSettings(SettingsTable):
@@ -164,8 +191,8 @@ LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `fric
 class CommonContactSettings(SettingsTableVariant):
     """Keys of the table `[contact]` that are common to all contact models and all kinds of surfaces."""
 
-    effective_modulus: Modulus = Field(
-        default=quantity("10 GPa", "pressure"), description="Effective modulus E* of both bodies."
+    effective_modulus: EffectiveModulusEntry = Field(
+        default=parse_input_value("effective_modulus", "10 GPa"), description="Effective modulus E* of both bodies."
     )
 
     @property
@@ -202,7 +229,8 @@ class GeneratedSurfaceContactSettings(CommonContactSettings):
 
     place: ClassVar[str] = "generated surfaces"
     materials: ClassVar[None] = None
-    poisson_ratio: ClassVar[None] = None
+    young: ClassVar[None] = None
+    poisson: ClassVar[None] = None
 
     shear: ShearDirection = Field(default="+x", description="Direction of motion of the upper body along a profile.")
     direction: Directions = Field(default=None, description=DIRECTION_DESCRIPTION)
@@ -255,12 +283,51 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
 
     load: LoadsOrRange = Field(description=LOAD_DESCRIPTION)
     materials: MaterialNames | None = Field(
-        default=None, description="Material names of the upper and the lower body; they do not affect the calculation."
-    )
-    poisson_ratio: PoissonRatios | None = Field(
         default=None,
-        description="Poisson's ratios of the upper and the lower body, for the onset of sliding; 0.3 by default.",
+        description="Material names of the upper and the lower body. E* of `young` and `poisson` is then rounded to "
+        "three digits.",
     )
+    young: YoungModuli | None = Field(
+        default=None,
+        description="Young's moduli of the upper and the lower body, instead of `effective_modulus` and "
+        "`compliance_share`.",
+    )
+    poisson: PoissonRatios | None = Field(
+        default=None,
+        description="Poisson's ratios of the upper and the lower body; without `young`, they affect only the onset of "
+        "sliding, and are 0.3 by default.",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _derive_effective_modulus(cls, data: Any) -> Any:
+        """Add E* and the compliance share if Young's moduli are given."""
+        if not isinstance(data, Mapping) or data.get("young") is None:
+            return data
+        for key in DERIVED_ELASTICITY_KEYS:
+            if data.get(key) is not None:
+                raise make_key_error(key, "must not be given together with young, which determines it")
+        if data.get("poisson") is None:
+            raise make_key_error("poisson", "must be given together with young")
+        try:
+            young, poisson = (
+                [float(parse_input_value(key, value)) for value in _repeat_single_value(data[key])]
+                for key in ("young", "poisson")
+            )
+            elasticity = derive_elasticity(young, poisson, is_named=data.get("materials") is not None)
+        except (ValueError, IndexError):  # the validation of this key reports the error
+            return data
+        derived: dict[str, Any] = {
+            "effective_modulus": exact_quantity(elasticity.effective_modulus, "GPa"),
+            "compliance_share": elasticity.compliance_share,
+        }
+        return {**data, **{key: value for key, value in derived.items() if key in cls.model_fields}}
+
+    @model_serializer(mode="wrap")
+    def _omit_derived_values(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        data: dict[str, Any] = serialize(self)
+        omitted_keys = () if self.young is None else DERIVED_ELASTICITY_KEYS
+        return {key: value for key, value in data.items() if key not in omitted_keys}
 
     def loading_steps(self) -> Floats:
         """Return the loads (mN) of all loading steps."""
@@ -305,11 +372,11 @@ class HalfSpaceSettings(CommonContactSettings):
     boundary: BoundaryCondition = Field(
         default="free", description="Boundary at the edges: free, or periodic continuation of the surfaces."
     )
-    hardness: Modulus | None = Field(default=None, description="Largest contact pressure; elastic contact if omitted.")
-    junction_growth: float | None = Field(
+    hardness: HardnessEntry | None = Field(
+        default=None, description="Largest contact pressure; elastic contact if omitted."
+    )
+    junction_growth: JunctionGrowthEntry | None = Field(
         default=None,
-        ge=0,
-        le=MAX_JUNCTION_GROWTH_COEFFICIENT,
         description="α of p² + α s² = H², the growth of plastic contacts under shear; 0 with a caveat if omitted.",
     )
     yield_exponent: YieldExponentEntry | None = Field(

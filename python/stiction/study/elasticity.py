@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,12 +12,17 @@ from stiction._errors import ArgumentError
 from stiction._units import short_repr
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import (
+    MaterialValue,
     compliance_fraction,
     is_coating_formula,
     material,
     names_match,
     softest_material,
 )
+
+NUM_MATERIAL_DIGITS = 3  # number of digits of the properties of materials
+# Number of digits of the elastic constants of two materials. E* of all pairs of materials then has three exact digits.
+NUM_DIGITS_OF_PAIRED_MATERIALS = 6
 
 
 @dataclass(frozen=True)
@@ -27,7 +32,7 @@ class PairElasticity:
     effective_modulus: float  # effective modulus E* (GPa)
     compliance_share: float = 0.5  # fraction of the compliance contributed by the lower body; 0.5 if only E* is given
     poisson_ratio: float | None = None  # Poisson's ratio of the softer body
-    hardness: float | None = None  # hardness of the softer body, GPa
+    hardness: MaterialValue | None = None  # hardness of the softer body, GPa
     source: str = ""  # description of the modulus, if materials are given
     hardness_source: str = ""
     materials: tuple[str, str] | None = None  # names of the materials of the upper and the lower body
@@ -110,7 +115,7 @@ def _combine_material_with_moduli(upper: str | None, lower: str | None, young: A
     is_softer = known_material.hardness is not None and known_material.young_modulus <= moduli[0]
     return replace(
         _combine_moduli(upper_modulus, upper_ratio, lower_modulus, lower_ratio),
-        hardness=_round_to_three_digits(known_material.hardness) if is_softer else None,
+        hardness=known_material.hardness if is_softer else None,
         source=f"{known_material.name}: E {moduli_and_ratios[0][0]:g} GPa, ν {moduli_and_ratios[0][1]:g}",
         hardness_source=f"hardness {_round_to_three_digits(known_material.hardness):g} GPa "
         f"({known_material.hardness.source})"
@@ -140,7 +145,7 @@ def _combine_materials(upper: str, lower: str) -> PairElasticity:
     return PairElasticity(
         modulus, compliance_share=_round_to_three_digits(compliance_fraction(upper_body, lower_body)),
         poisson_ratio=float(softer_material.poisson_ratio),
-        hardness=None if hardness is None else _round_to_three_digits(hardness),
+        hardness=hardness,
         source=f"{upper_body.name} on {lower_body.name}: E* {modulus:g} GPa", hardness_source=hardness_source,
         materials=(upper_body.name, lower_body.name),
         poisson_ratios=(
@@ -179,6 +184,29 @@ def _load_material(argument: str, name: str) -> Any:
             f"{{{argument}}} {{why}}; for another material, give {{young}}, {{poisson}} and {{hardness}} as numbers",
             why=str(error).removeprefix("name "),
         ) from None
+
+
+def derive_elasticity(young: Sequence[float], poisson: Sequence[float], *, is_named: bool) -> PairElasticity:
+    """Return the elasticity for Young's moduli (GPa) and Poisson's ratios of the upper and the lower body.
+
+    E* of materials given by their names is rounded to three digits.
+    """
+    elasticity = _combine_moduli(young[0], poisson[0], young[1], poisson[1])
+    if not is_named:
+        return elasticity
+    return replace(
+        elasticity,
+        effective_modulus=_round_to_three_digits(elasticity.effective_modulus),
+        compliance_share=_round_to_three_digits(elasticity.compliance_share),
+    )
+
+
+def format_material_value(value: MaterialValue, unit: str = "", *, digits: int = NUM_MATERIAL_DIGITS) -> str:
+    """Return a property of a material as an entry of a study, with its range, as in "0.625 GPa (0.23..1.7 GPa)"."""
+    unit = f" {unit}" if unit else ""
+    if value.low == value.high:
+        return f"{value.low:g}{unit}"
+    return f"{float(value):.{digits}g}{unit} ({value.low:g}..{value.high:g}{unit})"
 
 
 def _round_to_three_digits(value: float) -> float:

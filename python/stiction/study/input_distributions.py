@@ -8,21 +8,21 @@ distribution.
 
 from __future__ import annotations
 
-import functools
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo, field_validator
+from pydantic import PlainSerializer, PlainValidator, WrapValidator
 
 from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import Floats, make_read_only
 from stiction._units import Quantity, exact_quantity_text, quantity, short_repr
-from stiction.study.values import SettingsTable, as_tuple
+from stiction.study.values import FrictionCoefficients, ShearStrengths
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
@@ -57,6 +57,8 @@ The projected area is 0.9272 of this surface.
 
 _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
+# matches a central value, followed by its range in brackets
+_CENTRAL_VALUE_PATTERN = re.compile(r"\s*([^()]+?)\s*\(\s*([^()]+?)\s*\)\s*")
 # matches an uncertainty in per cent; the unit of the value may follow
 _PERCENT_PATTERN = re.compile(r"(.+?)\s*%\s*(.*)")
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
@@ -289,7 +291,7 @@ def _compute_direction_bits(polynomial: int, initial_numbers: Sequence[int]) -> 
     return np.array(bits, dtype=np.uint32)
 
 
-@functools.lru_cache(maxsize=32)
+@lru_cache(maxsize=32)
 def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, seed: int = 0) -> Floats:
     """Return points of a scrambled Sobol sequence in the unit cube, as an array of shape (count, dimensions).
 
@@ -303,7 +305,7 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
         points = qmc.Sobol(dimensions, rng=generator).random_base2(num_bits)
     else:
         # Matoušek's scrambling: a random lower triangular matrix over the bits, and a random shift.
-        random_bits = functools.partial(generator.spawn(1)[0].integers, 2, dtype=np.uint32)
+        random_bits = partial(generator.spawn(1)[0].integers, 2, dtype=np.uint32)
         shift_bits = random_bits(size=(dimensions, SOBOL_BITS))
         matrices = np.tril(random_bits(size=(dimensions, SOBOL_BITS, SOBOL_BITS)), -1) + np.eye(
             SOBOL_BITS, dtype=np.uint32
@@ -332,76 +334,7 @@ def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats
     return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
 
 
-class InputValue(Quantity):
-    """Central value of a study input in core units, with its text and its distribution.
-
-    Contacts are computed with the central value: the number itself, or the middle of a range rounded to four digits.
-    """
-
-    estimate: UncertainInput
-
-    def __new__(cls, value: float, estimate: UncertainInput) -> InputValue:  # type: ignore[override]
-        """Create a value from the central value and the distribution."""
-        result: Any = super().__new__(cls, value, estimate.text)
-        result.estimate = estimate
-        return result  # type: ignore[no-any-return]
-
-    def __getnewargs__(self) -> tuple[float, UncertainInput]:  # type: ignore[override]
-        return float(self), self.estimate
-
-    def __eq__(self, other: object) -> bool:
-        """Compare the numbers and, if both values are inputs, their distributions."""
-        if isinstance(other, InputValue) and replace(self.estimate, text="") != replace(other.estimate, text=""):
-            return False
-        return float(self) == other
-
-    __hash__ = Quantity.__hash__
-
-
-def parse_input_value(name: str, source: Any) -> InputValue:
-    """Parse the entry of a study file for the input with the given name, which is a key of `INPUT_KINDS`.
-
-    The entry is a number, a quantity with its unit, or a text with a range or an uncertainty. Error messages do not
-    include the name.
-    """
-    if isinstance(source, InputValue):
-        return source
-    if isinstance(source, bool) or not isinstance(source, (str, int, float)):
-        raise ValueError(f"must be a number, or a text with a range or an uncertainty, got {short_repr(source)}")
-    try:
-        estimate = parse_study_input(name, source)
-    except ValueError as error:
-        raise ValueError(str(error).strip()) from None
-    is_number = not isinstance(source, str) or not UNCERTAINTY_PATTERN.search(source)
-    return InputValue(estimate.value if is_number else float(f"{estimate.value:.4g}"), estimate)
-
-
-def format_input_value(value: InputValue | None) -> Any:
-    """Return an input as a study file contains it: a number if it has neither a unit nor an uncertainty, or a text."""
-    if value is None or not value.estimate.is_exact or not _is_number(value.text):
-        return value if value is None else value.text
-    return float(value)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
-def _make_input_type(name: str) -> Any:
-    """Return the type of the study-file entry for an input."""
-    return Annotated[
-        InputValue, PlainValidator(lambda source: parse_input_value(name, source)), PlainSerializer(format_input_value)
-    ]
-
-
-YieldExponentEntry = _make_input_type("yield_exponent")
-
-
-# ---- Table of uncertain inputs in a study ----------------------------------------------------------------------------
+# ---- Entries of a study file ----------------------------------------------------------------------------------------
 
 INPUT_KINDS: dict[str, InputKind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
@@ -431,40 +364,136 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
     return parsed
 
 
-_InputText = Annotated[str, Field(min_length=1, max_length=80)]
-_BodyInputTexts = Annotated[tuple[_InputText, ...], as_tuple, Field(min_length=1, max_length=2)]
+class InputValue(Quantity):
+    """Central value of a study input in core units, with its text and its distribution.
+
+    Contacts are computed with the central value: the number itself, or the middle of a range rounded to four digits.
+    """
+
+    estimate: UncertainInput
+
+    def __new__(cls, value: float, estimate: UncertainInput, text: str | None = None) -> InputValue:
+        """Create a value from the central value and the distribution. The text of the distribution is the default."""
+        result: Any = super().__new__(cls, value, estimate.text if text is None else text)
+        result.estimate = estimate
+        return result  # type: ignore[no-any-return]
+
+    def __getnewargs__(self) -> tuple[float, UncertainInput, str]:  # type: ignore[override]
+        return float(self), self.estimate, self.text
+
+    def __eq__(self, other: object) -> bool:
+        """Compare the numbers and, if both values are inputs and one of them is uncertain, their distributions."""
+        if isinstance(other, InputValue) and not (self.is_exact and other.is_exact):
+            return float(self) == float(other) and self.estimate == other.estimate
+        return float(self) == other
+
+    __hash__ = Quantity.__hash__
+
+    @property
+    def is_exact(self) -> bool:
+        """True if the input is a number without uncertainty."""
+        return self.estimate.is_exact
 
 
-class UncertainInputSettings(SettingsTable):
-    """Ranges and uncertainties of the study inputs. Contacts are computed with the central values of these inputs."""
+def parse_input_value(name: str, source: Any) -> InputValue:
+    """Parse the entry of a study file for the input with the given name, which is a key of `INPUT_KINDS`.
 
-    mu0: _InputText | None = Field(
-        default=None, description="Molecular friction coefficient as a range, or as value ± standard uncertainty."
-    )
-    tau0: _InputText | None = Field(default=None, description="Adhesive shear strength.")
-    hardness: _InputText | None = Field(default=None, description="Hardness of the softer body.")
-    effective_modulus: _InputText | None = Field(default=None, description="E*.")
-    young: _BodyInputTexts | None = Field(default=None, description="Young's modulus of the upper and the lower body.")
-    poisson: _BodyInputTexts | None = Field(
-        default=None, description="Poisson's ratio of the upper and the lower body."
-    )
-    junction_growth: _InputText | None = Field(default=None, description="α of junction growth, p² + α s² = H².")
-    creep: _InputText | None = Field(
-        default=None, description="Exponent m of indentation creep: H = H(1 s) (t/1 s)^-m."
-    )
-    interface: str | None = Field(
-        default=None, min_length=1, max_length=4096,
-        description="Name or file of an interface, which defines μ0 and τ0 jointly; if the file is missing, the "
-        "ranges of μ0 and τ0 apply.",
-    )  # fmt: skip
+    The entry is a number, a quantity with its unit, or a text with a range or an uncertainty. A central value may
+    precede its range, as in "0.6 GPa (0.2..1.7 GPa)". Error messages do not include the name.
+    """
+    if isinstance(source, InputValue):
+        return source
+    kind = INPUT_KINDS[name]
+    if isinstance(source, Quantity) or (kind and not isinstance(source, str)):
+        source = quantity(source, "pressure").text
+    if isinstance(source, bool) or not isinstance(source, (str, int, float)):
+        raise ValueError(f"must be a number, or a text with a range or an uncertainty, got {short_repr(source)}")
+    try:
+        value = _parse_input_value(name, source)
+    except ValueError as error:
+        if isinstance(source, str) and kind and source.lstrip().startswith("-"):
+            raise ValueError(f"must be {_find_bound_text(kind)} 0, got {short_repr(source)}") from None
+        raise ValueError(str(error).strip()) from None
+    if kind in ("hardness", "modulus") and not value > 0:
+        raise ValueError(f"must be {_find_bound_text(kind)} 0, got {short_repr(source)}")
+    return value
 
-    @field_validator("*")
-    @classmethod
-    def _validate_inputs(cls, value: Any, info: ValidationInfo) -> Any:
-        texts = (value,) if isinstance(value, str) else value or ()
-        for text in texts if info.field_name != "interface" else ():
-            try:
-                parse_study_input(str(info.field_name), text)
-            except ValueError as error:
-                raise ValueError(str(error).strip()) from None
-        return value
+
+def _find_bound_text(kind: InputKind) -> str:
+    return "above" if kind in ("hardness", "modulus") else "at least"
+
+
+def _parse_input_value(name: str, source: Any) -> InputValue:
+    if not isinstance(source, str):
+        estimate = parse_study_input(name, source)
+        return InputValue(estimate.value, estimate)
+    if match := _CENTRAL_VALUE_PATTERN.fullmatch(source):
+        central, estimate = (parse_study_input(name, text) for text in match.groups())
+        if not central.is_exact or estimate.is_exact or not estimate.low <= central.value <= estimate.high:
+            raise ValueError(f"must be a value within the range in brackets, got {short_repr(source)}")
+        return InputValue(central.value, estimate, f"{central.text} ({estimate.text})")
+    estimate = parse_study_input(name, source)
+    if UNCERTAINTY_PATTERN.search(source):
+        return InputValue(float(f"{estimate.value:.4g}"), estimate)
+    if INPUT_KINDS[name]:
+        estimate = replace(estimate, text=quantity(source, "pressure").text)
+    return InputValue(estimate.value, estimate)
+
+
+def _make_exact_value(value: float) -> InputValue:
+    """Return a number or a quantity as an input without uncertainty."""
+    number = float(value)
+    text = value.text if isinstance(value, Quantity) else repr(number)
+    return InputValue(number, UncertainInput(number, number, number, "exact", text))
+
+
+def format_input_value(value: InputValue | None) -> Any:
+    """Return an input as a study file contains it: a number if it has neither a unit nor an uncertainty, or a text."""
+    if value is None:
+        return None
+    try:
+        float(value.text)
+    except ValueError:
+        return value.text
+    return float(value)
+
+
+def _parse_single_value(name: str, values: Any, parse_list: Callable[[Any], Any]) -> Any:
+    """Parse a single value of mu0 or tau0, which may be uncertain, or a list of exact values, into a tuple."""
+    items = list(values) if isinstance(values, (list, tuple)) else [values]
+    if any(isinstance(item, InputValue) or (isinstance(item, str) and _is_uncertain(item)) for item in items):
+        if len(items) > 1:
+            raise ValueError(f"must be one value if it has a range or an uncertainty, got {short_repr(items)}")
+        return (parse_input_value(name, items[0]),)
+    if not isinstance(values, (list, tuple)) and isinstance(values, str) and not INPUT_KINDS[name]:
+        items = [float(parse_input_value(name, values))]
+    return tuple(map(_make_exact_value, parse_list(tuple(items))))
+
+
+def _is_uncertain(text: str) -> bool:
+    return UNCERTAINTY_PATTERN.search(text) is not None
+
+
+def _format_values(values: tuple[InputValue, ...]) -> Any:
+    entries = tuple(format_input_value(value) for value in values)
+    return entries if values[0].is_exact else entries[0]
+
+
+_as_entry = PlainSerializer(format_input_value)
+EffectiveModulusEntry = Annotated[
+    InputValue, PlainValidator(partial(parse_input_value, "effective_modulus")), _as_entry
+]
+YoungModulusEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "young")), _as_entry]
+PoissonRatioEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "poisson")), _as_entry]
+HardnessEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "hardness")), _as_entry]
+JunctionGrowthEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "junction_growth")), _as_entry]
+YieldExponentEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "yield_exponent")), _as_entry]
+CreepExponentEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "creep")), _as_entry]
+FrictionCoefficientEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "mu0")), _as_entry]
+ShearStrengthEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "tau0")), _as_entry]
+FrictionCoefficientEntries = Annotated[
+    FrictionCoefficients, WrapValidator(partial(_parse_single_value, "mu0")), PlainSerializer(_format_values)
+]
+ShearStrengthEntries = Annotated[
+    ShearStrengths, WrapValidator(partial(_parse_single_value, "tau0")), PlainSerializer(_format_values)
+]

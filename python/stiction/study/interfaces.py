@@ -20,19 +20,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from stiction._checks import Floats, check_callable, check_choice, check_instance, parse_path, validate_number
 from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes, replace_file_atomically
 from stiction._text import printable_path, printable_text
-from stiction._units import short_repr
+from stiction._units import exact_quantity_text, short_repr
 from stiction.mechanics.model import SlidingRule
 from stiction.study.input_distributions import (
+    FrictionCoefficientEntry,
+    ShearStrengthEntry,
     UncertainInput,
     draw_input_samples,
     parse_study_input,
     parse_uncertain_input,
 )
-from stiction.study.study import Study
+from stiction.study.values import SettingsTable
 
 if TYPE_CHECKING:
     import pandas
@@ -452,23 +455,59 @@ def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
     return entries
 
 
-def find_interface(study: Study) -> InterfaceStrength | None:
-    """Return the interface of a study. Return None if no interface is given, or if its file is missing or changed."""
-    interface_name = study.known.interface
-    if interface_name is None:
-        return None
-    try:
-        study_interface = _read_cached_interface(
-            interface_name, 0 if interface_name in interfaces() else Path(interface_name).stat().st_mtime_ns
+class InterfaceSettings(SettingsTable):
+    """Entry of a study for an interface, which defines mu0 and tau0 jointly.
+
+    `mu0` and `tau0` apply if the file of the interface is missing or has changed.
+    """
+
+    file: str = Field(min_length=1, max_length=4096, description="Name or file of an interface.")
+    mu0: FrictionCoefficientEntry
+    tau0: ShearStrengthEntry
+
+    @classmethod
+    def from_source(cls, name_or_path: str) -> InterfaceSettings:
+        """Create the entry of a published interface or of a file. Raises a `ValueError` if there is none."""
+        is_published = name_or_path in interfaces()
+        try:
+            file = name_or_path if is_published else str(Path(name_or_path).resolve())
+            strength = _read_cached_interface(file, 0 if is_published else Path(file).stat().st_mtime_ns)
+        except OSError:
+            strength = InterfaceStrength.named(name_or_path)  # raises an error that lists the published interfaces
+        mu0, tau0 = (
+            _format_strength(median, interval, scale, unit)
+            for median, interval, scale, unit in zip(
+                round_median_strength(strength), strength.strength_intervals, (1.0, 1e3), ("", " MPa"), strict=True
+            )
         )
-    except (ValueError, OSError):
-        return None
-    mu0, tau0 = round_median_strength(study_interface)
-    return (
-        study_interface
-        if study.friction.mu0 == (mu0,) and [float(strength) for strength in study.friction.tau0] == [tau0]
-        else None
-    )
+        return cls.model_validate({"file": file, "mu0": mu0, "tau0": tau0})
+
+    def load(self) -> InterfaceStrength | None:
+        """Return the interface, or None if its file is missing or has changed."""
+        try:
+            if InterfaceSettings.from_source(self.file) != self:
+                return None
+            is_published = self.file in interfaces()
+            return _read_cached_interface(self.file, 0 if is_published else Path(self.file).stat().st_mtime_ns)
+        except (ValueError, OSError):
+            return None
+
+    @property
+    def name(self) -> str:
+        """Name of the interface, or name of its file without the directory."""
+        return Path(self.file).name
+
+    @model_serializer(mode="wrap")
+    def _serialize(self, serialize: SerializerFunctionWrapHandler) -> Any:
+        is_published = self.file in interfaces() and InterfaceSettings.from_source(self.file) == self
+        return self.file if is_published else serialize(self)
+
+
+def _format_strength(median: float, interval: ValueWithLimits, scale: float, unit: str) -> str:
+    """Return mu0 or tau0 (GPa) as an entry of a study, with its range."""
+    low, high = (f"{scale * end:.4g}" for end in interval[1:])
+    central = exact_quantity_text(median, "GPa") if unit else repr(median)
+    return f"{central} ({low}..{high}{unit})" if float(low) < float(high) else central
 
 
 @lru_cache(maxsize=8)

@@ -589,7 +589,7 @@ class MaterialOptions(OptionGroup):
         kind="pressure", is_common=True, field=FormField(label="E", place="body", unit="GPa"),
     )] = None  # fmt: skip
     poisson: Annotated[QuantityInputs | None, PairOption(
-        "NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', is_common=True, key="contact.poisson_ratio",
+        "NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', is_common=True, key="contact.poisson",
         applies=(needs_poisson_ratio,), field=FormField(label="ν", place="body"),
     )] = None  # fmt: skip
     hardness: Annotated[QuantityInput | None, PairOption(
@@ -619,7 +619,7 @@ class MaterialOptions(OptionGroup):
     )] = None  # fmt: skip
     creep: Annotated[QuantityInput | None, PairOption(
         "NUMBER", 'Exponent m of indentation creep, "0.03" or "0.02..0.05": the hardness falls as (t/1 s)^-m.',
-        key="known.creep", applies=(has_dwell_times,), field=FormField(label="creep exponent", example="0.02..0.05"),
+        key="friction.creep", applies=(has_dwell_times,), field=FormField(label="creep exponent", example="0.02..0.05"),
     )] = None  # fmt: skip
     work_of_adhesion: Annotated[QuantityInput | None, PairOption(
         "ENERGY", 'Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" declares that there is none.', kind="work of adhesion",
@@ -660,7 +660,7 @@ class FrictionOptions(OptionGroup):
     interface: Annotated[InterfaceInput | None, PairOption(
         "NAME|FILE", "Joint values of {mu0} and {tau0}: a file from stiction calibrate, or a name listed by stiction "
         "interfaces.",
-        key="known.interface", is_common=True, field=FormField(label="interface", place="load"),
+        key="friction.interface", is_common=True, field=FormField(label="interface", place="load"),
     )] = None  # fmt: skip
     direction: Annotated[QuantityInputs | None, PairOption(
         "DEGREES", 'Directions of motion of the upper body, from +x towards +y, "0,90".', usual="every 30 degrees",

@@ -28,14 +28,19 @@ from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.materials import material, softest_material
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.study.contact_tables import choose_load_steps
-from stiction.study.elasticity import PairElasticity, determine_elasticity
+from stiction.study.elasticity import (
+    NUM_DIGITS_OF_PAIRED_MATERIALS,
+    NUM_MATERIAL_DIGITS,
+    PairElasticity,
+    determine_elasticity,
+    format_material_value,
+)
 from stiction.study.input_distributions import (
     INPUT_KINDS,
     UNCERTAINTY_PATTERN,
     InputValue,
     UncertainInput,
     parse_input_value,
-    parse_study_input,
 )
 from stiction.study.interfaces import InterfaceStrength, interfaces, round_median_strength
 from stiction.study.measured_bodies import MACHINING_PROCESSES, MeasuredBody, MeasuredBodySettings
@@ -310,9 +315,9 @@ class MeasuredPair:
         return determine_elasticity(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
 
     @cached_property
-    def uncertain_inputs(self) -> dict[str, list[UncertainInput]]:
+    def uncertain_inputs(self) -> dict[str, list[InputValue]]:
         """Inputs that are given as a range or with an uncertainty, by name."""
-        inputs: dict[str, list[UncertainInput]] = {}
+        inputs: dict[str, list[InputValue]] = {}
         for name in INPUT_KINDS:
             texts = [text for text in split_values(self.options.option_value(name)) if text is not None]
             if not any(isinstance(text, str) and UNCERTAINTY_PATTERN.search(text) for text in texts):
@@ -325,15 +330,18 @@ class MeasuredPair:
             inputs[name] = self._parse_inputs(name)
         return inputs
 
-    def _parse_inputs(self, name: str) -> list[UncertainInput]:
+    def _parse_inputs(self, name: str) -> list[InputValue]:
+        """Parse the values of an option as entries of a study. Numbers are in core units."""
+        values = [value for value in split_values(self.options.option_value(name)) if value is not None]
+        if INPUT_KINDS[name]:
+            values = [value if isinstance(value, str) else exact_quantity_text(value, "GPa") for value in values]
+        return [self._parse_input(name, value) for value in values]
+
+    def _parse_input(self, name: str, value: Any) -> InputValue:
         try:
-            return [
-                parse_study_input(name, text)
-                for text in split_values(self.options.option_value(name))
-                if text is not None
-            ]
+            return parse_input_value(name, value)
         except ValueError as error:
-            raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
+            raise ArgumentError(f"{{{name}}} {{why}}", why=str(error)) from None
 
     @cached_property
     def given_interface(self) -> InterfaceStrength | None:
@@ -348,42 +356,15 @@ class MeasuredPair:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
 
     def _get_central_option_value(self, name: str) -> Any:
-        """Return the value of an option. Uncertain inputs are replaced by central values rounded to four digits."""
+        """Return the value of an option. Uncertain inputs are replaced by their central values."""
         if name in ("mu0", "tau0") and self.given_interface is not None:
             return round_median_strength(self.given_interface)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
             return 0.0
         if name not in self.uncertain_inputs:
             return self.options.option_value(name)
-        central_values = [float(f"{item.value:.4g}") for item in self.uncertain_inputs[name]]
+        central_values = [float(item) for item in self.uncertain_inputs[name]]
         return central_values if len(central_values) > 1 else central_values[0]
-
-    @property
-    def _uncertain_inputs_table(self) -> dict[str, Any]:
-        """Table `known` of the study. It contains the uncertain inputs and, if any modulus is uncertain, all moduli."""
-        names = set(self.uncertain_inputs) | {
-            name for name in ("hardness", "creep") if self.options.option_value(name) is not None
-        }
-        if names & {"young", "poisson"} and self.options.young is not None and self.options.poisson is not None:
-            names |= {"young", "poisson"}
-        settings: dict[str, Any] = {}
-        for name in sorted(names - {"yield_exponent"}):
-            inputs = self.uncertain_inputs.get(name) or self._parse_inputs(name)
-            settings[name] = [item.text for item in inputs] if name in ("young", "poisson") else inputs[0].text
-        if (
-            self.contact_models[0] == "half-space"
-            and (growth := self._junction_growth) is not None
-            and not growth.is_exact
-        ):
-            settings["junction_growth"] = growth.text
-        if self.given_interface is not None:
-            name = str(self.options.interface)
-            settings["interface"] = name if name in interfaces() else str(Path(name).resolve())
-            mu0, tau0 = self.given_interface.strength_intervals
-            for name, interval, scale, unit in (("mu0", mu0, 1.0, ""), ("tau0", tau0, 1e3, " MPa")):
-                low, high = (f"{scale * end:.4g}" for end in interval[1:])
-                settings |= {name: f"{low}..{high}{unit}"} if float(low) < float(high) else {}
-        return settings
 
     @cached_property
     def loads(self) -> list[Quantity]:
@@ -483,12 +464,16 @@ class MeasuredPair:
 
     @property
     def _strengths(self) -> dict[str, Any]:
-        """Values of mu0 and tau0 in ascending order."""
+        """Entries of mu0 and tau0: ascending values, one uncertain value, or the interface that defines both."""
+        if self.given_interface is not None:
+            name = str(self.options.interface)
+            return {"interface": name if name in interfaces() else str(Path(name).resolve())}
         strengths = validate_nonnegative_values(
             "tau0", self._parse_quantities("tau0", self._get_central_option_value("tau0")), self.options.tau0
         )
         coefficients = parse_coefficients("mu0", self._get_central_option_value("mu0"))
-        return {"mu0": sorted(set(coefficients)), "tau0": _sort_unique(strengths)}
+        values = {"mu0": sorted(set(coefficients)), "tau0": _sort_unique(strengths)}
+        return values | {name: self.uncertain_inputs[name] for name in values if name in self.uncertain_inputs}
 
     def _build_study(self, contact: dict[str, Any]) -> Study:
         friction = self._strengths | {"load": self.loads}
@@ -496,10 +481,10 @@ class MeasuredPair:
             if self._hardness is None:
                 raise ArgumentError("{wait} needs {hardness}, because elastic contacts do not creep")
             friction["wait"] = _sort_unique(self._parse_quantities("wait", self.options.wait))
+            friction["creep"] = self._parse_inputs("creep")[0]
         tables = {
             "surfaces": self._build_surfaces_table(), "contact": contact, "friction": friction,
             "ensemble": self._build_ensemble_table(),
-            "known": self._uncertain_inputs_table,
         }  # fmt: skip
         return _validate_study(tables).with_checksums()
 
@@ -629,22 +614,15 @@ class MeasuredPair:
         return int(text)
 
     def _build_contact_table(self, mechanics: str) -> dict[str, Any]:
-        elasticity = self.elasticity
-        table: dict[str, Any] = {
-            "mechanics": mechanics, "effective_modulus": exact_quantity_text(elasticity.effective_modulus, "GPa"),
-        }  # fmt: skip
-        for name, value in (("materials", elasticity.materials), ("poisson_ratio", elasticity.poisson_ratios)):
-            if value is not None:
-                table[name] = list(value)
+        table: dict[str, Any] = {"mechanics": mechanics, **self._elasticity_entries}
         if self.options.direction is not None:
             table["direction"] = parse_numbers("direction", self.options.direction, integers=True)
         if mechanics == "half-space":
-            table["compliance_share"] = elasticity.compliance_share
             table |= {} if self.options.tilt is None else {"tilt": self.options.tilt}
             if (hardness := self._hardness) is not None:
                 table["hardness"] = hardness
             if (growth := self._junction_growth) is not None:
-                table["junction_growth"] = growth.value
+                table["junction_growth"] = growth
             elif self.options.junction_growth is not None:
                 table["junction_growth"] = 0.0
             if (exponent := self._yield_exponent) is not None:
@@ -655,6 +633,33 @@ class MeasuredPair:
             if self.options.curvature is not None:
                 table["curvature"] = self.options.curvature
         return table
+
+    @property
+    def _elasticity_entries(self) -> dict[str, Any]:
+        """Entries of the contact table for the elastic constants: E*, or Young's moduli and Poisson's ratios."""
+        elasticity, options = self.elasticity, self.options
+        if options.effective_modulus is not None:
+            return {"effective_modulus": self._parse_inputs("effective_modulus")[0]}
+        named_bodies = [None if name is None else material(name) for name in self._material_names]
+        entries: dict[str, list[Any]] = {"young": [], "poisson": []}
+        given_values = {
+            name: self._parse_inputs(name) if options.option_value(name) is not None else [] for name in entries
+        }
+        for index, body in enumerate(named_bodies):
+            if body is None:
+                for name, values in given_values.items():
+                    entries[name].append(values[index % len(values)])
+                continue
+            digits = NUM_MATERIAL_DIGITS if elasticity.materials is None else NUM_DIGITS_OF_PAIRED_MATERIALS
+            entries["young"].append(format_material_value(body.young_modulus, "GPa", digits=digits))
+            entries["poisson"].append(format_material_value(body.poisson_ratio, digits=digits))
+        return entries | ({} if elasticity.materials is None else {"materials": list(elasticity.materials)})
+
+    @property
+    def _material_names(self) -> tuple[str | None, str | None]:
+        """Names of the materials of both bodies; None for a body whose elastic constants are given."""
+        upper, lower = self.options.upper_material, self.options.lower_material
+        return (upper, lower) if self.options.young is not None else (upper or lower, lower or upper)
 
     @property
     def _adhesion_entries(self) -> dict[str, Quantity]:
@@ -674,62 +679,51 @@ class MeasuredPair:
         return quantities
 
     @property
-    def _junction_growth(self) -> UncertainInput | None:
+    def _junction_growth(self) -> InputValue | None:
         """Junction growth α, or None if contacts do not grow.
 
         The default is the value for the interface or, without an interface, for the softer material.
         """
-        alpha_text = self.options.junction_growth
-        if alpha_text is None:
+        given_value: Any = self.options.junction_growth
+        if given_value is None:
             can_grow = self._hardness is not None and not self._adhesion_entries.get("work_of_adhesion")
-            interface_growth = (
-                self.given_interface.junction_growth if can_grow and self.given_interface is not None else None
-            )
+            if not can_grow:
+                return None
+            interface_growth = None if self.given_interface is None else self.given_interface.junction_growth
             if interface_growth is not None:
-                return interface_growth if interface_growth.value else None
-            softer_material = softest_material(*map(material, self.elasticity.materials or ())) if can_grow else None
+                return _build_entry(interface_growth) if interface_growth.value else None
+            softer_material = softest_material(*map(material, self.elasticity.materials or ()))
             value = softer_material and softer_material.junction_growth
-            alpha_text = f"{value.low:g}..{value.high:g}" if value else 0.0
+            given_value = f"{value.low:g}..{value.high:g}" if value else 0.0
         elif self._hardness is None:
             raise ArgumentError("{junction_growth} needs {hardness}, because elastic contacts do not grow")
-        try:
-            alpha = parse_study_input("junction_growth", alpha_text)
-        except ValueError as error:
-            raise ArgumentError("{junction_growth} {why}", why=str(error).strip()) from None
-        if alpha.value and self._adhesion_entries.get("work_of_adhesion"):
+        alpha = self._parse_input("junction_growth", given_value)
+        if alpha and self._adhesion_entries.get("work_of_adhesion"):
             raise ArgumentError(
-                "{junction_growth} must be 0 if {work_of_adhesion} is given, got {got}", got=repr(alpha_text)
+                "{junction_growth} must be 0 if {work_of_adhesion} is given, got {got}", got=repr(given_value)
             )
-        return alpha if alpha.value else None
+        return alpha if alpha else None
 
     @property
     def _yield_exponent(self) -> InputValue | None:
         """Exponent of the area of yielding contacts, or None if the contacts do not yield."""
         can_yield = self._hardness is not None and not self._adhesion_entries.get("work_of_adhesion")
-        if (text := self.options.yield_exponent) is None:
+        if (value := self.options.yield_exponent) is None:
             return parse_input_value("yield_exponent", DEFAULT_YIELD_EXPONENT) if can_yield else None
         if not can_yield:
             reason = "needs {hardness}" if self._hardness is None else "must not be combined with {work_of_adhesion}"
             raise ArgumentError(f"{{yield_exponent}} {reason}, because the contacts otherwise do not yield")
-        try:
-            return parse_input_value("yield_exponent", text)
-        except ValueError as error:
-            raise ArgumentError("{yield_exponent} {why}", why=str(error)) from None
+        return self._parse_input("yield_exponent", value)
 
     @property
-    def _hardness(self) -> Quantity | None:
+    def _hardness(self) -> InputValue | None:
         """Hardness given by the user. The default is the hardness of the softer material."""
         if self.options.hardness is None:
             value = self.elasticity.hardness
-            return None if value is None else quantity(exact_quantity_text(value, "GPa"), "pressure")
+            return None if value is None else parse_input_value("hardness", format_material_value(value, "GPa"))
         if self.elasticity.materials and self.elasticity.hardness is None:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
-        # if the hardness is invalid, this call raises an error that lists the hardness scales
-        self._parse_inputs("hardness")
-        hardness = self._parse_quantity("hardness", self._get_central_option_value("hardness"))
-        if not hardness > 0:
-            raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.options.hardness))
-        return hardness
+        return self._parse_inputs("hardness")[0]
 
     def _build_contact_law_entry(self) -> Any:
         """Return the contact law of the asperity model and its parameters, in the format of a study file."""
@@ -792,6 +786,13 @@ class MeasuredPair:
         area = self._body_attributes.nominal_area
         assert area is not None, "measured bodies have a nominal area"
         return area
+
+
+def _build_entry(estimate: UncertainInput) -> InputValue:
+    """Return the entry of a study for a junction growth whose central value need not be the middle of its range."""
+    if estimate.is_exact:
+        return parse_input_value("junction_growth", estimate.value)
+    return parse_input_value("junction_growth", f"{estimate.value:.6g} ({estimate.text})")
 
 
 def _validate_study(data: dict[str, Any]) -> Study:

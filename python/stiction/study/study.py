@@ -8,7 +8,16 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
 
-from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes
@@ -23,8 +32,10 @@ from stiction.mechanics.quantities import (
     SUM_QUANTITIES,
 )
 from stiction.study.contact_tables import (
+    DERIVED_ELASTICITY_KEYS,
     MAX_AREAL_LOAD_RATIO,
     ContactSettings,
+    HalfSpaceSettings,
     MeasuredMapContactSettings,
     choose_load_steps,
     parse_contact_settings,
@@ -36,10 +47,17 @@ from stiction.study.generated_surfaces import (
     SelfAffineSettings,
     WeierstrassMandelbrotSettings,
 )
-from stiction.study.input_distributions import UncertainInputSettings
+from stiction.study.input_distributions import (
+    CreepExponentEntry,
+    FrictionCoefficientEntries,
+    InputValue,
+    ShearStrengthEntries,
+)
+from stiction.study.interfaces import InterfaceSettings
 from stiction.study.measured_bodies import MeasuredBodySettings
 from stiction.study.measured_surfaces import MeasuredSurfaceSettings
 from stiction.study.member_names import MemberNames
+from stiction.study.old_formats import convert_old_study
 from stiction.study.values import (
     FrictionCoefficients,
     LoadsOfInterest,
@@ -50,6 +68,7 @@ from stiction.study.values import (
     Times,
     as_tuple,
     check_keys,
+    format_quantities,
     format_toml_value,
     make_key_error,
     parse_toml,
@@ -67,8 +86,8 @@ _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfac
 """Pairs of a table and a key, where the value of the key selects the class of the table."""
 
 _LEADING_KEYS = (
-    "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "law", "detection", "curvature",
-    "boundary", "hardness", "compliance_share",
+    "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "materials", "young", "poisson",
+    "law", "detection", "curvature", "boundary", "hardness", "compliance_share",
 )  # fmt: skip
 """Keys that are written first in their tables."""
 
@@ -116,6 +135,8 @@ class GeneratedSurfaceFrictionSettings(SettingsTableVariant):
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
+    creep: ClassVar[None] = None
+    interface: ClassVar[None] = None
 
     mu0: FrictionCoefficients = Field(default=(0.1, 0.4, 1.0), description=MU0_DESCRIPTION)
     tau0: ShearStrengths = Field(default=PAPER_SHEAR_STRENGTHS, description=TAU0_DESCRIPTION)
@@ -141,12 +162,47 @@ class MeasuredSurfaceFrictionSettings(SettingsTableVariant):
 
     place: ClassVar[str] = "measured surfaces"
 
-    mu0: FrictionCoefficients = Field(description=MU0_DESCRIPTION)
-    tau0: ShearStrengths = Field(default=(ZERO_SHEAR_STRENGTH,), description=TAU0_DESCRIPTION)
+    mu0: FrictionCoefficientEntries = Field(description=f"{MU0_DESCRIPTION} Not given together with `interface`.")
+    tau0: ShearStrengthEntries = Field(default=(ZERO_SHEAR_STRENGTH,), description=TAU0_DESCRIPTION)
+    interface: InterfaceSettings | None = Field(
+        default=None, description="Interface that defines μ0 and τ0 jointly, instead of `mu0` and `tau0`."
+    )
     load: LoadsOfInterest = Field(description=LOADS_DESCRIPTION)
     wait: Times = Field(
         default=(), description="Dwell times under load before sliding; `contact.hardness` is the hardness after 1 s."
     )
+    creep: CreepExponentEntry | None = Field(
+        default=None, description="Exponent m of indentation creep, for `wait`: H = H(1 s) (t/1 s)^-m."
+    )
+
+    @model_serializer(mode="wrap")
+    def _omit_derived_values(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        data: dict[str, Any] = serialize(self)
+        return {key: value for key, value in data.items() if self.interface is None or key not in STRENGTH_KEYS}
+
+
+STRENGTH_KEYS = ("mu0", "tau0")
+"""Keys of the table `[friction]` that follow from an interface, if it is given."""
+
+
+def _add_interface_strength(table: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Add mu0 and tau0 to a table `[friction]` with an interface."""
+    if (source := table.get("interface")) is None:
+        return table
+    for key in STRENGTH_KEYS:
+        if key in table:
+            raise make_key_error(key, "must not be given together with interface, which determines it")
+    try:
+        interface = (
+            InterfaceSettings.from_source(source)
+            if isinstance(source, str)
+            else InterfaceSettings.model_validate(source)
+        )
+    except ValidationError:  # the validation of this key reports the errors
+        return {**table, "mu0": [0.0]}
+    except ValueError as error:
+        raise make_key_error("interface", str(error).removeprefix("interface ")) from None
+    return {**table, "interface": interface, "mu0": (interface.mu0,), "tau0": (interface.tau0,)}
 
 
 FrictionSettings = AsperityFrictionSettings | HalfSpaceFrictionSettings | MeasuredSurfaceFrictionSettings
@@ -267,7 +323,6 @@ class Study(SettingsTable):
     friction: FrictionSettings = Field(default_factory=_build_empty_table)
     ensemble: EnsembleSettings = EnsembleSettings()
     figures: FigureSettings = FigureSettings()
-    known: UncertainInputSettings = UncertainInputSettings()
 
     @model_validator(mode="before")
     @classmethod
@@ -329,6 +384,8 @@ class Study(SettingsTable):
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
         settings_class = select_friction_settings_class(type(surfaces), mechanics)
+        if settings_class is MeasuredSurfaceFrictionSettings:
+            value = _add_interface_strength(value)
         check_keys(value, settings_class, SHARED_FRICTION_SETTINGS_CLASSES)
         return settings_class.model_validate(value)
 
@@ -341,6 +398,7 @@ class Study(SettingsTable):
                 "contact.load to compute loads around friction.load"
             )
         if not self.is_measured:
+            self._require_exact_inputs()
             if self.is_areal and (
                 profile_figures := [name for name in figure_names if name in ("profiles", "length-scales")]
             ):
@@ -350,10 +408,10 @@ class Study(SettingsTable):
             return self
         if self.figures != FigureSettings():
             raise ValueError("figures.draw: applies only to generated surfaces; measured surfaces have all figures")
-        if friction.wait and (self.contact.hardness is None or self.known.creep is None):
-            missing_key = "known.creep" if self.contact.hardness else "contact.hardness"
+        if friction.wait and (self.contact.hardness is None or friction.creep is None):
+            missing_key = "friction.creep" if self.contact.hardness else "contact.hardness"
             raise ValueError(
-                f"friction.wait: needs contact.hardness and known.creep, the creep exponent; add {missing_key}"
+                f"friction.wait: needs contact.hardness and friction.creep, the creep exponent; add {missing_key}"
             )
         num_combinations = len(friction.load) * len(friction.mu0) * len(friction.tau0)
         if num_combinations > MAX_PARAMETER_COMBINATIONS:
@@ -362,6 +420,12 @@ class Study(SettingsTable):
                 f"got {num_combinations}"
             )
         return self
+
+    def _require_exact_inputs(self) -> None:
+        """Raise an error if an input of generated surfaces is uncertain, because their intervals do not include it."""
+        for key, value in self.contact:
+            if isinstance(value, InputValue) and not value.is_exact:
+                raise ValueError(f"contact.{key}: must be exact for generated surfaces, got {short_repr(value.text)}")
 
     @property
     def is_measured(self) -> bool:
@@ -484,6 +548,7 @@ class Study(SettingsTable):
             If a key is unknown, or if a value is impossible.
         """
         data = self._convert_base_tables(changes)
+        self._remove_replaced_entries(data, changes)
         for key, value in changes.items():
             table: Any = data
             if not isinstance(key, str):
@@ -524,6 +589,27 @@ class Study(SettingsTable):
             friction = select_friction_settings_class(surfaces, contact.model_fields["mechanics"].default)
             self._remove_dependent_loads(tables, changes, is_allowed="load" in friction.model_fields)
         return tables
+
+    def _remove_replaced_entries(self, tables: Mapping[str, dict[str, Any]], changes: Mapping[str, Any]) -> None:
+        """Remove entries that changes of other entries replace.
+
+        E* replaces Young's moduli, but not the compliance share, and Young's moduli replace both. An interface replaces
+        mu0 and tau0; a change of one of them replaces the interface, but not the other value.
+        """
+        contact, friction = tables["contact"], tables["friction"]
+        if changes.get("contact.effective_modulus") is not None:
+            contact.pop("young", None)
+            if isinstance(self.contact, HalfSpaceSettings):
+                contact["compliance_share"] = self.contact.compliance_share
+        if changes.get("contact.young") is not None:
+            for key in DERIVED_ELASTICITY_KEYS:
+                contact.pop(key, None)
+        if changes.get("friction.interface") is not None:
+            for key in STRENGTH_KEYS:
+                friction.pop(key, None)
+        elif self.friction.interface is not None and any(f"friction.{key}" in changes for key in STRENGTH_KEYS):
+            del friction["interface"]
+            friction |= {key: getattr(self.friction, key) for key in STRENGTH_KEYS}
 
     def _remove_dependent_loads(
         self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
@@ -614,27 +700,37 @@ def find_table_differences(first: SettingsTable, second: SettingsTable, prefix: 
         if isinstance(table_values[0], SettingsTable) and isinstance(table_values[1], SettingsTable):
             differences += find_table_differences(table_values[0], table_values[1], f"{prefix}{name}.")
         else:
-            differences.append(
-                (
-                    f"{prefix}{name}",
-                    format_toml_value(serialized[0].get(name)),
-                    format_toml_value(serialized[1].get(name)),
-                )
-            )
+            texts = [
+                format_toml_value(table.get(name, format_quantities(value)))
+                for table, value in zip(serialized, table_values, strict=True)
+            ]
+            differences.append((f"{prefix}{name}", texts[0], texts[1]))
     return differences
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
     """List those differences between two studies that affect the members.
 
-    Members do not depend on the table `[friction]`, on the exponent of the yielding area, on figures, or on file paths.
+    Members depend on the central values of inputs, but not on their ranges. They do not depend on the table
+    `[friction]`, on the exponent of the yielding area, on figures, or on file paths.
     """
     return [
         difference
         for difference in find_table_differences(first, second)
         if (difference[0].startswith(("surfaces.", "contact.")) or difference[0] == "ensemble.seed")
-        and not difference[0].endswith((".upper.file", ".lower.file", "contact.yield_exponent"))
+        and not difference[0].endswith((".upper.file", ".lower.file"))
+        and difference[0] not in ("contact.yield_exponent", "contact.young")
+        and not _have_equal_central_values(first, second, difference[0])
     ]
+
+
+def _have_equal_central_values(first: Study, second: Study, key: str) -> bool:
+    """Return whether a key such as "contact.hardness" is an input whose central values are equal in both studies."""
+    section, _, name = key.partition(".")
+    values = [getattr(getattr(study, section), name, None) for study in (first, second)]
+    inputs = [value if isinstance(value, tuple) else (value,) for value in values]
+    is_input = all(isinstance(item, InputValue) for value in inputs for item in value)
+    return is_input and [float(item) for item in inputs[0]] == [float(item) for item in inputs[1]]
 
 
 def format_study_differences(differences: list[StudyDifference]) -> str:
@@ -661,4 +757,4 @@ def parse_study(text: str, source: str) -> Study:
         ) from None
     if not data:  # all keys have defaults, but an empty file is a mistake
         raise StudyError(f"{printable_path(source)} is empty, so it is not a study")
-    return validate_table(Study, data, source)
+    return validate_table(Study, convert_old_study(data, source), source)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from stiction.study.study import Study, find_table_differences, study_names
@@ -49,8 +48,9 @@ def get_pair_name(study: Study) -> str:
 def _strip_folders(study: Study) -> Study:
     surfaces: Any = study.surfaces
     changes: dict[str, Any] = {"surfaces": surfaces.with_changed_files(lambda file, _: file.without_folders())}
-    if study.known.interface is not None:
-        changes["known"] = study.known.model_copy(update={"interface": Path(study.known.interface).name})
+    if (interface := study.friction.interface) is not None:
+        interface = interface.model_copy(update={"file": interface.name})
+        changes["friction"] = study.friction.model_copy(update={"interface": interface})
     return study.model_copy(update=changes)
 
 

@@ -30,8 +30,8 @@ from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS, softest_material
 from stiction.study.input_distributions import UncertainInput
-from stiction.study.interfaces import find_interface
-from stiction.study.uncertain_inputs import find_junction_growth, find_materials, find_uncertain_inputs
+from stiction.study.inputs import find_interface, find_materials
+from stiction.study.uncertain_inputs import find_junction_growth, find_uncertain_inputs
 
 if TYPE_CHECKING:
     import xarray

@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +13,7 @@ import numpy as np
 from stiction._number_format import format_percent, format_with_unit
 from stiction.evaluate.point import has_limited_pressure
 from stiction.solve.alternative_preparations import SPIKES_ALTERNATIVE, TIP_ALTERNATIVE, AlternativeName
-from stiction.study.interfaces import find_interface
+from stiction.study.inputs import find_interface
 from stiction.summary.assessment import Caveat, Severity
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
 from stiction.surfaces.dominant_form import find_dominant_step, measure_parabola_fraction
@@ -136,7 +135,7 @@ def find_input_caveats(
     if interface is not None and interface.has_unknown_range:
         text = (
             f"the interval does not include the uncertainty of μ0 and τ0, because the range of the interface "
-            f"{Path(str(study.known.interface)).name} is unknown"
+            f"{study.friction.interface.name if study.friction.interface else ''} is unknown"
         )
         caveats.append(
             Caveat(text, "measure it (stiction calibrate), or give --mu0 and --tau0 with their ranges", "caution")

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from inspect import signature
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_significant, format_time, format_with_unit
 from stiction.evaluate.point import get_contact_law_name, has_limited_pressure
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.study.interfaces import find_interface
+from stiction.study.inputs import find_interface
 from stiction.study.member_names import POSITION_NAMES
 from stiction.study.uncertain_inputs import find_uncertain_inputs
 from stiction.summary.summary import PointSummary, Summary
@@ -130,7 +129,7 @@ def inputs_text(point: PointSummary) -> str:
         items.append(f"amplitude {format_with_unit(point.at['amplitude'], 'um')}")
     items.append(f"μ0 = {point.at['mu0']:g}{_input_range_text(point, 'mu0')}")
     items.append(f"τ0 = {coordinate_text('tau0', point.at['tau0'])}{_input_range_text(point, 'tau0')}")
-    if study.known.interface is not None and all(_is_central_value(point, name) for name in ("mu0", "tau0")):
+    if study.friction.interface is not None and all(_is_central_value(point, name) for name in ("mu0", "tau0")):
         items.append(_interface_text(study))
     if materials := material_names_text(study):
         items.append(materials)
@@ -139,7 +138,7 @@ def inputs_text(point: PointSummary) -> str:
     if hardness is not None:
         items.append(f"hardness {format_with_unit(float(hardness), 'GPa')}{_hardness_range_text(study)}")
         if alpha := study.contact.junction_growth:
-            items.append(f"α = {study.known.junction_growth or f'{alpha:g}'}")
+            items.append(f"α = {alpha.estimate.short_text}")
     elif study.is_measured:
         items.append("yielding by Jackson and Green" if "jackson" in get_contact_law_name(study) else "elastic")
     if study.contact.adheres:
@@ -155,8 +154,8 @@ def inputs_text(point: PointSummary) -> str:
 
 def _input_range_text(point: PointSummary, name: str) -> str:
     """Return the range of mu0 or tau0 in brackets if a point uses the central value; otherwise an empty string."""
-    text = getattr(point.study.known, name)
-    return f" ({text})" if text is not None and _is_central_value(point, name) else ""
+    entry = find_uncertain_inputs(point.study).get(name)
+    return f" ({entry.estimate.text})" if entry is not None and _is_central_value(point, name) else ""
 
 
 def _is_central_value(point: PointSummary, name: str) -> bool:
@@ -165,7 +164,7 @@ def _is_central_value(point: PointSummary, name: str) -> bool:
 
 def _interface_text(study: Study) -> str:
     """Return text with the name, the kind and the conditions of the interface that defines mu0 and tau0."""
-    interface, name = find_interface(study), Path(str(study.known.interface)).name
+    interface, name = find_interface(study), study.friction.interface.name if study.friction.interface else ""
     if interface is None:
         return f"interface {name}, which is missing, so μ0 and τ0 are independent"
     fit, items = interface.fits[0], [interface.about.get("kind", "measured"), interface.about.get("motion", "")]
@@ -179,8 +178,8 @@ def _hardness_range_text(study: Study) -> str:
     hardness_input = find_uncertain_inputs(study).get("hardness")
     if hardness_input is None:
         return ""
-    if study.known.hardness is not None:
-        return f" ({study.known.hardness})"
+    if hardness_input.text == hardness_input.estimate.text:
+        return f" ({hardness_input.text})"
     low, high = (format_with_unit(end, "GPa") for end in (hardness_input.estimate.low, hardness_input.estimate.high))
     return f" ({low} to {high})"
 
@@ -264,7 +263,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
     study = point.study
     if not study.is_measured:
         return ()
-    assumptions = [] if study.known.interface is not None else ["μ0 and τ0 as given"]
+    assumptions = [] if study.friction.interface is not None else ["μ0 and τ0 as given"]
     if study.uses_half_space:
         assumptions.append(
             "contact of half-spaces" if study.contact.hardness is None else "contact of yielding half-spaces"

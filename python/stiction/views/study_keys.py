@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, Literal, get_args, get_origin
 
+from pydantic import WrapValidator
 from pydantic_core import PydanticUndefined
 
 from stiction._units import Quantity
@@ -17,7 +18,7 @@ from stiction.study.contact_tables import (
     SHARED_CONTACT_SETTINGS_CLASSES,
 )
 from stiction.study.generated_surfaces import SelfAffineSettings
-from stiction.study.input_distributions import InputValue, UncertainInputSettings
+from stiction.study.input_distributions import INPUT_KINDS, InputValue
 from stiction.study.measured_bodies import MeasuredBodySettings
 from stiction.study.study import (
     FRICTION_SETTINGS_CLASSES,
@@ -55,21 +56,14 @@ _ALLOWED_VALUE_TEXTS = {
     "channel": "a name or a number from 0",
     "columns": "a name or a number from 0, or a list of two",
     "sha256": "64 hexadecimal digits",
+    "interface": "a name of `stiction interfaces`, or a file",
     "file": "a name",
     "upper": "a table, see below",
     "lower": "a table, see below",
 }
 """Descriptions of the allowed values of keys that have their own parsers."""
 
-_UNCERTAIN_VALUE_TEXT = 'a value with its uncertainty or a range, as text: `"0.2±0.02"`, `"20..80 MPa"`'
-_UNCERTAIN_INPUT_TEXTS = {
-    UncertainInputSettings.model_fields["mu0"].annotation: _UNCERTAIN_VALUE_TEXT,
-    UncertainInputSettings.model_fields[
-        "young"
-    ].annotation: f"a list of one or two such values: {_UNCERTAIN_VALUE_TEXT}",
-}
-"""Descriptions of the allowed values in the table `[known]`, by type."""
-
+_UNCERTAIN_VALUE_TEXT = "a range or a value with its uncertainty"
 _CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
 _FRICTION_DESCRIPTION = "Loads and friction parameters of measured surfaces, or of the figures of generated surfaces."
 _ALL_CONTACT_SETTINGS_CLASSES = tuple(
@@ -88,7 +82,6 @@ _KEY_TABLES: tuple[
     ("`upper` and `lower` of measured surfaces", f"{MeasuredBodySettings.__doc__}", (MeasuredBodySettings,), ()),
     ("`[contact]`", _CONTACT_DESCRIPTION, _ALL_CONTACT_SETTINGS_CLASSES, SHARED_CONTACT_SETTINGS_CLASSES),
     ("`[friction]`", _FRICTION_DESCRIPTION, FRICTION_SETTINGS_CLASSES, SHARED_FRICTION_SETTINGS_CLASSES),
-    ("`[known]`", f"{UncertainInputSettings.__doc__}", (UncertainInputSettings,), ()),
     ("`[ensemble]`", f"{EnsembleSettings.__doc__}", (EnsembleSettings,), ()),
     ("`[figures]` of generated surfaces", f"{FigureSettings.__doc__}", (FigureSettings,), ()),
 )
@@ -189,13 +182,25 @@ def _key_row(
 
 
 def _allowed_values_text(key: str, field_info: Any) -> str:
-    if field_info.annotation in _UNCERTAIN_INPUT_TEXTS:
-        return _UNCERTAIN_INPUT_TEXTS[field_info.annotation]
+    if key in INPUT_KINDS and _accepts_type(field_info.annotation, InputValue):
+        unit_text = "a pressure" if INPUT_KINDS[key] else "a number"
+        count_text = "one or two of: " if _accepts_type(field_info.annotation, tuple) else ""
+        return f"{count_text}{unit_text}, {_UNCERTAIN_VALUE_TEXT}"
+    if any(isinstance(item, WrapValidator) for item in field_info.metadata):
+        (text,) = _allowed_value_phrases(field_info.annotation, field_info.metadata)
+        return f"{text}; or {_UNCERTAIN_VALUE_TEXT}"
     if key == "direction":
         singular_phrase = f'`"+x"`, `"-x"` or {_DEGREES_TEXT}'
         return f"{singular_phrase}, or a list of these"
     return _ALLOWED_VALUE_TEXTS.get(key) or _join_with_or(
         _allowed_value_phrases(field_info.annotation, field_info.metadata)
+    )
+
+
+def _accepts_type(annotation: Any, kind: type) -> bool:
+    """Return whether a type is, or contains, the given type."""
+    return kind in (annotation, get_origin(annotation)) or any(
+        _accepts_type(argument, kind) for argument in get_args(annotation)
     )
 
 
@@ -213,8 +218,6 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
     for quantity_type, phrases in _QUANTITY_RANGE_TEXTS:
         if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
             return [phrases]
-    if annotation is InputValue:
-        return ["a number, a range or a value with its uncertainty"]
     if annotation is Quantity:  # lengths in measured files are parsed by a separate function
         return ["a length"]
     if get_origin(annotation) is Literal:

@@ -154,10 +154,8 @@ def _heading_lines(data: MeasuredReportData) -> list[str]:
     hardness = study.contact.hardness
     model_name = "half-space" if study.uses_half_space else "asperity"
     plasticity_text = "" if hardness is None else f", hardness {format_with_unit(hardness, 'GPa')}"
-    if study.contact.junction_growth:
-        plasticity_text += (
-            f", junction growth α = {study.known.junction_growth or format(study.contact.junction_growth, 'g')}"
-        )
+    if growth := study.contact.junction_growth:
+        plasticity_text += f", junction growth α = {growth.estimate.short_text}"
     modulus_text = format_with_unit(data.effective_modulus, "GPa")
     materials_text = f"{material_names_text(study).capitalize()}. " if material_names_text(study) else ""
     size_text = f"nominal area {nominal_area_text(area)}" if study.is_areal else f"length {area:.4g} µm, width 1 µm"

@@ -1,0 +1,175 @@
+"""Inputs of a study: central value, distribution, label and unit of each input, all from one entry of the study."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import MappingProxyType
+
+from numpy.typing import ArrayLike
+
+from stiction._checks import Floats
+from stiction._units import exact_quantity_text
+from stiction.mechanics.materials import Material, material, softest_material
+from stiction.study.input_distributions import INPUT_KINDS, InputValue, UncertainInput, parse_input_value
+from stiction.study.interfaces import InterfaceSettings, InterfaceStrength
+from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
+from stiction.study.study import Study
+from stiction.surfaces.pairing import SIDES
+
+SAME_VALUE_TOLERANCE = 1e-3  # relative difference up to which a replaced value counts as the value of the study
+
+_LABELS = {
+    "mu0": "μ0", "tau0": "τ0", "effective_modulus": "E*", "hardness": "the hardness",
+    "junction_growth": "the junction growth α", "yield_exponent": "the exponent of the yielding area",
+    "creep": "the creep exponent", "young": "Young's modulus", "poisson": "Poisson's ratio",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Input:
+    """Input of a study.
+
+    Attributes
+    ----------
+    label : str
+        Name for messages and reports, such as "the hardness of the brass".
+    unit : str
+        "GPa", or "" for a number.
+    central : float
+        Value with which contacts are computed.
+    estimate : UncertainInput
+        Distribution of the input.
+    text : str
+        Entry of the study, such as "120 HV ± 10 %".
+    """
+
+    label: str
+    unit: str
+    central: float
+    estimate: UncertainInput
+    text: str
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Inputs of a study by name.
+
+    The names are "mu0", "tau0", "effective_modulus", "hardness", "junction_growth", "yield_exponent", "creep" and, if
+    Young's moduli and Poisson's ratios are given, "young_upper", "poisson_upper", "young_lower" and "poisson_lower".
+    Bodies of the same material share the inputs of the upper body.
+
+    Attributes
+    ----------
+    entries : mapping of str to Input
+        All inputs that the study has.
+    interface : InterfaceSettings or None
+        Entry of the interface that defines mu0 and tau0 jointly.
+    """
+
+    entries: Mapping[str, Input]
+    interface: InterfaceSettings | None
+    _modulus: UncertainModulus
+
+    @classmethod
+    def from_study(cls, study: Study) -> Inputs:
+        """Return the inputs of a study. Those of equal entries are built once."""
+        contact, friction = study.contact, study.friction
+        values = {
+            "mu0": friction.mu0[0], "tau0": friction.tau0[0], "effective_modulus": contact.effective_modulus,
+            "hardness": contact.hardness, "junction_growth": contact.junction_growth or None,
+            "yield_exponent": contact.yield_exponent, "creep": friction.creep if friction.wait else None,
+        }  # fmt: skip
+        entries = tuple(
+            (name, value if isinstance(value, InputValue) else parse_input_value(name, value))
+            for name, value in values.items()
+            if value is not None
+        )
+        bodies = () if contact.young is None else (*zip(contact.young, contact.poisson or (), strict=True),)
+        return _build_inputs(entries, bodies, find_materials(study), friction.interface)
+
+    @property
+    def uncertain(self) -> Mapping[str, Input]:
+        """Inputs that are given as a range or with an uncertainty."""
+        return {name: entry for name, entry in self.entries.items() if not entry.estimate.is_exact}
+
+    @property
+    def strength(self) -> InterfaceStrength | None:
+        """Joint distribution of mu0 and tau0, or None without an interface, or if its file is missing or changed."""
+        return None if self.interface is None else self.interface.load()
+
+    def central(self, name: str) -> float:
+        """Return the value with which contacts are computed (GPa or 1)."""
+        return self.entries[name].central
+
+    def quantile(self, name: str, probability: ArrayLike) -> Floats:
+        """Return quantiles of an input at the given probabilities (GPa or 1)."""
+        return self.entries[name].estimate.quantile(probability)
+
+    def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
+        """Compute E* from samples of the inputs, and divide it by the E* of the study."""
+        return self._modulus.relative_modulus(samples)
+
+    def replaced(self, **values: float) -> Inputs:
+        """Return the inputs with other central values, such as ``hardness=1.2`` (GPa).
+
+        A value that differs from the value of the study has no uncertainty. If it is mu0 or tau0, the joint
+        distribution of both no longer applies.
+        """
+        entries, interface = dict(self.entries), self.interface
+        for name, value in values.items():
+            entry = entries[name]
+            if math.isclose(entry.central, value, rel_tol=SAME_VALUE_TOLERANCE):
+                continue
+            text = exact_quantity_text(value, entry.unit) if entry.unit else repr(float(value))
+            estimate = UncertainInput(value, value, value, "exact", text)
+            entries[name] = replace(entry, central=value, estimate=estimate, text=text)
+            interface = None if name in ("mu0", "tau0") else interface
+        return replace(self, entries=MappingProxyType(entries), interface=interface)
+
+
+@lru_cache(maxsize=64)
+def _build_inputs(
+    values: tuple[tuple[str, InputValue], ...], bodies: tuple[tuple[InputValue, InputValue], ...],
+    materials: tuple[Material, ...], interface: InterfaceSettings | None,
+) -> Inputs:  # fmt: skip
+    softer_material = softest_material(*materials)
+    entries: dict[str, Input] = {}
+    for name, value in values:
+        if name == "effective_modulus" and bodies:
+            continue
+        label = _LABELS[name]
+        label += f" of the {softer_material.name}" if name == "hardness" and softer_material else ""
+        entries[name] = _build_input(name, label, value)
+    is_one_material = bool(materials) and materials[0] == materials[1]
+    for index, side in enumerate(SIDES[: 1 if is_one_material else 2] if bodies else ()):
+        for name, value in zip(MODULUS_NAMES, bodies[index], strict=True):
+            body = materials[index].name if materials else f"{side} body"
+            entries[f"{name}_{side}"] = _build_input(name, f"{_LABELS[name]} of the {body}", value)
+    modulus_value = dict(values)["effective_modulus"]
+    modulus = UncertainModulus(
+        float(modulus_value),
+        effective_modulus=None if bodies else modulus_value.estimate,
+        bodies=tuple(dict(zip(MODULUS_NAMES, (value.estimate for value in body), strict=True)) for body in bodies),
+        is_one_material=is_one_material,
+    )
+    return Inputs(MappingProxyType(entries), interface, modulus)
+
+
+def _build_input(name: str, label: str, value: InputValue) -> Input:
+    return Input(label, "GPa" if INPUT_KINDS[name] else "", float(value), value.estimate, value.text)
+
+
+def find_materials(study: Study) -> tuple[Material, ...]:
+    """Return the materials of both bodies, or an empty tuple if a name is missing or unknown."""
+    try:
+        return tuple(material(name) for name in study.contact.materials or ())
+    except ValueError:
+        return ()
+
+
+def find_interface(study: Study) -> InterfaceStrength | None:
+    """Return the interface of a study. Return None if no interface is given, or if its file is missing or changed."""
+    return Inputs.from_study(study).strength
