@@ -259,7 +259,7 @@ def test_hardness_of_named_materials_has_a_range_and_explicit_hardness_is_exact(
     kwargs = dict(load="2 MPa", mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", junction_growth=0, **PAIR_OPTIONS)
     named_result = pair(*rough_surfaces(rms=0.02), **kwargs)
     assert named_result.budget["input"][0] == "the hardness of the brass"
-    assert named_result.budget["share"][0] > 0.5
+    assert named_result.budget["fraction"][0] > 0.5
     exact_result = pair(*rough_surfaces(rms=0.02), hardness=float(named_result.study.contact.hardness), **kwargs)
     assert exact_result.value == named_result.value
     assert np.ptp(exact_result.interval) < 0.5 * np.ptp(named_result.interval)
@@ -460,7 +460,7 @@ def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
         *rough_surfaces(), load="2 MPa", mu0="0.2±0.025", tau0="20..80 MPa", young="6..16 GPa,6..16 GPa",
         poisson="0.3,0.3", hardness="1 GPa", **PAIR_OPTIONS,
     )  # fmt: skip
-    budget_shares = result.budget.set_index("input")["share"]
+    budget_shares = result.budget.set_index("input")["fraction"]
     upper, lower = (budget_shares[f"Young's modulus of the {side} body"] for side in ("upper", "lower"))
     assert upper == pytest.approx(lower, abs=0.01)
     assert budget_shares.min() >= 0
@@ -471,7 +471,7 @@ def test_budget_of_a_yielding_pair_lists_positions_and_unresolved_roughness() ->
         *rough_surfaces(), load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="1 GPa",
         **PAIR_OPTIONS,
     )  # fmt: skip
-    fractions = result.budget.set_index("input")["share"]
+    fractions = result.budget.set_index("input")["fraction"]
     assert set(fractions.index) == {"positions", "unresolved roughness"}
     assert fractions.min() > 0.05
 

@@ -140,7 +140,7 @@ def test_uncertainty_budget_includes_junction_growth_if_seizure_occurs_in_few_sa
     assert 0 < result.at()["fraction_seizing"].sel(sliding="all").item() < 0.025
     assert np.isfinite(result.interval[1])
     budget = result.budget.set_index("input")
-    assert 0.01 < budget.loc["the junction growth α", "share"] < budget.loc["the hardness", "share"] < 1
+    assert 0.01 < budget.loc["the junction growth α", "fraction"] < budget.loc["the hardness", "fraction"] < 1
 
 
 def test_junction_growth_after_a_dwell_uses_the_reduced_hardness():

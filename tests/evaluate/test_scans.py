@@ -144,7 +144,7 @@ def test_variability_between_scans_contributes_to_interval_and_budget(spread) ->
     ]
     arguments = {"mechanics": "asperities", "onset": 0, **PAIR_OPTIONS}
     result = pair(*scans, shifts=32, **arguments)
-    budget = result.budget.set_index("input")["share"]
+    budget = result.budget.set_index("input")["fraction"]
     scan_rows = {"which piece of the upper part", "which piece of the lower part"} & set(budget.index)
     if spread:
         assert scan_rows

@@ -375,7 +375,7 @@ class Evaluation(MemberSums):
         """Uncertainty budget. Each row contains the interval that would remain if one input were exact.
 
         The most important input comes first. Columns: input, lower, upper, width (averaged over values of the input)
-        and share (fraction of the width that would vanish).
+        and fraction (of the width that would vanish).
         """
         import pandas
 
@@ -385,7 +385,7 @@ class Evaluation(MemberSums):
             (entry.label, entry.lower, entry.upper, entry.width, 1 - entry.width / total_width)
             for entry in point.budget
         ]
-        return pandas.DataFrame(rows, columns=["input", "lower", "upper", "width", "share"])
+        return pandas.DataFrame(rows, columns=["input", "lower", "upper", "width", "fraction"])
 
     @property
     def assessment(self) -> str:
