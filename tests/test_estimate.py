@@ -24,7 +24,7 @@ from stiction._estimate import Estimate, Interval, extend_intervals
 )
 def test_estimate_is_printed_to_one_digit_of_its_half_width(value, lower, upper, text):
     estimate = Estimate(value, lower, upper)
-    assert str(estimate) == f"{estimate}" == text
+    assert str(estimate) == estimate.text(1) == text
 
 
 @pytest.mark.parametrize(
@@ -38,19 +38,14 @@ def test_estimate_is_printed_to_one_digit_of_its_half_width(value, lower, upper,
         (math.nan, math.nan, math.nan, "none"),
     ],
 )
-def test_table_text_equals_format_2u(value, lower, upper, text):
+def test_table_text_has_two_digits_of_the_half_width(value, lower, upper, text):
     estimate = Estimate(value, lower, upper)
-    assert f"{estimate:.2u}" == estimate.table_text == text
+    assert estimate.text() == estimate.table_text == text
 
 
 def test_missing_interval_is_stated_only_in_tables():
     estimate = Estimate(0.5)
-    assert (f"{estimate:.2u}", estimate.table_text) == ("0.5", "0.5 no interval")
-
-
-def test_unknown_format_of_an_estimate_raises_error():
-    with pytest.raises(ValueError, match="format of an estimate"):
-        format(Estimate(0.5), ".2f")
+    assert (estimate.text(), estimate.table_text) == ("0.5", "0.5 no interval")
 
 
 def test_interval_is_printed_as_range():
@@ -61,12 +56,13 @@ def test_interval_is_printed_as_range():
 
 
 def test_value_determines_the_prefixed_unit():
-    assert Estimate(0.25, 0.125, 0.5).in_prefixed_unit("um") == (Estimate(250.0, 125.0, 500.0), "nm")
-    assert Estimate(0.25, 0.125, 0.5).in_prefixed_unit("%") == (Estimate(25.0, 12.5, 50.0), "%")
+    assert Estimate(0.25, 0.125, 0.5, unit="um").in_prefixed_unit() == Estimate(250.0, 125.0, 500.0, unit="nm")
+    assert Estimate(0.25, 0.125, 0.5).in_prefixed_unit("%") == Estimate(25.0, 12.5, 50.0, unit="%")
     # The value is rounded to the printed digits first, so it is not printed as 10000 mN/µm.
-    assert Estimate(9999.0, 9998.0, 10_000.0).in_prefixed_unit("mN/um") == (Estimate(9.999, 9.998, 10.0), "N/µm")
-    assert Estimate(3.0, 2.0, 4.0).in_prefixed_unit("1") == (Estimate(3.0, 2.0, 4.0), "")
-    assert [Estimate(value).in_prefixed_unit("mN")[1] for value in (math.nan, 0.0, 2e-6)] == ["mN", "mN", "nN"]
+    stiffness = Estimate(9999.0, 9998.0, 10_000.0, unit="mN/um", name="stiffness", kind="mean")
+    assert stiffness.in_prefixed_unit() == Estimate(9.999, 9.998, 10.0, unit="N/µm", name="stiffness", kind="mean")
+    assert Estimate(3.0, 2.0, 4.0).in_prefixed_unit("1") == Estimate(3.0, 2.0, 4.0, unit="")
+    assert [Estimate(value).in_prefixed_unit("mN").unit for value in (math.nan, 0.0, 2e-6)] == ["mN", "mN", "nN"]
 
 
 def test_extended_interval_includes_both_intervals_and_ignores_missing_limits():

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import NamedTuple, Self
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, replace
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, choose_prefixed_unit, format_significant
-from stiction._units import short_repr
 
 MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is very narrow
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
@@ -21,6 +21,13 @@ NO_INTERVAL_CODE = -128  # number that replaces the number of decimals of the up
 # number that replaces the number of decimals of an upper end with one digit and an exponent, as in "5e+09"
 EXPONENT_CODE = -127
 MAX_DECIMALS = 100  # maximum number of decimals; negative numbers of decimals have the same maximum size
+
+EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]
+"""Kinds of intervals.
+
+*mean*: mean over members, with exact inputs. *combined*: all uncertain inputs. *prediction*: a further test.
+*conditional*: all uncertain inputs except one, which is exact. *fit*: parameter of a fit. *range*: typical values.
+"""
 
 
 class Interval(NamedTuple):
@@ -52,13 +59,7 @@ class Interval(NamedTuple):
 class Estimate:
     """Value with the limits of its 95 % interval.
 
-    ``str(estimate)`` rounds the value and both limits to the first significant digit of the half-width, as in
-    "0.16 [0.10, 0.22]"; a value without an interval is printed with two digits. ``f"{estimate:.2u}"`` rounds to the
-    second significant digit of the half-width, as in "0.157 [0.102, 0.216]"; a value without an interval is printed
-    with up to three digits. The format ``.2u`` has the same meaning as in the package ``uncertainties``.
-
-    The value has up to four significant digits. The interval is omitted if both limits are equal after rounding. The
-    text is "none" if the value is NaN.
+    ``str(estimate)`` is ``estimate.text(1)``, as in "0.16 [0.10, 0.22]".
 
     Attributes
     ----------
@@ -66,11 +67,24 @@ class Estimate:
         Value, or NaN if it is missing.
     lower, upper : float
         Limits of the 95 % interval, or NaN if there is no interval. `upper` may be infinite.
+    name : str
+        Name of the quantity, such as "contact_area".
+    unit : str
+        Unit of the value and of the limits; "1" for a number without a unit.
+    kind : EstimateKind
+        Kind of the interval; empty without an interval.
+    status : str
+        "ok", or the reason why there is no value.
     """
 
     value: float
     lower: float = math.nan
     upper: float = math.nan
+    _: KW_ONLY
+    name: str = ""
+    unit: str = "1"
+    kind: EstimateKind = ""
+    status: str = "ok"
 
     @property
     def interval(self) -> Interval:
@@ -83,35 +97,36 @@ class Estimate:
         return not (math.isnan(self.lower) or math.isnan(self.upper))
 
     def __str__(self) -> str:
-        return self._format(1)
-
-    def __format__(self, format_spec: str) -> str:
-        if not format_spec:
-            return str(self)
-        if format_spec != ".2u":
-            raise ValueError(f"format of an estimate must be '' or '.2u', got {short_repr(format_spec)}")
-        return self._format(2)
+        return self.text(1)
 
     @property
     def table_text(self) -> str:
-        """Text for a table: the format ``.2u``, followed by "no interval" if there is no interval."""
+        """Text for a table: `text`, followed by "no interval" if there is no interval."""
         is_missing_interval = not (math.isnan(self.value) or self.has_interval)
-        return f"{self:.2u}{' no interval' * is_missing_interval}"
+        return f"{self.text()}{' no interval' * is_missing_interval}"
 
-    def __truediv__(self, factor: float) -> Estimate:
-        """Return the estimate in a unit that is `factor` (positive) times as large."""
-        return Estimate(self.value / factor, self.lower / factor, self.upper / factor)
+    def in_unit(self, unit: str, factor: float) -> Self:
+        """Return a copy in another unit, which is `factor` (positive) times as large."""
+        return replace(self, value=self.value / factor, lower=self.lower / factor, upper=self.upper / factor, unit=unit)
 
-    def in_prefixed_unit(self, unit: str) -> tuple[Estimate, str]:
-        """Return the estimate in the prefixed unit in which its value has the fewest zeros, and the name of this unit.
+    def in_prefixed_unit(self, unit: str | None = None) -> Self:
+        """Return a copy in the prefixed unit in which the value has the fewest zeros.
 
         Parameters
         ----------
-        unit : str
-            Core unit of the estimate, such as "um".
+        unit : str, optional
+            Core unit, such as "um", or "%" for a fraction; by default the unit of the estimate.
         """
-        factor, name = choose_prefixed_unit(self.value, unit)
-        return self / factor, name
+        factor, name = choose_prefixed_unit(self.value, self.unit if unit is None else unit)
+        return self.in_unit(name, factor)
+
+    def to_record(self, at: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """Return the JSON object of the estimate. `at` contains the coordinates of the value."""
+        return {
+            "name": self.name, "value": float(self.value), "unit": to_file_unit(self.unit),
+            "lower": float(self.lower), "upper": float(self.upper), "kind": self.kind, "at": dict(at or {}),
+            "status": self.status,
+        }  # fmt: skip
 
     def extended_to(self, other: Estimate) -> Self:
         """Return a copy whose interval is extended to include the interval of another estimate.
@@ -121,8 +136,18 @@ class Estimate:
         lower, upper = self.interval.extended_to(other.interval)
         return replace(self, lower=lower, upper=upper)
 
-    def _format(self, digits: int) -> str:
-        """Return the value and its interval, rounded to `digits` significant digits of the half-width."""
+    def text(self, digits: int = 2) -> str:
+        """Return the value and its interval, rounded to a number of significant digits of the half-width.
+
+        The value has up to four significant digits; without an interval, it has two digits if `digits` is 1, and
+        otherwise up to three. The interval is omitted if both limits are equal after rounding. The text is "none" if
+        the value is NaN.
+
+        Parameters
+        ----------
+        digits : {1, 2}
+            1 for a text such as "0.16 [0.10, 0.22]", 2 for "0.157 [0.102, 0.216]".
+        """
         if math.isnan(self.value):
             return "none"
         numbers = (np.asarray(number, float) for number in (self.value, self.lower, self.upper))
@@ -137,6 +162,17 @@ class Estimate:
         else:
             upper_text = f"{_format_decimals(self.upper, upper_decimals)}]"
         return f"{value_text} [{_format_decimals(self.lower, decimals)}, {upper_text}"
+
+
+def to_file_unit(unit: str) -> str:
+    """Return the name of a unit in JSON and CSV files, as in "um2" for µm²; "1" for a number without a unit."""
+    return unit.replace("um^2", "um2") or "1"
+
+
+def estimate_column_titles(title: str, unit: str = "1") -> dict[str, str]:
+    """Return the titles of the columns of a CSV file that contain the value and the limits of an estimate."""
+    title = title if unit in ("", "1") else f"{title} ({unit})"
+    return {"value": title, "lower": f"{title}: lower", "upper": f"{title}: upper"}
 
 
 def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
@@ -166,8 +202,8 @@ def count_estimate_decimals(
     """Return how many decimals an `Estimate` prints: one number for value and lower end, and one for the upper end.
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are
-    `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large end. `digits` is 1 for the
-    default format and 2 for ".2u".
+    `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large end. `digits` is
+    that of `Estimate.text`.
     """
     has_interval = ~(np.isnan(lower) | np.isnan(upper))
     with np.errstate(invalid="ignore", over="ignore"):

@@ -18,6 +18,7 @@ pytest.importorskip("selenium", reason="selenium is not installed")
 
 from app.server_process import MAX_WAITING_TIME, start_server, wait_until, write_maps
 from stiction import Profile, Study, Surface, run, write_profile, write_surface
+from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
 from stiction.app.form import replace_option_names
 from stiction.app.run import SERVER_IDLE_TIMEOUT, is_abandoned
@@ -157,7 +158,8 @@ def run_shown_command(driver, folder, monkeypatch):
 def extract_first_answer(record):
     first_answer = record["points"][0]
     return {
-        item["rule"]: [item["value"], item["lower"], item["upper"]] for item in first_answer["rules"]
+        item["rule"]: [item["coefficient"][name] for name in ("value", "lower", "upper")]
+        for item in first_answer["rules"]
     }, first_answer["sentence"]
 
 
@@ -296,7 +298,7 @@ def test_late_response_does_not_replace_newer_progress_of_a_job(empty_page):
 
 
 def test_values_of_a_job_without_files_are_shown_without_a_report(empty_page):
-    rule = {"rule": "all", "text": "0.31 [0.28, 0.34]", "value": 0.31, "lower": 0.28, "upper": 0.34}
+    rule = {"rule": "all", "text": "0.31 [0.28, 0.34]", "coefficient": Estimate(0.31, 0.28, 0.34).to_record()}
     record = {"at": {}, "rules": [rule], "assessment": "Quote it", "caveats": [], "sentence": ""}
     job = {"number": 99, "title": "a pair", "state": "running", "finished": 4, "total": 8, "by": "so far", "words": ""}
     job |= {"answer": record, "error": "", "option": "", "command": "stiction pair a b", "versions": 1}

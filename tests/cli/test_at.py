@@ -79,7 +79,9 @@ def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(result
         [answer.at["load"] for answer in expected_points]
     )
     for answer, point in zip(output_record["points"], expected_points, strict=True):
-        assert [rule["value"] for rule in answer["rules"]] == pytest.approx([rule.value for rule in point.rules])
+        assert [rule["coefficient"]["value"] for rule in answer["rules"]] == pytest.approx(
+            [rule.value for rule in point.rules]
+        )
     text = get_stiction_output("at", name, *options, cwd=results_folder)
     first_rule = expected_points[0].rules[0]
     assert str(first_rule) in text
@@ -142,7 +144,7 @@ def test_command_at_prints_friction_in_the_direction_given_by_an_option(results_
     assert "the mean over 12 directions and 3 positions" in get_stiction_output(*arguments, cwd=results_folder)
     dataset = at_load(open_stored_result(results_folder / "maps"), [record["points"][0]["at"]["load"]], tau0=[0.0])
     expected = dataset["friction_coefficient"].sel(direction=30.0, sliding="all", statistic="mean").squeeze()
-    assert record["points"][0]["rules"][0]["value"] == pytest.approx(float(expected))
+    assert record["points"][0]["rules"][0]["coefficient"]["value"] == pytest.approx(float(expected))
 
 
 def test_command_at_accepts_comma_separated_values_and_repeated_options(results_folder):

@@ -158,7 +158,7 @@ def test_calibrate_command_accepts_columns_separated_by_semicolons_and_a_test_wi
     )
     (tmp_path / "forces.csv").write_text(f"{text}\n50;0.1;0.01;0\n", encoding="utf-8")
     completed = check_stiction("calibrate", "forces.csv", *BALL_OPTIONS, "--json", cwd=tmp_path)
-    assert np.isclose(json.loads(completed.stdout)["fits"][0]["freedom"], 3)
+    assert np.isclose(json.loads(completed.stdout)["fits"][0]["degrees_of_freedom"], 3)
 
 
 def test_record_of_a_calibration_has_no_chi_squared_if_no_errors_are_given(tmp_path):

@@ -206,7 +206,7 @@ def test_characterise_command_writes_json_and_figure_in_one_run(scans_folder):
     )
     assert not (scans_folder / "scan.png").exists()
     for value in record["values"]:
-        assert list(value) == ["name", "value", "unit", "lower", "upper", "at", "status"]
+        assert list(value) == ["name", "value", "unit", "lower", "upper", "kind", "at", "status"]
         assert value["at"] == {"file": "scan.csv"}
 
 
@@ -216,7 +216,7 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_folder
     completed = check_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=scans_folder)
     assert [line.partition(":")[0] for line in completed.stdout.splitlines()] == [*files, "wrote finishes.csv, 2 files"]
     rows = list(csv.DictReader((scans_folder / "finishes.csv").read_text(encoding="utf-8").splitlines()))
-    assert [row["holds"] for row in rows] == ["profile", "surface"]
+    assert [row["type"] for row in rows] == ["profile", "surface"]
     assert [row["points"] for row in rows] == ["3000", "60 x 90"]
     record = json.loads(call_stiction("characterise", *files, *options, "--json", cwd=scans_folder).stdout)
     for row in rows:

@@ -20,9 +20,10 @@ def test_materials_command_accepts_any_alias_of_a_material(tmp_path):
     (entry,) = json.loads(completed.stdout)["materials"]
     assert entry["name"] == "mild steel"
     assert "steel" in entry["aliases"]
-    hardness = entry["hardness"]
-    assert hardness["low"] < hardness["value"] < hardness["high"]
-    assert hardness["value"] == pytest.approx((hardness["low"] * hardness["high"]) ** 0.5)
-    assert "Tabor" in hardness["source"]
+    hardness = entry["hardness"]["estimate"]
+    assert (hardness["kind"], hardness["unit"]) == ("range", "GPa")
+    assert hardness["lower"] < hardness["value"] < hardness["upper"]
+    assert hardness["value"] == pytest.approx((hardness["lower"] * hardness["upper"]) ** 0.5)
+    assert "Tabor" in entry["hardness"]["source"]
     assert "gold   77–78 [1]  0.42–0.44 [1]  0.19–0.73 [2]" in check_stiction("materials", "gold", cwd=tmp_path).stdout
     assert_rejected(call_stiction("materials", "unobtainium", cwd=tmp_path), "unobtainium")

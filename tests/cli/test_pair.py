@@ -404,13 +404,14 @@ def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_pat
     columns = [f"coefficient of static friction: {limit}" for limit in ("lower", "upper")]
     command = ["at", tmp_path / "out", "--load", "7 MPa", "--json"]
     for direction_option, has_interval in (([], 1), (["--direction", 0], 0)):
-        for rule in json.loads(call_stiction(*command, *direction_option, cwd=scans_folder).stdout)["points"][0][
-            "rules"
-        ]:
-            assert rule["lower"] <= rule["value"] <= rule["upper"]
+        (point,) = json.loads(call_stiction(*command, *direction_option, cwd=scans_folder).stdout)["points"]
+        for rule in point["rules"]:
+            coefficient = rule["coefficient"]
+            limits = [coefficient["lower"], coefficient["upper"]]
+            assert limits[0] <= coefficient["value"] <= limits[1]
             interval = table.loc[[rule["rule"]], columns].dropna().to_numpy()
             assert len(interval) == 1
-            assert not has_interval or interval[0] == pytest.approx([rule["lower"], rule["upper"]], rel=1e-8)
+            assert not has_interval or interval[0] == pytest.approx(limits, rel=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -819,7 +820,7 @@ def folder_options_and_record(tmp_path_factory):
         surface = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(96, 96), spacing=0.1, side=side)
         np.save(folder / f"{side}.npy", surface.heights)
     options = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "50 MPa", "--load", "10 MPa"]
-    options += ["--shifts", 3, "--direction", "0,180", "--onset", 3]
+    options += ["--shifts", 3, "--direction", "0,180", "--onset", 3, "--wait", "1 h", "--creep", 0.02]
     completed = check_stiction(
         "pair", *MAP_ARGUMENTS, *options, "--json", cwd=folder, without_figures=True, without_report=True
     )
@@ -832,7 +833,7 @@ def test_pair_command_reports_resolved_wavelengths_and_the_range_for_finer_scans
     assert resolution["wavelengths"]["shortest_um"] == pytest.approx(0.2)
     assert [entry["cut_off"] for entry in resolution["cutoffs"]] == pytest.approx([0, 0.2], rel=1e-3)
     assert answer["finer_scans"]["from"] == pytest.approx(float(tabor_friction(0.625, 0.2, 0.05, 13.5)), rel=1e-3)
-    assert answer["finer_scans"]["to"] >= answer["rules"][0]["value"]
+    assert answer["finer_scans"]["to"] >= answer["rules"][0]["coefficient"]["value"]
     stored_resolution = store.read(folder / "pair" / "resolution")
     expected = run(Study.from_toml(folder / "pair" / "resolution" / "study.toml")).dataset
     np.testing.assert_array_equal(stored_resolution["contact_area"].values, expected["contact_area"].values)
@@ -843,12 +844,53 @@ def test_pair_command_reports_resolved_wavelengths_and_the_range_for_finer_scans
     assert {"cut_off.png", "onset.png", "slip.png"} <= {path.name for path in pair_folder.iterdir()}
 
 
+ESTIMATE_KEYS = ["name", "value", "unit", "lower", "upper", "kind", "at", "status"]
+AMBIGUOUS_KEYS = {
+    "answers", "by_slopes_alone", "cut_offs", "doubts", "freedom", "friction_all_round", "friction_known",
+    "friction_waited", "from_roughness", "headline", "holds", "if_known", "next_test", "of_positions", "parts",
+    "reading", "share", "sticking", "told", "verdict", "wait", "waited", "wave", "waves", "what", "words",
+}  # fmt: skip
+"""Keys that are not terms of the glossary."""
+
+
+def iterate_json_objects(content):
+    """Yield all objects in a JSON document."""
+    if isinstance(content, dict):
+        yield content
+    for item in content.values() if isinstance(content, dict) else content if isinstance(content, list) else ():
+        yield from iterate_json_objects(item)
+
+
+def test_json_records_of_all_commands_contain_values_only_as_estimates(folder_options_and_record):
+    folder, _, record = folder_options_and_record
+    commands = [
+        ["info", "pair"], ["at", "pair", "--load", "12 MPa"], ["materials", "steel"], ["interfaces"],
+        ["characterise", "upper.npy", "--unit", "um", "--spacing", "0.1 um"],
+    ]  # fmt: skip
+    outputs = [check_stiction(*command, "--json", cwd=folder).stdout for command in commands]
+    records = [record, *map(json.loads, outputs)]
+    for each in records:
+        for item in iterate_json_objects(each):
+            assert "value" not in item or list(item) == ESTIMATE_KEYS
+            assert not {"lower", "upper"} & set(item) or list(item) == ESTIMATE_KEYS
+            assert not AMBIGUOUS_KEYS & set(item)
+    (point,) = (point for point in record["points"] if point["reported"])
+    (rule,) = (rule for rule in point["rules"] if rule["rule"] == "all")
+    kinds = [rule[name]["kind"] for name in ("coefficient", "mean", "prediction")]
+    assert kinds == ["combined", "mean", "prediction"]
+    assert {entry["coefficient"]["kind"] for entry in point["budget"]} == {"conditional"}
+    assert [(each["kind"], each["at"]) for each in point["after_dwell"]] == [("combined", {"dwell_time": 3600.0})]
+    assert record["onset"]["sliding_load"]["value"] == record["onset"]["curve"][-1]["tangential_load"]["value"]
+    assert {"upper_body", "lower_body", "load_definition"} <= set(record)
+    assert list(point["scans"]) == list(point["cutoffs"]) == ["upper_body", "lower_body"]
+
+
 def test_pair_command_reports_onset_of_sliding(folder_options_and_record):
     folder, arguments, record = folder_options_and_record
     onset = record["onset"]
     assert onset["members"] == 3
     assert onset["poisson_ratio"] == pytest.approx([0.295, 0.35], abs=1e-3)
-    assert 0 < onset["displacement_at_sliding"]["mean"] < 0.1
+    assert 0 < onset["displacement_at_sliding"]["value"] < 0.1
     # A repeated command computes nothing and prints the same sentence.
     (folder / "pair/onset.csv").unlink()
     completed = call_stiction(

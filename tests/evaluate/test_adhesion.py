@@ -1,7 +1,6 @@
 """Test pairs and studies with adhesion: stored values, text, figures, caveats and rejected input."""
 
 import json
-from dataclasses import astuple
 
 import numpy as np
 import pytest
@@ -139,8 +138,9 @@ def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
     assert unloaded_point.is_unloaded
     assert "at no load" in unloaded_result.sentence
     assert unloaded_point.pull_off.sticking_assessment == "yes"
-    assert astuple(unloaded_point.pull_off.pull_off) == pytest.approx(
-        astuple(adhesive_result.summary().points[0].pull_off.pull_off), rel=LOAD_PATH_TOLERANCE
+    force, loaded_force = unloaded_point.pull_off.force, adhesive_result.summary().points[0].pull_off.force
+    assert [force.value, *force.interval] == pytest.approx(
+        [loaded_force.value, *loaded_force.interval], rel=LOAD_PATH_TOLERANCE
     )
     assert unloaded_result.dataset["load"].values.max() < 0.01 * float(unloaded_result.dataset["pull_off"].mean())
     assert [point.is_unloaded for point in two_load_result.summary().points] == [True, False]
@@ -149,7 +149,7 @@ def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
     )
     record = json.loads(summary_json("pair", unloaded_result.summary()))["points"][0]
     assert record["pull_off"]["sticks"] == "yes"
-    assert record["pull_off"]["pull_off"]["lower"] < record["pull_off"]["pull_off"]["value"]
+    assert record["pull_off"]["force"]["lower"] < record["pull_off"]["force"]["value"]
     assert record["assessment"] == "Do not quote"
     assert pull_off_text(unloaded_point.pull_off).removesuffix(".") in unloaded_result.sentence
     assert pull_off_text(unloaded_point.pull_off, "μ0 = 0.3").endswith(" with μ0 = 0.3.")
@@ -162,7 +162,7 @@ def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
         table = at_load(result.source, [0.0]).isel(cut_off=0)
         assert np.isfinite(table["contact_area"].sel(statistic="mean")).all() == has_area
         assert table["pull_off"].sel(statistic="mean").values == pytest.approx(
-            unloaded_point.pull_off.pull_off.value, rel=0.01
+            unloaded_point.pull_off.force.value, rel=0.01
         )
         assert is_unloaded(table.isel(load=0))
     with pytest.raises(ValueError, match="loads must be above 0"):
@@ -216,7 +216,7 @@ def test_loads_between_zero_and_the_first_solved_load_have_the_status_not_reache
 )
 def test_assessment_of_sticking_agrees_with_interval_of_pull_off_pressure(pressure, is_bound, sticks):
     pull_off_values = PullOffValues(
-        pull_off=Estimate(1e-6), pressure=Estimate(*pressure), friction=Estimate(1e-6), is_bound=is_bound
+        force=Estimate(1e-6), pressure=Estimate(*pressure), friction=Estimate(1e-6), is_bound=is_bound
     )
     assert pull_off_values.sticking_assessment == sticks
 

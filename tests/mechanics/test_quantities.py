@@ -197,8 +197,7 @@ def test_fields_of_a_quantity_in_the_table_are_consistent_with_each_other(name):
         assert part in QUANTITIES
     if quantity.percent:
         assert quantity.unit == "1"
-    if quantity.kind in ("ratio", "validity") and quantity.denominator:
-        assert quantity.numerator
+    assert bool(quantity.denominator) == (quantity.kind == "validity")
     if math.isfinite(quantity.bounds[1]):
         assert quantity.unit == "1"
     assert len(set(quantity.along)) == len(quantity.along)

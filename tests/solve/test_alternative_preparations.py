@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from dataclasses import astuple, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -143,8 +143,8 @@ def test_interval_with_alternative_is_the_same_in_all_outputs(name, request):
         combined = each.at()["friction_combined"].sel(sliding="all").squeeze()
         assert combined.values.tolist() == [point.value, *result.interval]
         record = json.loads(summary_json("pair", each.summary()))
-        rule = record["points"][0]["rules"][0]
-        assert (rule["lower"], rule["upper"]) == result.interval
+        coefficient = record["points"][0]["rules"][0]["coefficient"]
+        assert (coefficient["lower"], coefficient["upper"]) == result.interval
         (entry,) = (
             value
             for value in record["values"]
@@ -371,6 +371,7 @@ def test_report_area_and_friction_cover_the_alternative(blunt_result):
     (quantities,) = blunt_result.nodes.load_quantities
     load = float(blunt_result.study.friction.load[0])
     area = quantities["contact_area"].sel(load=load).squeeze().values
-    assert area.tolist() == pytest.approx(astuple(blunt_result.summary().first.quantities["contact_area"]))
+    quantity = blunt_result.summary().first.quantities["contact_area"]
+    assert area.tolist() == pytest.approx([quantity.value, *quantity.interval])
     assert evaluate_measured_nodes(blunt_result.nodes).has_alternatives
     assert not evaluate_measured_nodes(open_without_alternatives(blunt_result).nodes).has_alternatives

@@ -97,8 +97,8 @@ def test_independent_ranges_of_mu0_and_tau0_replace_a_missing_interface_file(fil
     Path(copy).unlink()
     completed = check_stiction("at", path, "--load", "20 MPa", "--json", cwd=tmp_path)
     (answer,) = json.loads(completed.stdout)["points"]
-    rule = answer["rules"][0] if "rules" in answer else answer
-    assert np.ptp([rule["lower"], rule["upper"]]) > 1.2 * np.ptp(joint_interval)
+    coefficient = answer["rules"][0]["coefficient"]
+    assert np.ptp([coefficient["lower"], coefficient["upper"]]) > 1.2 * np.ptp(joint_interval)
     assert "which is missing" in completed.stdout
 
 

@@ -4,7 +4,6 @@ import json
 import sys
 import traceback
 from collections import Counter
-from dataclasses import astuple
 
 import numpy as np
 import pytest
@@ -108,11 +107,10 @@ def test_summary_for_explicitly_given_study_values_equals_the_default_summary(su
     for default_point, explicit_point in zip(default_summary.points, explicit_summary.points, strict=True):
         assert default_point.assessment == explicit_point.assessment
         assert default_point.caveats == explicit_point.caveats
-        np.testing.assert_allclose(
-            astuple(default_point.quantities["friction_combined"]),
-            astuple(explicit_point.quantities["friction_combined"]),
-            rtol=1e-12,
-        )
+        default, explicit = (each.quantities["friction_combined"] for each in (default_point, explicit_point))
+        limits = [explicit.value, *explicit.interval]
+        np.testing.assert_allclose([default.value, *default.interval], limits, rtol=1e-12)
+        assert (default.name, default.kind) == (explicit.name, explicit.kind) == ("friction_combined", "combined")
     assert (result.value, result.interval) == (
         default_summary.first.value,
         (default_summary.first.lower, default_summary.first.upper),

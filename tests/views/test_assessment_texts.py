@@ -116,13 +116,13 @@ def test_texts_and_records_of_a_point_give_the_cutoff_of_each_body():
     assert "0.2 (upper) and 0.5 (lower)" in latex_table(summary)
     records = [point_record(point) for point in summary.points]
     assert [record["cutoffs"] for record in records] == [
-        {"upper": [0.2], "lower": [0.5]}, {"upper": [0.0], "lower": [0.0]},
+        {"upper_body": [0.2], "lower_body": [0.5]}, {"upper_body": [0.0], "lower_body": [0.0]},
     ]  # fmt: skip
     csv_table = summary_table(summary)
-    columns = ["cutoff (um)", "upper cutoff (um)", "lower cutoff (um)"]
+    columns = ["cutoff (um)", "upper body cutoff (um)", "lower body cutoff (um)"]
     assert {tuple(row) for row in csv_table[columns].values.tolist()} == {(0.5, 0.2, 0.5), (0.0, 0.0, 0.0)}
     equal_table = summary_table(summarize(measured_result(cut_offs=(0.5, 0.0)), measured_study(hardness=2.0)))
-    assert "upper cutoff (um)" not in equal_table
+    assert "upper body cutoff (um)" not in equal_table
 
 
 FAULT_CASES = {

@@ -147,9 +147,9 @@ def test_spectrum_that_is_not_a_power_law_has_no_hurst_exponent(profile):
     texts = {row.label: row.texts[0] for row in CharacterisationTable(characterisation).rows}
     assert characterisation.power_law_misfit > 1.5
     assert texts["Hurst exponent H"].startswith("none: the spectrum is not a power law")
-    values = {value["name"]: value for row in CharacterisationTable(characterisation).rows for value in row.values}
-    assert values["hurst_exponent"]["status"] == "no-line"
-    assert np.isnan(values["hurst_exponent"]["value"])
+    values = {value.name: value for row in CharacterisationTable(characterisation).rows for value in row.values}
+    assert values["hurst_exponent"].status == "no-line"
+    assert np.isnan(values["hurst_exponent"].value)
     spectrum = next(ax for ax in characterisation_figure(characterisation).axes if "density $C$" in ax.get_ylabel())
     assert [line for line in spectrum.lines if line.get_linestyle() == "--"] == []
 
@@ -228,11 +228,11 @@ def test_spectrum_and_hurst_exponent_exclude_outliers_but_roughness_parameters_i
         assert results[1].power_law_fit.value == pytest.approx(results[0].power_law_fit.value, abs=0.02)
         assert results[1].roughness.gradient[-1] == pytest.approx(results[0].roughness.gradient[-1], rel=0.02)
         assert spiky["instrument"].texts == clean["instrument"].texts
-        clean_height, spiky_height = (rows[height_name].values[0]["value"] for rows in (clean, spiky))
+        clean_height, spiky_height = (rows[height_name].values[0].value for rows in (clean, spiky))
         assert spiky_height > 1.5 * clean_height
-        assert spiky["outliers"].values[0]["value"] == np.size(np.arange(331, heights.size, heights.size // 20))
+        assert spiky["outliers"].values[0].value == np.size(np.arange(331, heights.size, heights.size // 20))
         if moments_name:
-            moments = [rows[moments_name].values[0]["value"] for rows in (clean, spiky)]
+            moments = [rows[moments_name].values[0].value for rows in (clean, spiky)]
             assert moments[1] == pytest.approx(moments[0], rel=0.02)
         else:
             exponents = [[line.hurst_exponents.mean() for line in result.line_roughnesses] for result in results]
@@ -354,13 +354,13 @@ class TestSectionParameters:
     def test_rows_of_section_parameters_equal_library_values(self):
         characterisation = Characterisation(self.TURNED_PROFILE)
         texts = {row.label: row.texts[0] for row in CharacterisationTable(characterisation).rows}
-        values = {value["name"]: value for row in CharacterisationTable(characterisation).rows for value in row.values}
+        values = {value.name: value for row in CharacterisationTable(characterisation).rows for value in row.values}
         expected = section_parameters(self.TURNED_PROFILE)
         for name, value in expected.values.items():
             if np.isfinite(value):
-                assert values[name]["value"] == value, name
-                assert values[name]["status"] == "ok"
-        assert values["lc"]["value"] == 800
+                assert values[name].value == value, name
+                assert values[name].status == "ok"
+        assert values["lc"].value == 800
         assert texts["Ra"] == f"{1000 * expected.Ra:.4g} nm"
         assert texts["Rmr"].endswith(" %")
         assert texts["filters"].startswith("Gaussian, λc 800 µm, λs 2.5 µm (Sc3 of ISO 21920-3, for Ra 0.6363 µm and")
@@ -369,12 +369,12 @@ class TestSectionParameters:
     def test_profile_shorter_than_one_section_has_a_status_instead_of_section_parameters(self):
         characterisation = Characterisation(Profile(self.TURNED_PROFILE.heights[:100], spacing=0.5))
         texts = {row.label: row.texts[0] for row in CharacterisationTable(characterisation).rows}
-        values = {value["name"]: value for row in CharacterisationTable(characterisation).rows for value in row.values}
+        values = {value.name: value for row in CharacterisationTable(characterisation).rows for value in row.values}
         assert texts["R and W parameters"].startswith(
             "none: one section length is 80 µm, and the profile is 50 µm long"
         )
-        assert values["Ra"]["status"] == "no-section"
-        assert np.isnan(values["Ra"]["value"])
+        assert values["Ra"].status == "no-section"
+        assert np.isnan(values["Ra"].value)
         with pytest.raises(ValueError, match="one section length is 60 µm"):
             _ = CharacterisationTable(
                 Characterisation(Profile(self.TURNED_PROFILE.heights[:100], spacing=0.5), lc=60.0)

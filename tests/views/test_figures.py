@@ -92,7 +92,7 @@ def test_figures_and_table_and_json_and_report_contain_equal_combined_intervals(
     record = json.loads(summary_json("at", summary))
     combined_values = [value for value in record["values"] if value["name"] == "friction_combined"]
     assert record["values"][0] == combined_values[0]
-    assert {value["interval"] for value in combined_values} == {"combined"}
+    assert {value["kind"] for value in combined_values} == {"combined"}
     title = "coefficient of static friction"
     rows = table[table["upper body to (degree)"] == "all directions"].set_index(
         ["reported", "normal load (mN)", "mu0", "tau0 (MPa)", "sliding"]
@@ -107,7 +107,7 @@ def test_figures_and_table_and_json_and_report_contain_equal_combined_intervals(
         conditions = point.at["load"], point.at["mu0"], 1000 * point.at["tau0"], rule_result.rule
         table_row = rows.loc[(True, *conditions)]
         assert [table_row[f"{title}: lower"], table_row[f"{title}: upper"]] == interval
-        assert [table_row[f"{title}: sampling lower"], table_row[f"{title}: sampling upper"]] == list(
+        assert [table_row[f"{title}, interval of the mean: {end}"] for end in ("lower", "upper")] == list(
             rule_result.interval_of_mean
         )
         value = next(other for other in combined_values if other["at"] == point.at | {"sliding": rule_result.rule})

@@ -52,7 +52,7 @@ def test_latex_table_states_common_conditions_in_comments():
 def test_latex_table_contains_the_area_fraction_with_its_interval_or_its_status():
     dataset = measured_result()
     point = summarize(dataset, measured_study()).first
-    area_text = f"{point.quantities['contact_area_fraction'] / 0.01:.2u} \\%"
+    area_text = f"{point.quantities['contact_area_fraction'].in_unit('%', 0.01).text()} \\%"
     assert "[" in area_text
     assert table_cells(latex_table(summarize(dataset, measured_study())))[1][-2] == area_text
     dataset["contact_status"] = dataset["contact_area_fraction"].isel(statistic=0).astype(str).copy()

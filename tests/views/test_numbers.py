@@ -144,7 +144,7 @@ def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_e
         ],
     )
     expected_texts = [
-        format(Estimate(*value_and_interval), "" if digits == 1 else ".2u").replace("-", "\u2212")
+        Estimate(*value_and_interval).text(digits).replace("-", "\u2212")
         for value_and_interval in zip(value.tolist(), lower.tolist(), upper.tolist(), strict=True)
     ]
     assert texts == expected_texts
@@ -337,12 +337,12 @@ def test_area_in_reports_of_generated_surfaces_has_the_unit_and_digits_of_the_te
     for load_index in range(0, 40, 4):
         reference = at_load(dataset, [report_evaluator.facts["loads"]["values"][load_index]], mu0=[mu0], tau0=[tau0])
         for point in summarize(reference, study).points:
-            estimate, unit = point.quantities["contact_area"].in_prefixed_unit("um^2")
+            estimate = point.quantities["contact_area"].in_prefixed_unit()
             cell = dataset["fractal_dimension"].values.tolist().index(point.at["fractal_dimension"])
             amplitude = dataset["amplitude"].values.tolist().index(point.at["amplitude"])
             place = {"cell": cell, "amplitude": amplitude, "load": load_index}
             shown_point = report_evaluator.evaluate_quantity("area", mu0, tau0, **place)
-            expected_text = "none" if np.isnan(estimate.value) else f"{estimate:.2u} {unit}"
+            expected_text = "none" if np.isnan(estimate.value) else f"{estimate.text()} {estimate.unit}"
             assert shown_point["text"] == expected_text
             texts.add(expected_text.split(" ")[-1])
     assert {"µm²", "mm²"} <= texts

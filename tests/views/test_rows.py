@@ -58,10 +58,10 @@ def test_data_frame_contains_all_numeric_variables():
 
 def test_area_intervals_are_combined_intervals_only_if_they_cover_alternative_preparations():
     dataset = measured_result()
-    for alternatives, kind in ([], "sampling"), (["tip"], "combined"):
+    for alternatives, kind in ([], "mean"), (["tip"], "combined"):
         rows = values_frame(dataset.assign_attrs(alternatives=alternatives)).set_index("name")
-        assert set(rows.loc[["contact_area", "contact_area_fraction", "mean_pressure"], "interval"]) == {kind}
-        assert set(rows.loc[["contact_count"], "interval"]) == {"sampling"}
+        assert set(rows.loc[["contact_area", "contact_area_fraction", "mean_pressure"], "kind"]) == {kind}
+        assert set(rows.loc[["contact_count"], "kind"]) == {"mean"}
 
 
 def test_data_frame_contains_the_status_of_values():
@@ -124,7 +124,7 @@ def test_json_record_has_the_same_keys_for_all_results(case_name):
     assert (record["schema"], record["command"]) == (SCHEMA_VERSION, "at")
     assert len(record["values"]) == len(values_frame(dataset))
     for value in record["values"]:
-        assert list(value) == ["name", "value", "unit", "lower", "upper", "interval", "at", "status"]
+        assert list(value) == ["name", "value", "unit", "lower", "upper", "kind", "at", "status"]
         assert value["value"] is None or math.isfinite(value["value"])
         assert isinstance(value["status"], str)
         if None not in (value["lower"], value["value"], value["upper"]):
@@ -144,9 +144,11 @@ def test_json_record_has_null_for_infinite_ends_of_intervals():
     )  # fmt: skip
     text = summary_json("pair", replace(summary, points=(point,)))
     (answer,) = json.loads(text, parse_constant=pytest.fail)["points"]
-    assert answer["rules"][0]["upper"] is None
+    assert answer["rules"][0]["coefficient"]["upper"] is None
     assert answer["rules"][0]["text"].endswith("∞)")
-    assert answer["budget"] == [{"input": "the hardness", "lower": 0.2, "upper": None, "width": None}]
+    (entry,) = answer["budget"]
+    assert (entry["input"], entry["width"]) == ("the hardness", None)
+    assert [entry["coefficient"][name] for name in ("value", "lower", "upper")] == [0.25, 0.2, None]
     assert (answer["finer_scans"]["to"], answer["contributions"]["adhesion"], answer["roughness_contribution"]) == (
         None,
         None,
@@ -166,5 +168,5 @@ def test_json_record_contains_the_assessment_and_caveats_and_values():
     assert {"text", "remedy", "severity"} == set(answer["caveats"][0])
     assert answer["sentence"].startswith("There is no coefficient to quote")
     assert [rule["rule"] for rule in answer["rules"]] == ["all", "opposing"]
-    assert answer["rules"][0]["value"] == 0.21
+    assert answer["rules"][0]["coefficient"]["value"] == 0.21
     assert (record["kind"], record["positions"], record["nominal_area"]) == ("pair", 3, 10_000.0)

@@ -281,10 +281,10 @@ function showResult(answer, scope, isFinal) {
   place.dataset.text = text;
   place.replaceChildren(...(scope ? [createNode("p", {className: "hint"}, scope)] : []));
   if (!answer) return;
-  for (const {rule, text: words, value: mean, lower, upper} of answer.rules.filter(({value: mean}) => mean !== null)) {
+  for (const {rule, text: words, coefficient: {value, lower, upper}} of answer.rules.filter(({coefficient}) => coefficient.value !== null)) {
     const line = createNode("p", {className: `value ${isFinal ? "" : "hint"}`}, createNode("i", {}, "μ"), createNode("sub", {}, "s"),
       ` = ${words} `, createNode("small", {className: "hint"}, RULE_DESCRIPTIONS[rule]));
-    Object.assign(line.dataset, {rule, value: mean, lower, upper});
+    Object.assign(line.dataset, {rule, value, lower, upper});
     place.append(line);
   }
   if (isFinal) place.append(createNode("p", {className: `assessment ${ASSESSMENT_CLASSES[answer.assessment]}`}, answer.assessment),

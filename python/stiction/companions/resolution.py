@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats
+from stiction._estimate import Estimate
 from stiction._units import exact_quantity_text
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.point import (
@@ -225,9 +226,7 @@ class YieldWavelengthEstimate:
     """Estimates for a hardness H (GPa): the wavelength (µm) at which the pressure reaches H, and mu0 + tau0/H."""
 
     hardness: float
-    wavelength: float  # wavelength (µm) at which the pressure reaches H, or NaN if no wavelength has this pressure
-    lower: float
-    upper: float
+    wavelength: Estimate  # NaN if the pressure reaches H at no wavelength
     friction: float
 
 
@@ -315,7 +314,12 @@ def estimate_yield_wavelengths(
     return tuple(
         YieldWavelengthEstimate(
             hardness,
-            *resolved_roughness.find_yield_wavelength(hardness / pressure, contact_count),
+            Estimate(
+                *resolved_roughness.find_yield_wavelength(hardness / pressure, contact_count),
+                name="yield_wavelength",
+                unit="um",
+                kind="fit",
+            ),
             mu0 + tau0 / hardness,
         )
         for hardness in TYPICAL_HARDNESSES

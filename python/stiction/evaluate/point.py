@@ -14,6 +14,7 @@ from stiction.evaluate.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTA
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
+from stiction.mechanics.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import xarray
@@ -28,12 +29,15 @@ NEGLIGIBLE_LOAD_RATIO = 0.01
 
 @dataclass(frozen=True)
 class SlidingRuleCoefficient(Estimate):
-    """Coefficient of static friction at a point under one sliding rule: mean over directions and combined interval."""
+    """Coefficient of static friction at a point under one sliding rule: mean over directions and combined interval.
+
+    Without a combined interval, the interval is that of the mean.
+    """
 
     _: KW_ONLY
     rule: str  # "all" or "opposing"
     status: str = STATUS_OK  # "ok", or why a coefficient is missing in at least one direction
-    interval_of_mean: Interval = UNKNOWN_INTERVAL  # sampling interval of the mean over positions
+    interval_of_mean: Interval = UNKNOWN_INTERVAL  # interval of the mean over positions
     prediction_interval: Interval = UNKNOWN_INTERVAL  # prediction interval for a single test in a single direction
     low: float = math.nan  # 10 % quantile of the coefficients of single members
     high: float = math.nan  # 90 % quantile of the coefficients of single members
@@ -43,6 +47,16 @@ class SlidingRuleCoefficient(Estimate):
     # coefficients along the axes and in the directions (degree) of motion, with sampling intervals
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
+
+    @property
+    def mean(self) -> Estimate:
+        """Coefficient with its interval of the mean."""
+        return Estimate(self.value, *self.interval_of_mean, **_get_estimate_fields("mean_friction"))
+
+    @property
+    def prediction(self) -> Estimate:
+        """Coefficient with its prediction interval."""
+        return Estimate(self.value, *self.prediction_interval, **_get_estimate_fields("friction_prediction"))
 
 
 def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
@@ -82,16 +96,24 @@ def find_statistic_indices(table: xarray.Dataset | xarray.DataArray) -> list[int
 
 def read_estimate(table: xarray.DataArray) -> Estimate:
     """Return the estimate in an array; dimensions other than `statistic` must have size 1."""
+    fields = _get_estimate_fields(table.name)
     if "statistic" not in table.dims:
-        return Estimate(table.item())
-    return Estimate(*table.values.ravel()[find_statistic_indices(table)].astype(float).tolist())
+        return Estimate(table.item(), **fields | {"kind": ""})
+    return Estimate(*table.values.ravel()[find_statistic_indices(table)].astype(float).tolist(), **fields)
+
+
+def _get_estimate_fields(name: Any) -> dict[str, Any]:
+    """Return the name, the unit and the kind of the interval of an estimate of a quantity."""
+    quantity = QUANTITIES[str(name)]
+    return {"name": str(name), "unit": quantity.unit, "kind": quantity.interval_kind}
 
 
 def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float, Estimate]:
     """Return the estimates in an array with the dimensions `dimension` and `statistic`, by coordinate."""
     rows = table.variable.transpose(dimension, "statistic").values[:, find_statistic_indices(table)].astype(float)
+    fields = _get_estimate_fields(table.name)
     return {
-        coordinate: Estimate(*row)
+        coordinate: Estimate(*row, **fields)
         for coordinate, row in zip(table[dimension].values.tolist(), rows.tolist(), strict=True)
     }
 
@@ -123,7 +145,8 @@ def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
             indices["direction"] = 0
         variable = variable.isel(indices)
         if variable.dims == ("statistic",):
-            quantities.estimates[name] = Estimate(*variable.values[statistics].astype(float).tolist())
+            limits = variable.values[statistics].astype(float).tolist()
+            quantities.estimates[name] = Estimate(*limits, **_get_estimate_fields(name))
         elif not variable.dims and variable.dtype.kind in "if":
             quantities.numbers[name] = float(variable.values)
         elif set(variable.dims) == {"fraction_below", "statistic"}:

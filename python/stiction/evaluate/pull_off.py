@@ -23,7 +23,7 @@ The value is 100 Pa, the weight per area of a steel plate that is 1.3 mm thick.
 class PullOffValues:
     """Pull-off force (mN), pull-off pressure (GPa) and friction force at zero load (mN), with 95 % intervals."""
 
-    pull_off: Estimate
+    force: Estimate
     pressure: Estimate
     friction: Estimate
     is_bound: bool  # True if only a lower bound on the pull-off force is known for some members

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import stiction._core
+from stiction._estimate import EstimateKind
 
 QuantityKind = Literal["sum", "statistic", "ratio", "validity", "uncertainty", "coordinate"]
 """Kinds of quantities: sum over contacts, statistic of a member, ratio, validity indicator, uncertainty, coordinate."""
@@ -36,9 +37,6 @@ STIFFNESS_PER_AREA_FACTOR = 1e6  # conversion factor from GPa/µm to `STIFFNESS_
 MAX_STORED_VALUE = 1e100
 """Largest magnitude of a finite stored value. Sums of products of two stored values do not overflow."""
 
-IntervalKind = Literal["sampling", "combined", "prediction", "conditional"]
-"""Kinds of intervals: of the mean over members, with all uncertain inputs, of a further test, with one input exact."""
-
 OutputView = Literal["table", "verbose", "report", "csv", "hatch"]
 """Views that can contain a quantity: table, verbose table, selection list of the report, CSV file, hatching of maps."""
 
@@ -54,14 +52,14 @@ class ResultQuantity:
     kind: QuantityKind
     along: tuple[QuantityAxis, ...] = ()
     dtype: type = float
-    # Name of the numerator, if the quantity is a ratio.
-    # If the quantity is a sum at zero load, name of the corresponding sum under load.
+    # Name of the numerator of a validity indicator, of the stiffness in a stiffness per area, or of the sum under load
+    # that corresponds to a sum at zero load.
     numerator: str = ""
-    denominator: tuple[str, ...] = ()  # names of the quantities whose sum is the denominator of a ratio
+    denominator: tuple[str, ...] = ()  # names of the quantities whose sum is the denominator of a validity indicator
     bounds: tuple[float, float] = (-math.inf, math.inf)  # limits for the ends of an interval
     # limits of the values that a result may store; stored values may be infinite if a limit is infinite
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
-    interval: IntervalKind = "sampling"  # kind of the 95 % interval
+    interval_kind: EstimateKind = "mean"  # kind of the 95 % interval
     percent: bool = False  # True if tables and reports show the quantity in percent
     column_unit: str = ""  # unit in spreadsheets, if it differs from `unit`
     column_factor: float = 1.0
@@ -167,9 +165,9 @@ def _statistic_quantity(unit: str, words: str, brief: str = "", **properties: An
     return ResultQuantity(unit=unit, words=words, brief=brief, **fields)
 
 
-def _uncertainty_quantity(words: str, interval: IntervalKind, *along: QuantityAxis) -> ResultQuantity:
+def _uncertainty_quantity(words: str, interval_kind: EstimateKind, *along: QuantityAxis) -> ResultQuantity:
     along = (*_MEAN_FRICTION_AXES, *along)
-    return ResultQuantity(unit="1", words=words, kind="uncertainty", along=along, interval=interval)
+    return ResultQuantity(unit="1", words=words, kind="uncertainty", along=along, interval_kind=interval_kind)
 
 
 def _coordinate_quantity(unit: str, words: str, brief: str = "", **properties: Any) -> ResultQuantity:
@@ -181,7 +179,6 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "friction_combined": _uncertainty_quantity("coefficient of static friction, 95 % combined uncertainty", "combined"),
     "friction_coefficient": ResultQuantity(
         unit="1", words="coefficient of static friction", symbol=r"\mu_s", kind="ratio", along=_FRICTION_AXES,
-        numerator="tangential_load", denominator=("normal_load",),
     ),
     "mean_friction": ResultQuantity(
         unit="1", words="friction coefficient, mean over the directions", kind="ratio", along=_MEAN_FRICTION_AXES,
@@ -236,7 +233,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     # ---- Contact at a load -----------------------------------------------------------------------------------------
     "contact_area_fraction": ResultQuantity(
         unit="1", words="ratio of true to nominal contact area", brief="true area A/A0", kind="ratio", along=_STEP_AXIS,
-        numerator="contact_area", denominator=("nominal_area",), percent=True, shown=_DEFAULT_VIEWS,
+        percent=True, shown=_DEFAULT_VIEWS,
     ),
     "contact_status": ResultQuantity(
         unit="", words="status of the true contact area", kind="statistic", along=_STEP_AXIS, dtype=str,
@@ -248,8 +245,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "contact_count": _sum_quantity("contact_count", "half-space", dtype=int, proportional=True, shown=_DEFAULT_VIEWS),
     "mean_pressure": ResultQuantity(
-        unit="GPa", words="mean pressure in contact", kind="ratio", along=_STEP_AXIS, numerator="contact_load",
-        denominator=("contact_area",), shown=_DEFAULT_VIEWS,
+        unit="GPa", words="mean pressure in contact", kind="ratio", along=_STEP_AXIS, shown=_DEFAULT_VIEWS,
     ),
     "normal_stiffness": _statistic_quantity(
         "mN/um", "normal stiffness", proportional=True,
@@ -277,7 +273,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "pull_off_pressure": ResultQuantity(
         unit="GPa", words="pull-off force divided by the nominal area", brief="pull-off pressure", kind="ratio",
-        numerator="pull_off", denominator=("nominal_area",), bound_fraction="share_of_pull_off_bounds",
+        bound_fraction="share_of_pull_off_bounds",
         shown=frozenset({"table", "csv"}),
     ),
     "friction_at_no_load": ResultQuantity(
@@ -304,11 +300,11 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "stiffness_per_area": ResultQuantity(
         unit=STIFFNESS_PER_AREA_UNIT, words="normal stiffness per area while loading", kind="ratio", along=_STEP_AXIS,
-        numerator="normal_stiffness", denominator=("nominal_area",), shown=_VERBOSE_VIEWS,
+        numerator="normal_stiffness", shown=_VERBOSE_VIEWS,
     ),
     "unloading_stiffness_per_area": ResultQuantity(
         unit=STIFFNESS_PER_AREA_UNIT, words="normal stiffness per area while unloading (ultrasonic)", kind="ratio",
-        along=_STEP_AXIS, numerator="unloading_stiffness", denominator=("nominal_area",), shown=_VERBOSE_VIEWS,
+        along=_STEP_AXIS, numerator="unloading_stiffness", shown=_VERBOSE_VIEWS,
     ),
     "share_opposing": ResultQuantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on contacts that oppose the motion",
@@ -376,7 +372,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "nominal_pressure": ResultQuantity(
         unit="GPa", words="normal load divided by the nominal area", brief="pressure on the nominal area", kind="ratio",
-        along=_STEP_AXIS, numerator="normal_elastic", denominator=("nominal_area",), shown=_CSV_VIEW,
+        along=_STEP_AXIS, shown=_CSV_VIEW,
     ),
     "share_of_pull_off_bounds": ResultQuantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the members whose pull-off force is a lower bound or missing",

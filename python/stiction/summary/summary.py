@@ -455,7 +455,10 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
 def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntry:
     """Return the budget entry with the interval at the first cutoff alone."""
     width = point.upper - point.lower
-    return UncertaintyBudgetEntry(point.value, point.lower, point.upper, label=POSSIBLE_NOISE_INPUT_NAME, width=width)
+    return UncertaintyBudgetEntry(
+        point.value, point.lower, point.upper, name="remaining_interval", kind="conditional",
+        label=POSSIBLE_NOISE_INPUT_NAME, width=width,
+    )  # fmt: skip
 
 
 def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient) -> SlidingRuleCoefficient:
@@ -519,11 +522,13 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
     name = "mean_friction" if "mean_friction" in table else "friction_coefficient"
     mean = read_estimate(table[name])
     interval_of_mean = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
-    combined_interval = _get_interval(table, "friction_at_cutoff") or interval_of_mean
+    combined_interval = _get_interval(table, "friction_at_cutoff")
     low, high, slopes = (mean_over_directions(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
     return SlidingRuleCoefficient(
         mean.value,
-        *combined_interval,
+        *(combined_interval or interval_of_mean),
+        name=name if combined_interval is None else "friction_combined",
+        kind="mean" if combined_interval is None else "combined",
         rule=rule,
         interval_of_mean=interval_of_mean,
         prediction_interval=_get_interval(table, "friction_prediction") or UNKNOWN_INTERVAL,
@@ -572,7 +577,9 @@ def _list_budget_entries(
     intervals = (Interval(*each) for each in limits[:, 1:].tolist())
     labels_and_widths = (budget[name].values.tolist() for name in ("input_label", "remaining_width"))
     entries = [
-        UncertaintyBudgetEntry(coefficient.value, *interval, label=label, width=width)
+        UncertaintyBudgetEntry(
+            coefficient.value, *interval, name="remaining_interval", kind="conditional", label=label, width=width
+        )
         for interval, label, width in zip(intervals, *labels_and_widths, strict=True)
         if math.isfinite(interval.lower) and not math.isnan(interval.upper)
     ]
@@ -584,7 +591,8 @@ def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[Dwe
         return ()
     table = select_sliding_rule(point["friction_after_dwell"], rule).transpose("dwell_time", "statistic")
     seconds_and_values = zip(point["dwell_time"].values.tolist(), table.values.tolist(), strict=True)
-    return tuple(DwellTimeCoefficient(*limits, seconds=seconds) for seconds, limits in seconds_and_values)
+    fields: dict[str, Any] = {"name": "friction_after_dwell", "kind": "combined"}
+    return tuple(DwellTimeCoefficient(*limits, seconds=seconds, **fields) for seconds, limits in seconds_and_values)
 
 
 def _compute_friction_contributions(

@@ -18,7 +18,7 @@ from stiction.calibration.prediction import Interface
 from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_VALUE_LIMIT, StrengthFit
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
-from stiction.views.rows import json_entry, record_json
+from stiction.views.rows import record_json
 from stiction.views.style import ALL_CONTACTS_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def _area_per_load_text(interface: Interface) -> str:
     ):
         return f"{interface.area_per_load:.3g} 1/GPa"
     low, high = np.quantile(area_per_load, [0.025, 0.975])
-    return f"{Estimate(interface.area_per_load, float(low), float(high)):.2u} 1/GPa"
+    return f"{Estimate(interface.area_per_load, float(low), float(high)).text()} 1/GPa"
 
 
 def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
@@ -88,7 +88,7 @@ def _junction_growth_text(interface: Interface) -> str:
     if interface.junction_growth.is_exact:
         return f"{text}. A pair with this interface uses the same value."
     low, value, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
-    text += f", and are consistent with α = {Estimate(value, low, high):.2u}"
+    text += f", and are consistent with α = {Estimate(value, low, high).text()}"
     return f"{text}. A pair with this interface uses the same range."
 
 
@@ -119,8 +119,8 @@ def calibration_json(interface: Interface) -> str:
     separate_status = "ok" if interface.separated else "not separated"
     coordinates = {"area_per_load_per_GPa": interface.area_per_load}
     values = [
-        json_entry(name, value, unit, lower=low, upper=high, coordinates=coordinates, status=status)
-        for name, (value, low, high), unit, coordinates, status in (
+        Estimate(*limits, name=name, unit=unit, kind="combined", status=status).to_record(coordinates)
+        for name, limits, unit, coordinates, status in (
             ("identified", interface.identified, "1", coordinates, "ok"),
             ("mu0", interface.mu0, "1", {}, separate_status),
             ("tau0", interface.tau0, "GPa", {}, separate_status),
@@ -130,7 +130,7 @@ def calibration_json(interface: Interface) -> str:
         {
             "sliding": fit.sliding,
             "chi_squared": None if math.isnan(fit.probability) else fit.chi_squared,
-            "freedom": fit.freedom,
+            "degrees_of_freedom": fit.freedom,
             "probability": fit.probability,
             "errors_multiplied_by": fit.scale,
             "trend": fit.trend,
@@ -138,7 +138,7 @@ def calibration_json(interface: Interface) -> str:
         for fit in interface.fits
     ]
     advice_records = [
-        {"what": text, "error_of_mu0": mu0, "error_of_tau0": tau0} for text, mu0, tau0 in interface.advice
+        {"test": text, "error_of_mu0": mu0, "error_of_tau0": tau0} for text, mu0, tau0 in interface.advice
     ]
     return record_json(
         "calibrate", values, kind="interface", variation=interface.variation, separated=interface.separated,

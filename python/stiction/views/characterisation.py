@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stiction._estimate import Estimate, estimate_column_titles
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
 from stiction.summary.assessment import Caveat
@@ -25,7 +26,7 @@ from stiction.surfaces.spectrum import PowerSpectrum, find_spectral_peak, spectr
 from stiction.surfaces.surface import Surface
 from stiction.views.layout import wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
-from stiction.views.rows import caveat_record, json_entry, record_json
+from stiction.views.rows import caveat_record, record_json
 from stiction.views.spreadsheet import frame_to_csv
 
 NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
@@ -52,7 +53,7 @@ class TableRow(NamedTuple):
 
     label: str
     texts: tuple[str, ...]
-    values: tuple[dict[str, Any], ...] = ()
+    values: tuple[Estimate, ...] = ()
     is_detail: bool = False  # True if the first screen of a terminal omits this row
 
 
@@ -87,7 +88,7 @@ class CharacterisationTable:
             f"{_describe_outliers(count)}; excluded from the spectrum; "
             f"--outliers mask removes {'them' if count > 1 else 'it'}"
         )
-        rows.append(TableRow("outliers", (text if count else "none",), (json_entry("outliers", count),)))
+        rows.append(TableRow("outliers", (text if count else "none",), (Estimate(count, name="outliers"),)))
         rows += [*self._parameter_rows(), TableRow("friction by slope", (self._friction_text(),))]
         if self.scan.spectrum is not None and isinstance(body := self.scan.body_without_outliers, Profile):
             moments = spectral_moments(body, periodic=self.scan.periodic)
@@ -124,12 +125,12 @@ class CharacterisationTable:
         if isinstance(result, SectionLengthError):
             names = [item.name for letter in "RW" for item in PROFILE_PARAMETERS[letter]]
             missing_entries = tuple(
-                json_entry(name, math.nan, _json_unit(ROUGHNESS_PARAMETERS[name]), status="no-section")
+                Estimate(math.nan, name=name, unit=_json_unit(ROUGHNESS_PARAMETERS[name]), status="no-section")
                 for name in names
             )
             reason = str(result).replace("cutoff lc", "--lc")
             return [*rows, TableRow("R and W parameters", (f"none: {reason}",), missing_entries)]
-        rows.append(TableRow("filters", (_filters_text(result),), _filter_json_entries(result)))
+        rows.append(TableRow("filters", (_filters_text(result),), _filter_values(result)))
         return [*rows, *self._rows_of_parameter_values(result.values)]
 
     def _rows_of_parameter_values(self, values: Mapping[str, float]) -> list[TableRow]:
@@ -141,7 +142,10 @@ class CharacterisationTable:
                 text = f"{steepest_direction:.1f}°, direction in which lines are steepest on average"
                 rows.append(
                     TableRow(
-                        "", (text,), (json_entry("steepest_direction", steepest_direction, "degrees"),), is_detail=True
+                        "",
+                        (text,),
+                        (Estimate(steepest_direction, name="steepest_direction", unit="degrees"),),
+                        is_detail=True,
                     )
                 )
         return rows
@@ -152,8 +156,8 @@ class CharacterisationTable:
             is_detail=name not in HEADLINE_PARAMETERS
         )
         if name in ("Pdq", "Sdq"):
-            neighbours_entry = json_entry(f"{name}_neighbours", self.scan.neighbour_slope)
-            text = f"{row.texts[0]} (seven points), {neighbours_entry['value']:.4g} (neighbours)"
+            neighbours_entry = Estimate(self.scan.neighbour_slope, name=f"{name}_neighbours")
+            text = f"{row.texts[0]} (seven points), {neighbours_entry.value:.4g} (neighbours)"
             return TableRow(name, (text,), (*row.values, neighbours_entry))
         if name == "Std":
             text = f"{value:.0f}° from +x towards +y, for the strongest wavelengths; the lay is perpendicular"
@@ -199,8 +203,8 @@ class CharacterisationTable:
             for wavelength in limit.pixels * 2.0 ** np.arange(NUM_SLOPE_WAVELENGTHS)
             if wavelength < longest_wavelength
         )
-        shortest_entry = json_entry("shortest_wave", limit.pixels, "um")
-        octave_entry = json_entry("slope_in_shortest_octave", fraction)
+        shortest_entry = Estimate(limit.pixels, name="shortest_resolved_wavelength", unit="um")
+        octave_entry = Estimate(fraction, name="slope_in_shortest_octave")
         cutoff_text = format_with_unit(limit.cut_off, "um")
         wavelength = format_with_unit(limit.wavelength, "um") + (f" along {limit.axis}" if limit.axis else "")
         contribution_text = f"{format_percent(limit.slope_fraction)} of the mean square slope"
@@ -221,8 +225,8 @@ class CharacterisationTable:
         )
         tip_wavelength = math.nan if self.scan.tip_limit is None else self.scan.tip_limit.tip
         limit_entries = (
-            json_entry("noise_floor_below", limit.noise, "um"),
-            json_entry("tip_follows_down_to", tip_wavelength, "um"),
+            Estimate(limit.noise, name="noise_wavelength", unit="um"),
+            Estimate(tip_wavelength, name="tip_wavelength", unit="um"),
         )
         return [
             TableRow(
@@ -246,7 +250,7 @@ class CharacterisationTable:
             f"period {length_text(period)}{direction_text}, with its harmonics: "
             "attributed to the surface, such as a feed mark"
         )
-        return [TableRow("texture", (text,), (json_entry("texture_period", period, "um"),))]
+        return [TableRow("texture", (text,), (Estimate(period, name="texture_period", unit="um"),))]
 
     def _hurst_rows(self) -> list[TableRow]:
         names = ("hurst_exponent", "1"), ("shortest_wavelength", "um"), ("longest_wavelength", "um")
@@ -259,7 +263,7 @@ class CharacterisationTable:
                     f"the best fit deviates by a factor of {self.scan.power_law_misfit:.1f}",
                     "no-line",
                 )
-            missing_entries = tuple(json_entry(name, math.nan, unit, status=status) for name, unit in names)
+            missing_entries = tuple(Estimate(math.nan, name=name, unit=unit, status=status) for name, unit in names)
             rows = [
                 TableRow("Hurst exponent H", (f"none: {reason}",), missing_entries),
                 TableRow("fractal dimension D", ("none: there is no H",)),
@@ -271,13 +275,13 @@ class CharacterisationTable:
             source = f"{'given' if self.scan.band else 'automatic'}; {fit.harmonics} {wave_name}"
             band_text = f"{' to '.join(map(length_text, band_limits))} ({source})"
             classical_text = f"{fit.fractal_dimension_classical:.3f} (classical, 2 - H)"
-            value = json_entry(names[0][0], fit.value, lower=fit.lower, upper=fit.upper)
+            value = Estimate(fit.value, fit.lower, fit.upper, name=names[0][0], kind="fit")
             rows = [
                 TableRow("Hurst exponent H", (interval_text,), (value,)),
                 TableRow(
                     "fitted band",
                     (band_text,),
-                    tuple(json_entry(names[index + 1][0], band_limits[index], "um") for index in (0, 1)),
+                    tuple(Estimate(band_limits[index], name=names[index + 1][0], unit="um") for index in (0, 1)),
                 ),
                 TableRow("fractal dimension D", (classical_text if fit.value <= 1 else "none: 2 - H is below 1",)),
                 TableRow("", (f"{fit.fractal_dimension_paper:.3f} (paper, (4 - H)/2)",)),
@@ -475,14 +479,14 @@ def _filters_text(result: SectionParameters) -> str:
     return f"{filter_kind}, {cutoffs_text} ({filters.reason}); {filters.sections} {sections_text}"
 
 
-def _filter_json_entries(result: SectionParameters) -> tuple[dict[str, Any], ...]:
+def _filter_values(result: SectionParameters) -> tuple[Estimate, ...]:
     filters = result.filters
     short_cutoff = math.nan if filters.ls is None else filters.ls
     cutoffs = (
-        json_entry("lc", filters.lc, "um"),
-        json_entry("ls", short_cutoff, "um", status="none" if filters.ls is None else STATUS_OK),
+        Estimate(filters.lc, name="lc", unit="um"),
+        Estimate(short_cutoff, name="ls", unit="um", status="none" if filters.ls is None else STATUS_OK),
     )
-    return *cutoffs, json_entry("sections", filters.sections)
+    return *cutoffs, Estimate(filters.sections, name="sections")
 
 
 def _parameter_table_row(
@@ -492,7 +496,7 @@ def _parameter_table_row(
     if math.isnan(value):
         text = "none"
     status = "none" if math.isnan(value) else STATUS_OK
-    return TableRow(label or name, (f"{text}{label_suffix}",), (json_entry(name, value, unit, status=status),))
+    return TableRow(label or name, (f"{text}{label_suffix}",), (Estimate(value, name=name, unit=unit, status=status),))
 
 
 def _spectral_peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[TableRow]:
@@ -523,13 +527,13 @@ def _line_hurst_exponent_text(line: LineRoughness) -> str:
 CharacterisedFiles = Sequence[tuple[str, Characterisation]]  # pairs of file name and characterisation
 
 
-def _json_values(result: Characterisation) -> list[dict[str, Any]]:
+def _list_values(result: Characterisation) -> list[Estimate]:
     return [value for row in CharacterisationTable(result).rows for value in row.values]
 
 
 def characterisation_json(files: CharacterisedFiles, readings: Sequence[dict[str, Any]] = ()) -> str:
     """Return the characterisations of files as a JSON record, including a description of how each file was read."""
-    values = [value | {"at": {"file": file}} for file, result in files for value in _json_values(result)]
+    values = [value.to_record({"file": file}) for file, result in files for value in _list_values(result)]
     return record_json(
         "characterise", values, kind="surface", surfaces=[_file_record(*item) for item in files], files=list(readings)
     )
@@ -538,7 +542,7 @@ def characterisation_json(files: CharacterisedFiles, readings: Sequence[dict[str
 def _file_record(file: str, result: Characterisation) -> dict[str, Any]:
     body = result.body
     return {
-        "file": file, "holds": "profile" if isinstance(body, Profile) else "surface",
+        "file": file, "type": "profile" if isinstance(body, Profile) else "surface",
         "points": list(np.shape(body.heights)), "spacing_um": np.atleast_1d(body.spacing).tolist(),
         "extent_um": np.atleast_1d(body.extent).tolist(), "history": list(body.history),
         "caveats": list(map(caveat_record, result.caveats)),
@@ -552,13 +556,13 @@ def characterisation_csv(files: CharacterisedFiles) -> str:
     rows = []
     for file, result in files:
         file_record = _file_record(file, result)
-        row = {"file": file, "holds": file_record["holds"]}
+        row = {"file": file, "type": file_record["type"]}
         for title, key in (("points", "points"), ("spacing (um)", "spacing_um")):
             row[title] = " x ".join(f"{item:.12g}" for item in file_record[key])
-        for value in _json_values(result):
-            name = value["name"]
-            row[name if value["unit"] == "1" else f"{name} ({value['unit']})"] = value["value"]
-            if name == "hurst_exponent":
-                row |= {f"{name} {interval_end}": value[interval_end] for interval_end in ("lower", "upper")}
+        for value in _list_values(result):
+            titles = estimate_column_titles(value.name, value.unit)
+            row[titles["value"]] = value.value
+            if value.kind:
+                row |= {titles[field]: getattr(value, field) for field in ("lower", "upper")}
         rows.append(row)
     return frame_to_csv(pandas.DataFrame(rows))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._estimate import Estimate
+from stiction._estimate import Estimate, estimate_column_titles
 from stiction._number_format import format_with_unit
 from stiction.evaluate.friction_table import MAX_LAW_DEVIATION
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT, column_title_and_factor
@@ -25,6 +25,7 @@ _COLUMN_TITLES = {
 
 _LOAD_QUANTITIES = tuple(_COLUMN_TITLES)[:4]
 _LAW_PARAMETERS = ("area_factor", "stiffness_factor", "stiffness_exponent")
+_PRINTED_LAW_UNITS = (("1/GPa", 1.0), ("GPa/um", STIFFNESS_PER_AREA_FACTOR), ("1", 1.0))
 _COORDINATE_COLUMNS = ("sliding", "hurst_exponent", "rms", "pressure", "mu0", "tau0")
 _LAW_QUANTITIES = (*_LAW_PARAMETERS, "area_deviation", "stiffness_deviation")
 
@@ -48,8 +49,9 @@ def _table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> s
         if "statistic" not in values.dims:
             columns[title] = values * factor
             continue
-        for suffix, statistic in (("", "mean"), (": lower", "lower"), (": upper", "upper")):
-            columns[f"{title}{suffix}"] = values.sel(statistic=statistic, drop=True) * factor
+        for field, column_title in estimate_column_titles(title).items():
+            statistic = "mean" if field == "value" else field
+            columns[column_title] = values.sel(statistic=statistic, drop=True) * factor
     frame = xarray.Dataset(columns).to_dataframe(dim_order=list(columns_by_name)).reset_index()
     for name in columns_by_name:
         if (factor := column_title_and_factor(name)[1]) != 1:
@@ -73,8 +75,8 @@ def friction_table_text(table: xarray.Dataset) -> str:
                 f"{float(roughness_table['hurst_exponent']):.3g}, "
                 f"{format_with_unit(float(roughness_table['rms']), 'um')}",
                 *(
-                    f"{Estimate(*roughness_table[name].values.tolist()) / factor:.2u}"
-                    for name, factor in zip(_LAW_PARAMETERS, (1.0, STIFFNESS_PER_AREA_FACTOR, 1.0), strict=True)
+                    Estimate(*roughness_table[name].values.tolist()).in_unit(unit, factor).text()
+                    for name, (unit, factor) in zip(_LAW_PARAMETERS, _PRINTED_LAW_UNITS, strict=True)
                 ),
                 *(_coefficient_range_text(coefficients.sel(sliding=rule)) for rule in ("all", "opposing")),
                 ", ".join("none" if np.isnan(deviation) else f"{100 * deviation:.0f} %" for deviation in deviations),

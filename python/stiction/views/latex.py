@@ -106,9 +106,9 @@ def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
     """Return the table cells of a point: coefficients of all sliding rules, area fraction and assessment."""
     texts = [str(rule) for rule in point.rules]
     if has_area:
-        fraction = point.quantities["contact_area_fraction"] / 0.01
+        fraction = point.quantities["contact_area_fraction"].in_unit("%", 0.01)
         is_printed = point.contact_status == STATUS_OK and not math.isnan(fraction.value)
-        texts.append(f"{fraction:.2u} %" if is_printed else point.contact_status.replace(STATUS_OK, "none"))
+        texts.append(f"{fraction.text()} %" if is_printed else point.contact_status.replace(STATUS_OK, "none"))
     return [cell.translate(_LATEX_ESCAPES) for cell in (*texts, point.assessment)]
 
 

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from stiction._estimate import Estimate
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.rows import record_json
 
@@ -51,10 +52,9 @@ def materials_json(materials: Sequence[Material]) -> str:
         for name, unit in _PROPERTY_UNITS.items():
             value = getattr(material, name)
             entries[-1][name] = value and {
-                "value": float(value),
-                "low": value.low,
-                "high": value.high,
-                "unit": unit,
+                "estimate": Estimate(
+                    float(value), value.low, value.high, name=name, unit=unit, kind="range"
+                ).to_record(),
                 "source": value.source,
             }
     return record_json("materials", [], materials=entries)

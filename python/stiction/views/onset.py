@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
 from stiction.companions.onset import OnsetValues
-from stiction.mechanics.quantities import QUANTITIES
 from stiction.views.layout import Paragraph, Table
 from stiction.views.point import coordinate_text
 
@@ -22,38 +20,35 @@ CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loading, relati
 def onset_text(onset: OnsetValues) -> str:
     """Return a sentence with the pre-sliding displacement, the slipping fraction and the tangential stiffness."""
     phrases = []
-    displacement, length_unit = _in_printed_unit(onset.displacement_at_sliding, "displacement_at_sliding")
+    displacement = onset.displacement_at_sliding.in_prefixed_unit()
     if math.isfinite(displacement.value):
-        phrases.append(f"pre-sliding displacement {displacement:.2u} {length_unit}")
+        phrases.append(f"pre-sliding displacement {displacement.text()} {displacement.unit}")
     slipped_area = onset.curve[HALF_SLIDING_LOAD_FRACTION].slipped_area
-    phrases.append(f"{slipped_area / 0.01:.2u} % of the contact slips at half the sliding load")
-    stiffness, stiffness_unit = _in_printed_unit(onset.stiffness, "stiffness")
+    phrases.append(f"{slipped_area.in_unit('%', 0.01).text()} % of the contact slips at half the sliding load")
+    stiffness = onset.stiffness.in_prefixed_unit()
     if math.isfinite(stiffness.value):
-        phrases.append(f"initial tangential stiffness {stiffness:.2u} {stiffness_unit}")
+        phrases.append(f"initial tangential stiffness {stiffness.text()} {stiffness.unit}")
     text = "; ".join(phrases)
     return text[0].upper() + text[1:] + "."
 
 
-def _in_printed_unit(estimate: Estimate, name: str) -> tuple[Estimate, str]:
-    return estimate.in_prefixed_unit(QUANTITIES[name].table_unit)
-
-
 def onset_rows(onset: OnsetValues) -> list[list[str]]:
     """Return table rows with means and intervals for the onset of sliding; the first row contains the headings."""
-    displacement, length_unit = _in_printed_unit(onset.displacement_at_sliding, "displacement_at_sliding")
-    stiffness, stiffness_unit = _in_printed_unit(onset.stiffness, "stiffness")
-    unloading_stiffness, unloading_unit = _in_printed_unit(onset.unloading_stiffness, "unloading_stiffness")
+    displacement = onset.displacement_at_sliding.in_prefixed_unit()
+    stiffness = onset.stiffness.in_prefixed_unit()
+    unloading_stiffness = onset.unloading_stiffness.in_prefixed_unit()
+    unloading_label = "normal stiffness during unloading, as measured by ultrasound"
     half_load_point = onset.curve[HALF_SLIDING_LOAD_FRACTION]
     estimates = {
         "sliding load (mN)": onset.sliding_load,
-        f"pre-sliding displacement ({length_unit})": displacement,
-        f"initial tangential stiffness ({stiffness_unit})": stiffness,
-        f"normal stiffness during unloading, as measured by ultrasound ({unloading_unit})": unloading_stiffness,
-        "contact that slips at half of the sliding load (%)": half_load_point.slipped_area / 0.01,
-        "load on the slipping contact (%)": half_load_point.slipped_load / 0.01,
+        f"pre-sliding displacement ({displacement.unit})": displacement,
+        f"initial tangential stiffness ({stiffness.unit})": stiffness,
+        f"{unloading_label} ({unloading_stiffness.unit})": unloading_stiffness,
+        "contact that slips at half of the sliding load (%)": half_load_point.slipped_area.in_unit("%", 0.01),
+        "load on the slipping contact (%)": half_load_point.slipped_load.in_unit("%", 0.01),
         **{
             f"energy dissipated in a cycle of {amplitude:g} times the sliding load (pJ)": (
-                onset.curve[amplitude].energy_lost / PICOJOULE
+                onset.curve[amplitude].energy_lost.in_unit("pJ", PICOJOULE)
             )
             for amplitude in CYCLE_AMPLITUDES
         },
@@ -93,14 +88,13 @@ def onset_record(onset: OnsetValues) -> dict[str, Any]:
         "tau0": onset.tau0,
         "members": onset.num_members,
         "poisson_ratio": list(onset.poisson_ratio),
-        **{name: _estimate_record(getattr(onset, name)) for name in characteristic_names},
+        **{name: getattr(onset, name).to_record() for name in characteristic_names},
         **{model: parameters or None for model, parameters in onset.models.items()},
         "curve": [
-            {"fraction": fraction, **{name: _estimate_record(getattr(point, name)) for name in curve_names}}
+            {
+                "fraction": fraction,
+                **{name: getattr(point, name).to_record({"fraction": fraction}) for name in curve_names},
+            }
             for fraction, point in onset.curve.items()
         ],
     }
-
-
-def _estimate_record(estimate: Estimate) -> dict[str, float]:
-    return {"mean": estimate.value, "lower": estimate.lower, "upper": estimate.upper}

@@ -8,7 +8,6 @@ from typing import Any
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
 from stiction.evaluate.pull_off import MIN_STICKING_PRESSURE, PullOffValues
-from stiction.mechanics.quantities import QUANTITIES
 
 
 def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:
@@ -25,24 +24,24 @@ def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:
     }[estimate.sticking_assessment]
     return (
         f"Sticks without a load: {estimate.sticking_assessment}. Pull-off force {bound_text}"
-        f"{_text_with_unit(estimate.pull_off, 'pull_off')}, "
-        f"{_text_with_unit(estimate.pressure, 'pull_off_pressure')} on the nominal area{threshold_text}; friction at "
-        f"no load {_text_with_unit(estimate.friction, 'friction_at_no_load')}{inputs and f' with {inputs}'}."
+        f"{_text_with_unit(estimate.force)}, "
+        f"{_text_with_unit(estimate.pressure)} on the nominal area{threshold_text}; friction at "
+        f"no load {_text_with_unit(estimate.friction)}{inputs and f' with {inputs}'}."
     )
 
 
 def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
-    """Return the pull-off force (mN), the pull-off pressure (GPa) and the friction at zero load (mN) as JSON fields."""
+    """Return the pull-off force, the pull-off pressure and the friction at zero load as JSON fields."""
     return {
         "sticks": estimate.sticking_assessment,
-        "pull_off_is_bound": estimate.is_bound,
-        "pull_off": vars(estimate.pull_off),
-        "pull_off_pressure": vars(estimate.pressure),
-        "friction_at_no_load": vars(estimate.friction),
+        "force_is_bound": estimate.is_bound,
+        "force": estimate.force.to_record(),
+        "pressure": estimate.pressure.to_record(),
+        "friction": estimate.friction.to_record(),
     }
 
 
-def _text_with_unit(estimate: Estimate, name: str) -> str:
+def _text_with_unit(estimate: Estimate) -> str:
     """Return a quantity with its interval, in the unit with the fewest zeros."""
-    scaled_estimate, unit = estimate.in_prefixed_unit(QUANTITIES[name].unit)
-    return "none" if math.isnan(estimate.value) else f"{scaled_estimate:.2u} {unit}"
+    scaled = estimate.in_prefixed_unit()
+    return "none" if math.isnan(estimate.value) else f"{scaled.text()} {scaled.unit}"

@@ -137,10 +137,10 @@ def _format_row(row: QuantityRow, *, is_sentence: bool) -> list[str]:
     """
     finite_values = [abs(estimate.value) for estimate in row.estimates if math.isfinite(estimate.value)]
     factor, unit = choose_prefixed_unit(max(finite_values, default=0.0), QUANTITIES[row.name].table_unit)
-    estimates = [estimate / factor for estimate in row.estimates]
+    estimates = [estimate.in_unit(unit, factor) for estimate in row.estimates]
     if row.num_digits is not None:
         return [row.label, unit, *(format_significant(estimate.value, row.num_digits) for estimate in estimates)]
-    cells = [f"{estimate:.2u}" if is_sentence else estimate.table_text for estimate in estimates]
+    cells = [estimate.text() if is_sentence else estimate.table_text for estimate in estimates]
     if set(row.statuses) <= {STATUS_OK}:
         return [row.label, unit, *cells]
     cells = [cell if status == STATUS_OK else status for cell, status in zip(cells, row.statuses, strict=True)]

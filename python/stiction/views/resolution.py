@@ -100,15 +100,15 @@ def yield_wavelength_rows(estimates: Sequence[YieldWavelengthEstimate], scan: Re
     """Return a table of `estimate_yield_wavelengths` with headings, or an empty list if there are no estimates."""
     rows = []
     for estimate in estimates:
-        if math.isnan(estimate.wavelength):
+        wavelength = estimate.wavelength
+        if math.isnan(wavelength.value):
             wavelength_text = "none, for these slopes"
-        elif estimate.wavelength > scan.shortest:
+        elif wavelength.value > scan.shortest:
             wavelength_text = "already in this scan"
         else:
-            interval_texts = (
-                format_with_unit(end, "um") for end in (estimate.lower, min(estimate.upper, scan.shortest))
-            )
-            wavelength_text = f"{format_with_unit(estimate.wavelength, 'um')} [{', '.join(interval_texts)}]"
+            limits = wavelength.lower, min(wavelength.upper, scan.shortest)
+            limit_texts = ", ".join(format_with_unit(limit, "um") for limit in limits)
+            wavelength_text = f"{format_with_unit(wavelength.value, 'um')} [{limit_texts}]"
         rows.append([format_with_unit(estimate.hardness, "GPa"), wavelength_text, f"{estimate.friction:.3f}"])
     return [["hardness", "contacts yield below a wavelength of", "μ_s all contacts, at least"], *rows] if rows else []
 
@@ -137,8 +137,8 @@ def resolution_record(resolution: ResolutionEffect) -> dict[str, Any]:
         record["yielding"] = [
             coordinates
             | {
-                "hardness": estimate.hardness, "reached_at_um": estimate.wavelength, "lower": estimate.lower,
-                "upper": estimate.upper, "friction_all_at_least": estimate.friction,
+                "hardness": estimate.hardness, "wavelength": estimate.wavelength.to_record(),
+                "min_friction": estimate.friction,
             }
             for coordinates, estimates in resolution.yielding
             for estimate in estimates

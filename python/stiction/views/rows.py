@@ -1,21 +1,23 @@
 """Results as CSV tables and JSON records for other programs, both created from the same data frame.
 
 JSON has the same schema for every command. A record contains ``schema`` (a number that increases with every
-incompatible change), ``stiction`` (the version), ``command``, a description of the inputs, and ``values``. A value has
-``name``, ``value``, ``unit`` ("1" if dimensionless), ``lower`` and ``upper`` (the 95 % interval), ``at`` (its
-coordinates in µm, mN, GPa and degrees) and ``status``. Records of results also contain ``points``: the values to quote
-for each point, with their caveats. Missing values are null.
+incompatible change), ``stiction`` (the version), ``command``, a description of the inputs, and ``values``. Each value,
+here and elsewhere in a record, is the object of `Estimate.to_record`: ``name``, ``value``, ``unit`` ("1" if
+dimensionless), ``lower`` and ``upper`` (the 95 % interval), ``kind`` (of the interval), ``at`` (its coordinates in µm,
+mN, GPa and degrees) and ``status``. Records of results also contain ``points``: the values to quote for each point,
+with their caveats. Missing values are null.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stiction._core import __version__
+from stiction._estimate import Estimate, estimate_column_titles, to_file_unit
 from stiction._number_format import format_time, to_json
 from stiction.evaluate.budget import AREA_NAMES
 from stiction.evaluate.point import CELL_DIMENSIONS, list_sliding_rules_reported_first
@@ -57,7 +59,7 @@ _COEFFICIENT_COLUMNS = {
 }
 """Coefficients that have rows in a CSV file, each with the coordinate or the label of the motion."""
 
-_VALUE_COLUMNS = ("name", "value", "unit", "lower", "upper", "interval", "status")
+_VALUE_COLUMNS = ("name", "value", "unit", "lower", "upper", "kind", "status")
 
 _MOTION_LABEL_FORMATTERS = {"axis": "along {:g}".format, "direction": "{:g}".format}
 
@@ -76,7 +78,7 @@ def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Columns ``name``, ``value``, ``unit``, ``lower``, ``upper``, ``interval`` (kind of the interval, "" for none),
+        Columns ``name``, ``value``, ``unit``, ``lower``, ``upper``, ``kind`` (of the interval, "" for none),
         ``status``, and the coordinates of `COORDINATE_ORDER` that the result has, in µm, mN, GPa and degrees. A
         coordinate on which a value does not depend is NaN. Names have the order of `QUANTITIES`.
     """
@@ -120,9 +122,9 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
         columns["value"] = broadcast_to_rows(table).astype(float)
     has_interval = "statistic" in table.dims and name in QUANTITIES
     is_combined = name in AREA_NAMES and bool(dataset.attrs.get("alternatives"))
-    columns["interval"] = ("combined" if is_combined else QUANTITIES[name].interval) if has_interval else ""
+    columns["kind"] = ("combined" if is_combined else QUANTITIES[name].interval_kind) if has_interval else ""
     unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
-    columns["unit"] = str(table.attrs.get("units", unit)).replace("um^2", "um2") or "1"
+    columns["unit"] = to_file_unit(str(table.attrs.get("units", unit)))
     if name == "contact_area_fraction" and "contact_status" in dataset:
         status = broadcast_to_rows(dataset.variables["contact_status"])
         is_missing = (status == STATUS_OK) & ~np.isfinite(columns["value"])
@@ -175,18 +177,17 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
         frames.append(selected_rows[[*coordinate_names, "sliding", "motion", "status", "value", "lower", "upper"]])
     table = pandas.concat(frames, ignore_index=True)
     title = "coefficient of static friction"
-    interval_titles = {f"{title}: {end}": f"{title}: sampling {end}" for end in ("lower", "upper")}
-    table = table.rename(
-        columns={"value": title} | dict(zip(("lower", "upper"), interval_titles.values(), strict=True))
-    )
+    titles = estimate_column_titles(title)
+    mean_titles = estimate_column_titles(f"{title}, interval of the mean")
+    interval_titles = {titles[end]: mean_titles[end] for end in ("lower", "upper")}
+    table = table.rename(columns=mean_titles | {"value": title})
     for name in _csv_quantities(dataset):
         selected_rows = rows[rows["name"] == name]
         keys_of_quantity = [
             key for key in (*coordinate_names, "sliding") if key in selected_rows and selected_rows[key].notna().all()
         ]
         label = quantity_label(name, study).replace("μ", "mu").replace("τ", "tau")
-        unit = "" if selected_rows["unit"].iloc[0] == "1" else f" ({selected_rows['unit'].iloc[0]})"
-        columns = {"value": f"{label}{unit}", "lower": f"{label}{unit}: lower", "upper": f"{label}{unit}: upper"}
+        columns = estimate_column_titles(label, selected_rows["unit"].iloc[0])
         table = table.merge(
             selected_rows[[*keys_of_quantity, *columns]].rename(columns=columns), on=keys_of_quantity, how="left"
         )
@@ -221,11 +222,9 @@ def _build_coefficient_columns(points: Sequence[PointSummary]) -> dict[str, list
     """
     rows = [(point, rule is point.rules[0]) for point in points for rule in point.rules]
     coefficients_after_dwell = {
-        f"mu_s after {format_time(aged_estimate.seconds)}{end}": [
-            getattr(point.after_dwell[index], field) if is_quoted else math.nan for point, is_quoted in rows
-        ]
+        title: [getattr(point.after_dwell[index], field) if is_quoted else math.nan for point, is_quoted in rows]
         for index, aged_estimate in enumerate(points[0].after_dwell if points else ())
-        for field, end in (("value", ""), ("lower", ": lower"), ("upper", ": upper"))
+        for field, title in estimate_column_titles(f"mu_s after {format_time(aged_estimate.seconds)}").items()
     }
     roughness_contributions = [
         math.nan if point.roughness_contribution is None or not is_quoted else point.roughness_contribution
@@ -245,8 +244,9 @@ def _assessment_table(
             **{key: [point.at[key] for point, _ in rules] for key in keys},
             "sliding": [rule.rule for _, rule in rules],
             **{
-                f"coefficient of static friction: {end}": [getattr(rule, end) for _, rule in rules]
-                for end in ("lower", "upper")
+                title: [getattr(rule, field) for _, rule in rules]
+                for field, title in estimate_column_titles("coefficient of static friction").items()
+                if field != "value"
             },
             **coefficients,
             **_build_cutoff_columns([point for point, _ in rules]),
@@ -264,7 +264,9 @@ def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[floa
     cutoffs = [tuple(map(max, point.cutoffs)) if point.cutoffs is not None else (0.0, 0.0) for point in points]
     if all(upper == lower for upper, lower in cutoffs):
         return {}
-    return {f"{side} cutoff (um)": list(each) for side, each in zip(SIDES, zip(*cutoffs, strict=True), strict=True)}
+    return {
+        f"{side} body cutoff (um)": list(each) for side, each in zip(SIDES, zip(*cutoffs, strict=True), strict=True)
+    }
 
 
 # ---- JSON ------------------------------------------------------------------------------------------------------------
@@ -281,32 +283,14 @@ def caveat_record(caveat: Caveat) -> dict[str, str]:
     return {"text": caveat.text, "remedy": caveat.remedy, "severity": caveat.severity}
 
 
-def json_entry(
-    name: str, value: float, unit: str = "1", *, lower: float = math.nan, upper: float = math.nan,
-    interval: str | None = None, coordinates: dict[str, Any] | None = None, status: str = STATUS_OK,
-) -> dict[str, Any]:  # fmt: skip
-    """Return the JSON entry of a value: name, unit, interval, coordinates and status."""
-    return {
-        "name": name,
-        "value": float(value),
-        "unit": unit,
-        "lower": lower,
-        "upper": upper,
-        **({} if interval is None else {"interval": interval}),
-        "at": coordinates or {},
-        "status": status,
-    }
-
-
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
     """Return a JSON record of a command and its results: points, caveats, cutoff study and onset of sliding."""
     if summary.no_points_reason:
         return record_json(command, [], **fields, remark=summary.no_points_reason)
     dataset, study = summary.at, summary.study
     fields = {"kind": "pair" if study.is_measured else "study", **fields}
-    fields |= {
-        name: str(dataset.attrs[name]) for name in ("upper", "lower", "load_definition") if name in dataset.attrs
-    }
+    fields |= {f"{side}_body": str(dataset.attrs[side]) for side in SIDES if side in dataset.attrs}
+    fields |= {name: str(dataset.attrs[name]) for name in ("load_definition",) if name in dataset.attrs}
     for name in ("effective_modulus", "nominal_area"):
         if name in dataset.coords:
             fields[name] = float(dataset[name])
@@ -322,7 +306,7 @@ def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     for row in rows.to_dict("records"):
         selected_values = {name: row.pop(name) for name in _VALUE_COLUMNS}
         coordinates = {name: value for name, value in row.items() if value == value}  # omit coordinates that are NaN
-        values.append(json_entry(**selected_values, coordinates=coordinates))
+        values.append(Estimate(**selected_values).to_record(coordinates))
     return values
 
 
@@ -331,7 +315,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
     return {
         "at": point.at,
         # cutoffs of all scans of each body, µm
-        "cutoffs": None if point.cutoffs is None else dict(zip(SIDES, map(list, point.cutoffs), strict=True)),
+        "cutoffs": None if point.cutoffs is None else _by_body(map(list, point.cutoffs)),
         # False for a variant of the filter whose value is covered by the interval of another point
         "reported": not point.covered,
         "status": point.status,
@@ -339,14 +323,12 @@ def point_record(point: PointSummary) -> dict[str, Any]:
             {
                 "rule": rule.rule,
                 "text": str(rule),
-                "value": rule.value,
-                "lower": rule.lower,
-                "upper": rule.upper,
+                "coefficient": rule.to_record({"sliding": rule.rule}),
+                "mean": rule.mean.to_record({"sliding": rule.rule}),
+                "prediction": rule.prediction.to_record({"sliding": rule.rule}),
                 "members_from": rule.low,
                 "members_to": rule.high,
                 "small_slope_estimate": rule.slopes,
-                "interval_of_mean": rule.interval_of_mean._asdict(),
-                "prediction_interval": rule.prediction_interval._asdict(),
             }
             for rule in point.rules
         ],
@@ -354,14 +336,11 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         if point.contributions is None
         else dict(zip(("mu0", "adhesion", "slopes"), point.contributions, strict=True)),
         "budget": [
-            {"input": entry.label, "lower": entry.lower, "upper": entry.upper, "width": entry.width}
+            {"input": entry.label, "coefficient": entry.to_record({"input": entry.label}), "width": entry.width}
             for entry in point.budget
         ],
-        "after_dwell": [
-            {"seconds": aged.seconds, "value": aged.value, "lower": aged.lower, "upper": aged.upper}
-            for aged in point.after_dwell
-        ],
-        "scans": dict(zip(("upper", "lower"), point.scans, strict=True)),
+        "after_dwell": [aged.to_record({"dwell_time": aged.seconds}) for aged in point.after_dwell],
+        "scans": _by_body(point.scans),
         "contact_status": point.contact_status,
         "pull_off": None if point.pull_off is None else pull_off_record(point.pull_off),
         "assessment": point.assessment,
@@ -374,3 +353,8 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         else {"from": point.bracket[0], "to": point.bracket[1], "rule": "all", "hardness": point.hardness},
         "caveats": list(map(caveat_record, point.caveats)),
     }
+
+
+def _by_body(values: Iterable[Any]) -> dict[str, Any]:
+    """Return values of the upper and of the lower body as JSON fields."""
+    return {f"{side}_body": value for side, value in zip(SIDES, values, strict=True)}

@@ -89,7 +89,7 @@ def joined_spectrum_record(joined: JoinedSpectrum, caveats: Sequence[Caveat] = (
             "file": name,
             "shortest_um": band[0],
             "longest_um": band[1],
-            "ended_by": reason,
+            "limited_by": reason,
             "power_over_others": float(power_ratio) if math.isfinite(power_ratio) else None,
         }
         for name, band, reason, power_ratio in zip(
@@ -101,7 +101,7 @@ def joined_spectrum_record(joined: JoinedSpectrum, caveats: Sequence[Caveat] = (
         "rms_gradient": roughness.gradient,
         "rms_curvature_per_um": roughness.curvature,
         "density_um4": joined.density,
-        "waves": joined.count,
+        "wavelength_count": joined.count,
     }
     spectrum = {name: [float(item) for item in values] for name, values in curve.items()}
     return {"scans": scans, "spectrum": spectrum, "caveats": list(map(caveat_record, caveats))}

@@ -282,7 +282,7 @@ def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
 def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
     """Return a sentence about adhesion without a load, or an empty list if the bodies do not adhere."""
     first_point = points[0]
-    if first_point.pull_off is None or not first_point.pull_off.pull_off.value > 0:
+    if first_point.pull_off is None or not first_point.pull_off.force.value > 0:
         return []
     varying_names = [name for name in ("mu0", "tau0") if len({point.at[name] for point in points}) > 1]
     return [pull_off_text(first_point.pull_off, _assignments_text(first_point, varying_names))]

@@ -139,13 +139,13 @@ def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
     return PackedArrays(offsets, formats, texts)
 
 
-QUANTITY_DIGITS = 2  # digits of the half-width of intervals of quantities, as on the terminal (format ".2u")
+QUANTITY_DIGITS = 2  # digits of the half-width of intervals of quantities, as on the terminal
 
 
 def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
     """Return a value with its interval and prefixed unit as on the terminal, as in "12.1 [11.0, 13.3] µm²"."""
-    estimate, name = Estimate(*point).in_prefixed_unit(unit)
-    return "none" if np.isnan(estimate.value) else f"{estimate:.2u}\u00a0{name}".strip()
+    estimate = Estimate(*point).in_prefixed_unit(unit)
+    return "none" if np.isnan(estimate.value) else f"{estimate.text()}\u00a0{estimate.unit}".strip()
 
 
 @dataclass(frozen=True, eq=False)
