@@ -4,7 +4,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from stiction import material
+from stiction import __version__, material, pair, self_affine_surface
 from stiction._units import quantity
 from stiction.study.inputs import Inputs, find_interface
 from stiction.study.study import parse_study
@@ -135,3 +135,22 @@ def test_old_study_with_an_invalid_range_is_rejected_with_the_name_of_the_new_en
 
 def test_table_of_uncertain_inputs_of_generated_surfaces_is_ignored():
     assert parse_study('[known]\nmu0 = "0.1..0.3"\n[ensemble]\nrepetitions = 7\n', "old").ensemble.repetitions == 7
+
+
+def test_old_result_without_a_checksum_can_be_extended(tmp_path):
+    maps = [
+        self_affine_surface(seed, hurst_exponent=0.8, rms=0.02, shape=(40, 40), spacing=0.1, shortest_wavelength=0.6)
+        for seed in (1, 2)
+    ]
+    options = {"effective_modulus": "80 GPa", "hardness": "2 GPa ± 10 %", "mu0": 0.2, "load": "10 MPa", "onset": 0}
+    value = pair(*maps, **options, shifts=1, cutoff="none", directory=tmp_path).value
+    file = tmp_path / "study.toml"
+    tables = file.read_text("utf-8").partition("\n\n")[2].replace('yield_exponent = "uniform 1 .. 1.5"\n', "")
+    tables = tables.replace('hardness = "2 GPa ± 10 %"', 'hardness = "2 GPa"')
+    header = f"# Written by stiction {__version__}."
+    file.write_text(f'{header}\n\n{tables}\n[known]\nhardness = "2 GPa ± 10 %"\n', "utf-8")
+    result = pair(*maps, **options, shifts=2, cutoff="none", directory=tmp_path)
+    assert result.members.tolist() == [0, 1]
+    assert result.study.contact.hardness.text == "2 GPa ± 10 %"
+    assert "[known]" not in file.read_text("utf-8")
+    assert result.value != value

@@ -74,6 +74,7 @@ from stiction.study.study import (
     format_study_differences,
     parse_study,
 )
+from stiction.study.values import format_toml_tables, parse_toml
 
 if TYPE_CHECKING:
     import h5py
@@ -623,7 +624,8 @@ def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
         return False
     try:
         study = parse_study(text.decode(), STUDY_FILE)
-        return study.to_toml().encode() == text and StoredResult(path, study, blocks).version.encode() == match[1]
+        has_usual_format = format_toml_tables(parse_toml(text.decode())).encode() == text
+        return has_usual_format and StoredResult(path, study, blocks).version.encode() == match[1]
     except ValueError:
         return False
 

@@ -85,11 +85,6 @@ def _build_input_from_range(value: MaterialValue, distribution: InputDistributio
     return UncertainInput(float(value), low, high, distribution if low < high else "exact", f"{low:g}..{high:g}")
 
 
-def find_material_hardness(value: MaterialValue) -> UncertainInput:
-    """Return the hardness (GPa) of a material, with the range given by its source."""
-    return _build_input_from_range(value, "log-normal")
-
-
 def parse_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,

@@ -69,6 +69,7 @@ from stiction.study.values import (
     as_tuple,
     check_keys,
     format_quantities,
+    format_toml_tables,
     format_toml_value,
     make_key_error,
     parse_toml,
@@ -563,13 +564,7 @@ class Study(SettingsTable):
 
     def to_toml(self) -> str:
         """Return the study as TOML text with all keys. `Study.from_toml` creates an equal study from this text."""
-        tables = []
-        for name, table in self._to_tables().items():
-            if not table:
-                continue
-            lines = [f"{key} = {format_toml_value(value)}" for key, value in table.items()]
-            tables.append("\n".join([f"[{name}]", *lines]) + "\n")
-        return "\n".join(tables)
+        return format_toml_tables(self._to_tables())
 
     def _convert_base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         """Return the tables of the study before any changes, converted to the classes that the changes require."""

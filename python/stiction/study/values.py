@@ -381,6 +381,15 @@ def format_toml_value(value: Any) -> str:
             return "[" + ", ".join(format_toml_value(item) for item in value) + "]"
 
 
+def format_toml_tables(tables: Mapping[str, Mapping[str, Any]]) -> str:
+    """Format tables as TOML text. Empty tables are omitted."""
+    blocks = []
+    for name, table in tables.items():
+        lines = [f"{key} = {format_toml_value(value)}" for key, value in table.items()]
+        blocks += ["\n".join([f"[{name}]", *lines]) + "\n"] if lines else []
+    return "\n".join(blocks)
+
+
 def parse_toml(text: str) -> dict[str, Any]:
     """Parse TOML text.
 

@@ -30,8 +30,8 @@ from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS, softest_material
 from stiction.study.input_distributions import UncertainInput
-from stiction.study.inputs import find_interface, find_materials
-from stiction.study.uncertain_inputs import find_junction_growth, find_uncertain_inputs
+from stiction.study.inputs import Inputs, find_interface, find_materials
+from stiction.study.uncertain_inputs import find_junction_growth
 
 if TYPE_CHECKING:
     import xarray
@@ -597,7 +597,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
             f"{format_with_unit(study_range, 'um')}, because this grid resolves no smaller range"
         )
         yield Caveat(text, "the pull-off force hardly changes; use a finer scan for other results", "caution")
-    uncertain_inputs = {name.split("_")[0] for name in find_uncertain_inputs(study)} & {
+    uncertain_inputs = {name.split("_")[0] for name in Inputs.from_study(study).uncertain} & {
         "hardness",
         "effective",
         "young",

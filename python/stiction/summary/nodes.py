@@ -22,7 +22,7 @@ from stiction.evaluate.budget import add_uncertainty
 from stiction.evaluate.coefficient_samples import SAME_INPUT_TOLERANCE
 from stiction.evaluate.load_range import choose_loads_in_range
 from stiction.solve.alternative_preparations import load_stored_alternatives
-from stiction.study.uncertain_inputs import find_uncertain_inputs
+from stiction.study.inputs import Inputs
 
 if TYPE_CHECKING:
     import xarray
@@ -300,7 +300,7 @@ class InterpolationNodes:
 
 def build_initial_axes(study: Study) -> tuple[NodeAxis, NodeAxis]:
     """Return the initial nodes of mu0 and tau0 (GPa), from 0 to the largest value that a report shows."""
-    ranged_names = set(find_uncertain_inputs(study)) | ({"mu0", "tau0"} if study.friction.interface else set())
+    ranged_names = set(Inputs.from_study(study).uncertain) | ({"mu0", "tau0"} if study.friction.interface else set())
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     max_tau0 = MAX_TAU0_OVER_MODULUS * modulus
     max_tau0 = max_tau0 if hardness is None else min(max_tau0, MAX_TAU0_OVER_HARDNESS * float(hardness))

@@ -11,9 +11,8 @@ from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_significant, format_time, format_with_unit
 from stiction.evaluate.point import get_contact_law_name, has_limited_pressure
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.study.inputs import find_interface
+from stiction.study.inputs import Inputs, find_interface
 from stiction.study.member_names import POSITION_NAMES
-from stiction.study.uncertain_inputs import find_uncertain_inputs
 from stiction.summary.summary import PointSummary, Summary
 from stiction.surfaces.pairing import SIDES
 from stiction.views.point import (
@@ -154,7 +153,7 @@ def inputs_text(point: PointSummary) -> str:
 
 def _input_range_text(point: PointSummary, name: str) -> str:
     """Return the range of mu0 or tau0 in brackets if a point uses the central value; otherwise an empty string."""
-    entry = find_uncertain_inputs(point.study).get(name)
+    entry = Inputs.from_study(point.study).uncertain.get(name)
     return f" ({entry.estimate.text})" if entry is not None and _is_central_value(point, name) else ""
 
 
@@ -175,7 +174,7 @@ def _interface_text(study: Study) -> str:
 
 def _hardness_range_text(study: Study) -> str:
     """Return the range of the hardness, or an empty string if the hardness has no range."""
-    hardness_input = find_uncertain_inputs(study).get("hardness")
+    hardness_input = Inputs.from_study(study).uncertain.get("hardness")
     if hardness_input is None:
         return ""
     if hardness_input.text == hardness_input.estimate.text:
