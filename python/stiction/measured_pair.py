@@ -145,7 +145,7 @@ def pair(
         α of p² + α s² = H², by which plastic contacts grow under shear, "9" or "0..27"; 0 for none. By default 0..27
         for metals by name.
     yield_exponent : str or float, optional
-        Exponent of the area of yielding contacts, "1.25" or "uniform 1 .. 1.5". By default "uniform 1 .. 1.5".
+        Exponent of the area of yielding contacts, "1.25" or "uniform 0.7 .. 1.6". By default "uniform 0.7 .. 1.6".
     wait : str or float, or several, s, optional
         Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.
     creep : str or float, optional

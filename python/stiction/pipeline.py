@@ -1,6 +1,6 @@
 """Complete a result folder by adding missing blocks and, for a measured pair, companion files.
 
-Companion files contain the contacts of a typical member, areas at other hardnesses, and the onset of sliding. The
+Companion files contain the contacts of a typical member and the onset of sliding. The
 cutoff study and the alternative preparations of the scans are companion studies, each in a subfolder.
 """
 
@@ -19,12 +19,10 @@ from stiction._text import format_duration
 from stiction.companions.contact_picture import contact_picture
 from stiction.companions.onset import ONSET_TABLE_SIGNATURE, compute_onset, format_backbone_csv, load_stored_onset
 from stiction.companions.resolution import find_cutoff_study
-from stiction.evaluate.hardness_nodes import compute_missing_areas
 from stiction.evaluate.load_range import has_only_negligible_loads
 from stiction.result import Result
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, find_alternative_study
 from stiction.solve.member_solution import estimate_member_time
-from stiction.solve.member_sums import MemberSums
 from stiction.solve.runner import complete_blocks, compute_member_sums, compute_preview_sums, prepare_result_folder
 from stiction.solve.store import (
     AREAS_BY_HARDNESS_FILE,
@@ -162,7 +160,6 @@ def complete_result(
             return Result(stored_result)
         result = Result(stored_result)
         if is_measured and not has_only_negligible_loads(result):
-            _compute_areas_if_possible(result, executor, print_remark)
             _compute_alternatives(stored_result, executor, progress=progress, print_remark=print_remark)
         if num_existing < num_members and (num_existing or not is_measured):
             print_finished(
@@ -188,14 +185,6 @@ def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: flo
         print_remark(f"{task}: about {format_duration(seconds)} of one core")
 
 
-def _compute_areas_if_possible(result: MemberSums, executor: Executor, print_remark: LinePrintFunction) -> None:
-    """Compute areas at other hardnesses and moduli. Do nothing if files of the bodies are missing."""
-    with contextlib.suppress(ValueError):
-        compute_missing_areas(
-            result, executor, announce_time=partial(_print_time_if_long, print_remark, "at other hardnesses and moduli")
-        )
-
-
 def _compute_alternatives(
     stored_result: StoredResult, executor: Executor, *, progress: bool, print_remark: LinePrintFunction
 ) -> None:
@@ -211,12 +200,11 @@ def _compute_alternatives(
         label = ALTERNATIVE_LABELS[name]
         try:
             alternative_study = find_alternative_study(stored_result.study, stored_result.path, name)
-            alternative_result = alternative_study.complete(
+            alternative_study.complete(
                 executor,
                 progress=progress,
                 announce_time=partial(_print_time_if_long, print_remark, f"interval for {label}"),
             )
-            _compute_areas_if_possible(alternative_result, executor, print_remark)
         except (ValueError, ArithmeticError, OSError, MemoryError) as error:
             print_remark(f"the interval does not include {label}: {error}")
 

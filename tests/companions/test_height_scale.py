@@ -83,7 +83,7 @@ def test_result_at_height_scale_1_equals_the_unscaled_result(result):
 
 
 def test_area_of_plastic_contacts_equals_load_divided_by_hardness_at_every_height_factor(bodies):
-    computed = pair(*bodies, **PAIR_OPTIONS | {"hardness": "0.1 GPa"})
+    computed = pair(*bodies, **PAIR_OPTIONS | {"hardness": "0.1 GPa", "effective_modulus": "1000 GPa"})
     table = computed.at(height_scale=[0.5, 1, 4], compute=True)
     assert mean_values(table["contact_area_fraction"]) == pytest.approx(0.02 / 0.1, rel=0.02)
 

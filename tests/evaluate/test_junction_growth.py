@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
 from stiction.calibration.friction_tests import StrengthSamples
-from stiction.evaluate.hardness_nodes import AreasAtNodes, TabulatedAreaFunction, find_table_positions
-from stiction.mechanics.hardness import interpolate_area_per_load
 
 pytestmark = pytest.mark.usefixtures("no_contact_pictures")
 
@@ -175,29 +173,8 @@ def test_pair_function_rejects_invalid_values_of_junction_growth(arguments, term
         pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH | arguments)
 
 
-def test_contact_area_between_solved_loads_is_interpolated_as_a_power_of_the_load():
-    loads, areas = np.array([1.0, 4.0, 100.0]), np.array([3.0, 6.0, np.nan])
-    areas_at_nodes = AreasAtNodes(
-        loads, np.ones(1), np.ones(1), areas[:, np.newaxis, np.newaxis], None, np.zeros((3, 1))
-    )
-    interpolated = areas_at_nodes.interpolate_at_loads(areas_at_nodes.areas, np.array([0.1, 1.0, 2.0, 4.0]))
-    assert interpolated.ravel() == pytest.approx([3.0, 3.0, 3.0 * 2**0.5, 6.0])
-
-
 @pytest.mark.parametrize("alpha", [0.0, 9.0, 27.0])
 def test_pressure_under_shear_satisfies_the_yield_condition(alpha):
     hardness, mu = np.array([0.5, 2.0]), np.array([0.2, 0.6])
     pressure = StrengthSamples("all", mu).pressure_under_shear(hardness, alpha)
     assert pressure**2 + alpha * (mu * pressure) ** 2 == pytest.approx(hardness**2, rel=1e-12)
-
-
-def test_tabulated_areas_agree_with_exact_areas_inside_and_outside_the_range_of_nodes():
-    nodes, areas_at_nodes = np.array([0.15, 0.5, 1.3]), np.array([[6.5, 2.1, 0.95], [7.0, 2.3, 1.1]])
-    elastic_areas = np.array([0.4, 0.5])
-    areas = TabulatedAreaFunction(nodes, areas_at_nodes, elastic_areas)
-    hardness = np.geomspace(0.04, 5.0, 20_000)
-    for part, tolerance in ((hardness, 1e-5), (hardness[:50], 1e-12), (3 * hardness, 1e-12)):
-        exact_areas = interpolate_area_per_load(part, nodes, areas_at_nodes, elastic_areas)
-        table_positions = find_table_positions(np.log(part), *areas.limits)
-        assert (table_positions is not None) == (tolerance == 1e-5)
-        assert areas(np.log(part), table_positions) == pytest.approx(exact_areas, rel=tolerance)

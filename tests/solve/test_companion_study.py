@@ -8,7 +8,6 @@ from __future__ import annotations
 import pytest
 from stiction import pair
 from stiction.companions.height_scale import scale_study_heights
-from stiction.evaluate.hardness_nodes import compute_missing_areas, lacks_areas_at_nodes
 from stiction.solve.companion_study import CompanionStudy
 from stiction.solve.executors import executor_or_thread_pool
 from stiction.solve.member_solution import estimate_member_time
@@ -77,15 +76,3 @@ def test_damaged_folder_is_not_opened(studies, pool, tmp_path):
     CompanionStudy(study, tmp_path).complete(pool)
     (tmp_path / "study.toml").write_text("no study", encoding="utf-8")
     assert CompanionStudy(study, tmp_path).open() is None
-
-
-def test_areas_at_other_hardnesses_are_computed_once(pool, tmp_path):
-    bodies = rough_maps(7, points=48, rms=0.02, shortest_wavelength=0.6)
-    study = pair(*bodies, hardness="2..3 GPa", **PAIR_OPTIONS).study
-    result = CompanionStudy(study, tmp_path).complete(pool)
-    announced_times = []
-    assert lacks_areas_at_nodes(result)
-    for _ in range(2):
-        compute_missing_areas(result, pool, announce_time=announced_times.append)
-        assert not lacks_areas_at_nodes(result)
-    assert len(announced_times) == 1

@@ -34,7 +34,7 @@ def compute_pair(directory=None, **options):
     ("friction.mu0", 0.3, 0.3, (0.3, 0.3)), ("friction.mu0", ["0.2..0.4"], 0.3, (0.2, 0.4)),
     ("friction.tau0", "20..80 MPa", 0.04, (0.02, 0.08)), ("friction.tau0", "50 MPa", 0.05, (0.05, 0.05)),
     ("friction.creep", "0.02..0.05", 0.035, (0.02, 0.05)), ("contact.yield_exponent", 1.2, 1.2, (1.2, 1.2)),
-    ("contact.yield_exponent", "uniform 1 .. 1.5", 1.25, (1.0, 1.5)),
+    ("contact.yield_exponent", "uniform 0.7 .. 1.6", 1.15, (0.7, 1.6)),
     ("contact.yield_exponent", "1.1..1.3", 1.2, (1.1, 1.3)),
 ])  # fmt: skip
 def test_one_entry_of_a_study_has_the_central_value_and_the_range_of_an_input(key, entry, central, limits):
@@ -165,7 +165,7 @@ def test_studies_with_equal_numbers_and_other_ranges_differ_but_have_equal_membe
 
 
 @pytest.mark.parametrize(("options", "text"), [
-    ({"hardness": "2 GPa"}, "uniform 1 .. 1.5"), ({"hardness": "2 GPa", "yield_exponent": 1.1}, "1.1"), ({}, None),
+    ({"hardness": "2 GPa"}, "uniform 0.7 .. 1.6"), ({"hardness": "2 GPa", "yield_exponent": 1.1}, "1.1"), ({}, None),
     ({"hardness": "4 GPa", "work_of_adhesion": "50 mJ/m^2", "adhesion_range": "20 nm"}, None),
 ])  # fmt: skip
 def test_yielding_pair_has_a_range_of_the_yield_exponent_by_default(options, text):

@@ -56,10 +56,11 @@ def test_data_frame_contains_all_numeric_variables():
     assert set(friction["sliding"]) == {"all", "opposing"}
 
 
-def test_area_intervals_are_combined_intervals_only_if_they_cover_alternative_preparations():
+def test_area_intervals_are_combined_if_the_dataset_has_combined_intervals():
     dataset = measured_result()
-    for alternatives, kind in ([], "mean"), (["tip"], "combined"):
-        rows = values_frame(dataset.assign_attrs(alternatives=alternatives)).set_index("name")
+    combined_dataset = dataset.assign(friction_combined=dataset["mean_friction"])
+    for values, kind in (dataset, "mean"), (combined_dataset, "combined"):
+        rows = values_frame(values).set_index("name")
         assert set(rows.loc[["contact_area", "contact_area_fraction", "mean_pressure"], "kind"]) == {kind}
         assert set(rows.loc[["contact_count"], "kind"]) == {"mean"}
 

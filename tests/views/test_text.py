@@ -91,11 +91,14 @@ def test_verbose_tables_of_axes_and_directions_are_labelled_as_sampling_interval
     for label in ("along x", "upper body to +x"):
         (table,) = [table for table in tables if f"\n{label} " in table]
         assert table.startswith("μ_s [sampling]")
-    assert "95 % sampling intervals for exact inputs." in text
+    assert "are 95 % intervals of the mean for exact inputs." in " ".join(text.split())
+    dataset = dataset.assign(friction_combined=dataset["mean_friction"])
+    text = " ".join(result_text(summarize(dataset, measured_study()), verbose=True).split())
+    assert "all other intervals in the following tables are those of the mean" in text
     assert "alternative preparations" not in text
     dataset = dataset.assign_attrs(alternatives=["tip"])
     text = " ".join(result_text(summarize(dataset, measured_study()), verbose=True).split())
-    assert "The intervals of the true area and of the mean pressure also cover" in text
+    assert "include the uncertain inputs and alternative preparations of the scans" in text
 
 
 def test_lines_with_coefficients_of_four_digits_are_not_wrapped():

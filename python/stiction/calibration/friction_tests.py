@@ -12,9 +12,8 @@ import numpy as np
 
 from stiction._checks import Floats, validate_number
 from stiction._units import is_pressure, loads_to_core_units, short_repr, to_core_units
-from stiction.evaluate.hardness_nodes import AreaInterpolator
-from stiction.evaluate.junction_growth import build_area_interpolator
-from stiction.evaluate.member_values import compute_mean_areas, interpolate_member_sums, member_values
+from stiction.evaluate.contact_area import AreaFunction, build_area_functions
+from stiction.evaluate.member_values import interpolate_member_sums
 from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
 from stiction.mechanics.friction import LOAD_SUM_NAMES, ForcesPerLoad, FrictionCurve
 from stiction.mechanics.model import SlidingRule
@@ -48,9 +47,6 @@ MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
 The first limit is the ratio of the true area to the area of plastic contact, and the second limit is the relative
 increase of the coefficient due to junction growth. A coefficient depends on α if both limits are exceeded.
 """
-
-
-_AREA_ERROR_NAME = "area over hardness"
 
 
 @dataclass(frozen=True)
@@ -187,10 +183,10 @@ class _BallAreaFactor(_AreaFactor):
 class _AreaFactorFromResult(_AreaFactor):
     """Area factor at a given load, computed from a result for measured bodies."""
 
-    areas: AreaInterpolator
+    area: AreaFunction
+    load: float
     study: Study
     wait: float
-    error: str | None  # name of the nuisance parameter for the error of the interpolated area
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
@@ -205,26 +201,8 @@ class _AreaFactorFromResult(_AreaFactor):
             raise ValueError("wait requires a result that was computed with the options wait and creep")
         if not uncertain_inputs and creep is None and find_junction_growth(study) is None:
             return None
-        members = member_values(sums, [load], mu0=[0.0], tau0=[0.0])
-        means = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
-        areas = build_area_interpolator(means, sums, sums.compute_once(compute_mean_areas))
-        error_name = f"{_AREA_ERROR_NAME} after {wait:g} s, {sums.head.attrs['study']}" if areas.errors.any() else None
-        return cls(uncertain_inputs | ({} if creep is None else {"creep": creep}), areas, study, wait, error_name)
-
-    @property
-    def nuisance_names(self) -> list[str]:
-        """Names of all nuisance parameters.
-
-        Tests with the same dwell time share the error of the interpolated area.
-        """
-        return [*super().nuisance_names, *([] if self.error is None else [self.error])]
-
-    def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return the input values, and the standard normal score that sets the interpolation error of the area."""
-        from scipy.special import ndtri
-
-        scores = {} if self.error is None else {_AREA_ERROR_NAME: ndtri(columns[self.error])}
-        return super().input_values(columns) | scores
+        known = uncertain_inputs | ({} if creep is None else {"creep": creep})
+        return cls(known, sums.compute_once(build_area_functions)[0], load, study, wait)
 
     @property
     def junction_growth(self) -> UncertainInput | None:
@@ -237,22 +215,28 @@ class _AreaFactorFromResult(_AreaFactor):
         If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
         infinite at seizure.
         """
-        hardness = samples.get("hardness", np.asarray(self.areas.hardness or math.nan))
-        hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
+        exponent = samples.get("yield_exponent", self.area.yield_exponent)
         modulus = compute_relative_modulus(self.study, samples)
-        factor = self.areas.area_ratio(0, None if self.areas.hardness is None else hardness, modulus)
-        if self.junction_growth is not None and strength is not None:
-            pressure = strength.pressure_under_shear(
-                hardness, samples.get("junction_growth", self.junction_growth.value)
-            )
-            # keeps the pressure above the nominal pressure, so that the computed area is finite
-            if strength.tau0 is None:
-                pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * self.areas.pressures[0])
-            factor = factor * self.areas.growth_ratio(0, strength.sliding, hardness, pressure, modulus)
-            hardness = np.where(np.isfinite(factor), pressure, hardness)
-        if _AREA_ERROR_NAME in samples:
-            factor = factor * np.exp(self.areas.area_ratio_error(0, hardness / modulus) * samples[_AREA_ERROR_NAME])
-        return np.asarray(factor)
+        hardness: Any = None
+        if self.area.hardness is not None:
+            hardness = samples.get("hardness", np.asarray(self.area.hardness))
+            hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
+            if self.junction_growth is not None and strength is not None:
+                pressure = strength.pressure_under_shear(
+                    hardness, samples.get("junction_growth", self.junction_growth.value)
+                )
+                nominal_pressure = self.load / self.area.nominal_area
+                # keeps the pressure above the nominal pressure, so that the computed area is finite
+                if strength.tau0 is None:
+                    pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * nominal_pressure)
+                is_carried = pressure > nominal_pressure
+                area = self.area(
+                    self.load, hardness=np.where(is_carried, pressure, hardness), modulus=modulus,
+                    yield_exponent=exponent,
+                )  # fmt: skip
+                return np.where(is_carried, area, np.inf) / self.area(self.load)
+        area = self.area(self.load, hardness=hardness, modulus=modulus, yield_exponent=exponent)
+        return np.asarray(area / self.area(self.load))
 
 
 MIN_COEFFICIENT_UNCERTAINTY = 1e-15

@@ -21,7 +21,6 @@ from stiction._text import format_duration
 from stiction._units import short_repr
 from stiction.evaluate.at_load import at_load, evaluate_members
 from stiction.evaluate.budget import add_uncertainty
-from stiction.evaluate.hardness_nodes import compute_missing_areas, estimate_areas_time, lacks_areas_at_nodes
 from stiction.evaluate.member_means import (
     AREA_ABOVE_NOMINAL_STATUS,
     MemberDependence,
@@ -205,7 +204,7 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
             sums = find_factor_study(result.study, result.path, factor, scaled).open()
         except ValueError:  # the name of the folder is not a factor
             continue
-        if sums is not None and not lacks_areas_at_nodes(sums):
+        if sums is not None:
             results[factor] = sums
     return dict(sorted(results.items()))
 
@@ -228,7 +227,7 @@ def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]
 
 def estimate_height_factor_time(study: Study, count: int) -> float:
     """Estimate the time (s) that one core needs to compute the results for a given number of height factors."""
-    return count * (study.ensemble.repetitions * estimate_member_time(study) + estimate_areas_time(study))
+    return count * study.ensemble.repetitions * estimate_member_time(study)
 
 
 def compute_results_at_height_factors(
@@ -248,8 +247,7 @@ def compute_results_at_height_factors(
         for index, factor in enumerate(missing_factors.tolist(), 1):
             announce(f"heights times {factor:g} ({index} of {missing_factors.size})")
             factor_study = find_factor_study(result.study, result.path, factor, scaled)
-            factor_result = factor_study.complete(pool, progress=progress)
-            compute_missing_areas(factor_result, pool)
+            factor_study.complete(pool, progress=progress)
 
 
 # ---- Evaluation at a load --------------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, check_choice, float_array
 from stiction._units import short_repr
 from stiction.evaluate.ensemble_means import average_ensemble
-from stiction.evaluate.junction_growth import apply_junction_growth, build_member_area_interpolator
+from stiction.evaluate.junction_growth import apply_junction_growth
 from stiction.evaluate.load_range import find_negligible_load
 from stiction.evaluate.maps import MAP_CELL_DIMENSIONS, choose_mu0_and_tau0
 from stiction.evaluate.member_means import LoadNeighbors, average_members
@@ -85,14 +85,12 @@ def at_load(
     if not unique_loads.size or not (unique_loads > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     strengths = choose_mu0_and_tau0(result, mu0, tau0)
-    areas = None
     if load_definition == "mean":
         point = average_ensemble(result, unique_loads, *strengths, names)
     else:
         members = evaluate_members_before_growth(result, unique_loads, *strengths, load_definition, member_kind, names)
         if study.contact.junction_growth:
-            areas = build_member_area_interpolator(members, result)
-            members = apply_junction_growth(members, study, areas, names)
+            members = apply_junction_growth(members, result, names)
         neighbors = None
         if load_definition == "elastic" and (bracket := _find_bracketing_loads(result, unique_loads)) is not None:
             computed_loads, (below, above), position = bracket
@@ -111,8 +109,8 @@ def at_load(
         # `load_definition_effect` compares the coefficients at equal elastic load and at equal normal load.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
         members = evaluate_members_before_growth(result, unique_loads, *strengths, other_definition, member_kind, names)
-        if areas is not None:
-            members = apply_junction_growth(members, study, areas, ())
+        if load_definition != "mean" and study.contact.junction_growth:
+            members = apply_junction_growth(members, result, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
         coefficient = point["mean_friction"].sel(statistic="mean")
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
@@ -128,7 +126,7 @@ def evaluate_members(
     members = evaluate_members_before_growth(result, loads, mu0, tau0, "elastic", member_kind, names)
     if not result.study.contact.junction_growth:
         return members
-    return apply_junction_growth(members, result.study, build_member_area_interpolator(members, result), names)
+    return apply_junction_growth(members, result, names)
 
 
 def _find_bracketing_loads(

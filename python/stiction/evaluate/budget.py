@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,21 +13,22 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._estimate import extend_intervals
 from stiction.evaluate.at_load import at_load
-from stiction.evaluate.coefficient_samples import (
+from stiction.evaluate.combined_intervals import (
+    COMBINED_QUANTITIES,
     INTERFACE_INPUT_NAME,
     LOWER_SCANS_INPUT_NAME,
     POSITIONS_INPUT_NAME,
     SAMPLING_INPUT_NAMES,
     UNRESOLVED_ROUGHNESS_INPUT_NAME,
     UPPER_SCANS_INPUT_NAME,
-    CoefficientSamples,
+    CombinedIntervals,
+    InputSampler,
     StrengthArrays,
 )
-from stiction.evaluate.hardness_nodes import AreaInterpolator, has_areas_at_nodes
+from stiction.evaluate.contact_area import build_area_functions, compute_load_exponent
 from stiction.evaluate.intervals import ScanPairMean, average_scan_pairs
-from stiction.evaluate.junction_growth import build_area_interpolator, compute_area_growth_ratio
-from stiction.evaluate.member_values import compute_mean_areas, interpolate_member_sums, member_values
-from stiction.mechanics.closed_forms import hardness_under_shear
+from stiction.evaluate.member_values import interpolate_member_sums, member_values
+from stiction.evaluate.response import ContactResponse, InputValues
 from stiction.mechanics.friction import LOAD_SUM_NAMES, ForcesPerLoad
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
@@ -52,9 +54,6 @@ COVERED_NAMES = (
     "remaining_interval",
 )
 """Intervals of the coefficient that cover the results for alternative preparations of the scans."""
-
-AREA_NAMES = ("contact_area", "contact_area_fraction", "contact_area_at_onset", "mean_pressure")
-"""Quantities whose intervals also cover the results for alternative preparations of the scans."""
 
 _INTERVAL_VARIABLES = (
     "mean_friction", "spread_low", "spread_high", "ok", "members", "contact_count", "mu0", "tau0", "sliding",
@@ -86,7 +85,7 @@ def add_uncertainty(
     stored_alternatives = load_stored_alternatives(result)
     if not stored_alternatives:
         return own
-    names = [name for name in (*AREA_NAMES, "contact_count") if name in at]
+    names = [name for name in (*COMBINED_QUANTITIES, "contact_count") if name in at]
     loads, mu0, tau0 = (at[name].values for name in ("load", "mu0", "tau0"))
     alternatives = {
         name: add_uncertainty(at_load(other, loads, mu0=mu0, tau0=tau0, names=names), other, budget=budget, tests=tests)
@@ -101,58 +100,17 @@ _Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and values of 
 def _add_own_uncertainty(at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool) -> xarray.Dataset:
     """Add the variables of `add_uncertainty` without the results for alternative preparations of the scans."""
     is_study_load = np.isin(at["load"].values, [float(load) for load in result.study.friction.load])
-    load_groups = _group_loads(is_study_load, result)
     num_coefficients = at["mean_friction"].size // at.sizes["statistic"]
-    is_budgeted = _find_budgeted_loads(is_study_load, num_coefficients)
-    tables, coordinates = zip(
-        *(
-            _evaluate_uncertainty(
-                at if len(load_groups) == 1 else at.isel(load=indices),
-                result,
-                is_budgeted=is_budgeted[indices] if budget else None,
-                tests=tests,
-            )
-            for indices in load_groups
-        ),
-        strict=True,
-    )
-    variables = {
-        name: (dims, values, quantity_attributes(name))
-        for name, (dims, values) in _merge_load_groups(tables, load_groups).items()
-    }
-    return at.assign(variables).assign_coords(coordinates[0])
-
-
-def _group_loads(is_study_load: NDArray[np.bool_], result: MemberSums) -> list[NDArray[np.intp]]:
-    """Return groups of load indices. The loads of a group are evaluated together.
-
-    The loads of the study form a separate group if other loads would change their intervals. All loads of a group share
-    the hardness nodes, from which areas are interpolated.
-    """
-    depends_on_other_loads = bool(result.study.contact.junction_growth) or has_areas_at_nodes(result)
-    if is_study_load.all() or not is_study_load.any() or not depends_on_other_loads:
-        return [np.arange(is_study_load.size)]
-    return [np.flatnonzero(is_study_load), np.flatnonzero(~is_study_load)]
-
-
-def _merge_load_groups(groups: Sequence[_Tables], load_indices: Sequence[NDArray[np.intp]]) -> _Tables:
-    """Merge tables that were evaluated for groups of loads. The indices of these loads determine the order."""
-    order = np.argsort(np.concatenate(load_indices))
-    return {
-        name: (
-            dims,
-            np.concatenate([group[name][1] for group in groups], axis=dims.index("load")).take(
-                order, axis=dims.index("load")
-            ),
-        )
-        for name, (dims, _) in groups[0].items()
-    }
+    is_budgeted = _find_budgeted_loads(is_study_load, num_coefficients) if budget else None
+    tables, coordinates = _evaluate_uncertainty(at, result, is_budgeted=is_budgeted, tests=tests)
+    variables = {name: (dims, values, quantity_attributes(name)) for name, (dims, values) in tables.items()}
+    return at.assign(variables).assign_coords(coordinates)
 
 
 def _evaluate_uncertainty(
     at: xarray.Dataset, result: MemberSums, *, is_budgeted: NDArray[np.bool_] | None, tests: bool
 ) -> tuple[_Tables, dict[str, Any]]:
-    """Evaluate the variables of `add_uncertainty` and their coordinates for loads that are evaluated together.
+    """Evaluate the variables of `add_uncertainty` and their coordinates.
 
     `is_budgeted` is a mask of the loads at which uncertainty budgets are computed, or None to omit the budgets.
     """
@@ -174,8 +132,9 @@ def _evaluate_uncertainty(
         np.full((len(input_names), *shape), np.nan),
     )
     dwell_intervals, seizing_fractions = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
-    pressures = at["load"].values / float(at["nominal_area"])
-    for position, samples in _iterate_samples(result, at, dims, inputs, strengths, scan_means, drifts):
+    quantities = _CombinedQuantities(at, dims)
+    for position, samples in _iterate_intervals(result, at, dims, inputs, strengths, scan_means, drifts):
+        quantities.add(position, samples)
         if not samples.names:
             coefficient_intervals[position] = samples.estimate_zero_coefficient()
             continue
@@ -185,8 +144,8 @@ def _evaluate_uncertainty(
         seizing_fractions[position] = samples.seizing_fraction
         test_intervals[position] = samples.value, *samples.predict_next_test()
         for index, wait in enumerate(study.friction.wait):
-            dwell_intervals[(*position, index)] = samples.friction_after_dwell(float(wait), pressures[samples.load])
-        if samples.rule != "all" or is_budgeted is None or not is_budgeted[samples.load]:
+            dwell_intervals[(*position, index)] = samples.friction_after_dwell(float(wait))
+        if samples.rule != "all" or is_budgeted is None or not is_budgeted[position[dims.index("load")]]:
             continue
         for index, name in enumerate(input_names):
             if name in samples.names:
@@ -194,7 +153,8 @@ def _evaluate_uncertainty(
                 remaining_widths[(index, *position)] = samples.remaining_interval_width(name)
     interval_dims = (*dims, "statistic")
     tables: _Tables = {
-        "friction_combined": (interval_dims, _get_combined_coefficients(at, study, dims, coefficient_intervals))
+        "friction_combined": (interval_dims, _get_combined_coefficients(at, study, dims, coefficient_intervals)),
+        **quantities.tables,
     }
     if not tests:
         return tables, {}
@@ -267,29 +227,71 @@ def _average_pairs_of_scans(
     return {position: average_scan_pairs(table.values[position], *scans) for position in np.ndindex(*shape)}
 
 
-def _iterate_samples(
+class _CombinedQuantities:
+    """Quantities besides friction with combined intervals, which are added for one coefficient after the other."""
+
+    def __init__(self, at: xarray.Dataset, dims: Sequence[str]) -> None:
+        self._dims = dims
+        names = [name for name in COMBINED_QUANTITIES if name in at and "statistic" in at[name].dims]
+        self.tables: _Tables = {
+            name: ((*(dim for dim in dims if dim in at[name].dims), "statistic"), np.empty(0)) for name in names
+        }
+        self.tables = {
+            name: (own_dims, at[name].transpose(*own_dims).values.copy()) for name, (own_dims, _) in self.tables.items()
+        }
+
+    def add(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
+        """Extend the intervals of the quantities that belong to the coefficient at a position."""
+        indices = dict(zip(self._dims, position, strict=True))
+        estimates, positions = {}, {}
+        for name, (dims, values) in self.tables.items():
+            # A quantity that does not depend on the sliding rule, mu0 or tau0 belongs to the first of them.
+            if any(index > 0 for dim, index in indices.items() if dim not in dims):
+                continue
+            positions[name] = tuple(indices[dim] for dim in dims[:-1])
+            estimates[name] = values[positions[name]]
+        if estimates:
+            for name, estimate in intervals.extend_quantity_intervals(estimates).items():
+                self.tables[name][1][positions[name]] = estimate
+
+
+def _iterate_intervals(
     result: MemberSums, at: xarray.Dataset, dims: Sequence[str], inputs: Mapping[str, Any],
     strengths: Sequence[StrengthArrays], scan_means: Mapping[tuple[int, ...], ScanPairMean | None],
     drifts: Mapping[str, float],
-) -> Iterator[tuple[tuple[int, ...], CoefficientSamples]]:  # fmt: skip
-    """Yield the indices of each coefficient (along `dims`) and the samples of its inputs."""
-    study = result.study
-    areas = build_area_interpolator(at, result, result.compute_once(compute_mean_areas))
-    interval_variables = {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}
+) -> Iterator[tuple[tuple[int, ...], CombinedIntervals]]:  # fmt: skip
+    """Yield the indices of each coefficient (along `dims`) and its combined intervals."""
+    study, contact, sampler = result.study, result.study.contact, InputSampler(result.study)
+    areas = result.compute_once(build_area_functions)
+    loads = at["load"].values
+    stiffness_exponents = compute_load_exponent(result, "normal_stiffness", loads)
+    growth = find_junction_growth(study)
+    study_inputs = InputValues(
+        mu0=np.nan, tau0=np.nan,
+        hardness=np.nan if contact.hardness is None else float(contact.hardness),
+        yield_exponent=areas[0].yield_exponent,
+        junction_growth=0.0 if growth is None else growth.value,
+    )  # fmt: skip
     values_by_name = _get_arrays_over_dims(
-        interval_variables | _compute_pressure_and_growth_under_shear(at, study, areas), at, dims
+        {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}, at, dims
     )
-    contact_sums = interpolate_member_sums(result, at["load"].values).mean(("repetition", "direction"))
+    contact_sums = interpolate_member_sums(result, loads).mean(("repetition", "direction"))
     sums_by_name = _get_arrays_over_dims({name: contact_sums.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
-    # Consecutive coefficients have the same mu0 and tau0, and therefore use the same samples.
-    interface_axes = [dims.index(name) for name in ("mu0", "tau0")]
     shape = tuple(at.sizes[dim] for dim in dims)
-    for position in sorted(np.ndindex(*shape), key=lambda position: [position[index] for index in interface_axes]):
-        yield position, CoefficientSamples(
-            {name: values[position] for name, values in values_by_name.items()}, position[dims.index("load")], study,
-            inputs, ForcesPerLoad.from_contact_sums({name: sums[position] for name, sums in sums_by_name.items()}),
-            areas, strengths, scan_means.get(position), drifts,
-        )  # fmt: skip
+    for position in np.ndindex(*shape):
+        indices = dict(zip(dims, position, strict=True))
+        point = {name: values[position] for name, values in values_by_name.items()}
+        response = ContactResponse(
+            float(loads[indices["load"]]),
+            ForcesPerLoad.from_contact_sums({name: sums[position] for name, sums in sums_by_name.items()}),
+            areas[indices.get("cut_off", 0)],
+            replace(study_inputs, mu0=float(point["mu0"]), tau0=float(point["tau0"])),
+            float(stiffness_exponents[indices["load"]]),
+        )
+        yield (
+            position,
+            CombinedIntervals(point, response, study, inputs, sampler, strengths, scan_means.get(position), drifts),
+        )
 
 
 def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int) -> NDArray[np.bool_]:
@@ -311,7 +313,8 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
     the alternatives.
     """
     variables = {}
-    for name in (each for each in (*COVERED_NAMES, *AREA_NAMES) if each in own and each != "remaining_interval"):
+    names = (*(name for name in COVERED_NAMES if name != "remaining_interval"), *COMBINED_QUANTITIES)
+    for name in (each for each in names if each in own):
         dims = own[name].dims
         others = [other[name].transpose(*dims).values for other in alternatives.values()]
         variables[name] = (dims, _extend_estimates(own[name].values, others), own[name].attrs)
@@ -377,33 +380,6 @@ def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:
     """
     limits = extend_intervals(own[..., 1:], *(each[..., 1:] for each in others))
     return np.concatenate([own[..., :1], limits], axis=-1)
-
-
-def _compute_pressure_and_growth_under_shear(
-    at: xarray.Dataset, study: Study, areas: AreaInterpolator
-) -> dict[str, xarray.Variable]:
-    """Return the pressure H' (GPa) under shear and the junction-growth ratio for each combination of mu0 and tau0.
-
-    Both are computed at the hardness in the study. The result is empty if the study has no hardness. Without junction
-    growth, H' equals the hardness.
-    """
-    import xarray
-
-    if (hardness := areas.hardness) is None:
-        return {}
-    mu0, tau0 = at["mu0"].values, at["tau0"].values
-    pressure = np.full((mu0.size, tau0.size), hardness)
-    growth_ratios = np.ones((at.sizes["sliding"], at.sizes["load"], *pressure.shape))
-    if (growth := find_junction_growth(study)) is not None:
-        pressure = hardness_under_shear(hardness, mu0[:, np.newaxis], tau0, growth.value)
-        rules = at["sliding"].values.tolist()
-        growth_ratios = np.stack([compute_area_growth_ratio(areas, study, rule, mu0, tau0) for rule in rules])
-        growth_ratios[..., tau0 == 0] = 1.0
-    dims = ("mu0", "tau0")
-    return {
-        "sheared_pressure": xarray.Variable(dims, pressure),
-        "area_growth": xarray.Variable(("sliding", "load", *dims), growth_ratios),
-    }
 
 
 def _get_arrays_over_dims(

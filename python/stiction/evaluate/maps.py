@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._units import short_repr
 from stiction.evaluate import intervals
+from stiction.evaluate.contact_area import iterate_pieces_with_true_areas
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, Validity
 from stiction.mechanics.quantities import COMMON_VALIDITY_QUANTITIES, QUANTITIES, SUM_QUANTITIES, quantity_attributes
@@ -224,7 +225,7 @@ def iterate_solved_pieces(
     result: MemberSums, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
     """Yield the pieces of a result, omitting members for which the solver failed at any load."""
-    for piece in result.pieces(names):
+    for piece in iterate_pieces_with_true_areas(result, names):
         elastic_loads = piece["normal_elastic"]
         is_solved = np.isfinite(
             move_repetitions_last(elastic_loads, [str(dim) for dim in elastic_loads.dims if dim != "repetition"])

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, float_array
 from stiction._units import short_repr
+from stiction.evaluate.contact_area import iterate_pieces_with_true_areas
 from stiction.evaluate.intervals import LoadCrossings
-from stiction.evaluate.junction_growth import ADHESIVE_SUMS, apply_junction_growth, build_member_area_interpolator
+from stiction.evaluate.junction_growth import ADHESIVE_SUMS, apply_junction_growth
 from stiction.evaluate.maps import MOTION_DIMENSIONS, choose_mu0_and_tau0, find_cell_dimensions
 from stiction.mechanics import friction
 from stiction.mechanics.friction import (
@@ -87,7 +88,7 @@ def member_values(
     strengths = choose_mu0_and_tau0(result, mu0, tau0)
     members = evaluate_members_before_growth(result, unique_loads, *strengths, load_definition, member_kind)
     if result.study.contact.junction_growth:
-        members = apply_junction_growth(members, result.study, build_member_area_interpolator(members, result))
+        members = apply_junction_growth(members, result)
     if load_definition == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
         sums = interpolate_member_sums(result, unique_loads, LATERAL_SUMS, member_kind=member_kind)
         lateral_sums = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
@@ -142,21 +143,12 @@ def interpolate_member_sums(
     return _evaluate_pieces(result, member_kind, evaluate_piece)
 
 
-def compute_mean_areas(result: MemberSums) -> Floats:
-    """Return the true area (µm²) at each computed load, averaged over the members."""
-    zero_strength = np.zeros(1)
-    areas = evaluate_members_before_growth(
-        result, result.study.contact.loading_steps(), zero_strength, zero_strength, "elastic", None, ()
-    )
-    return np.asarray(areas["contact_area"].mean([dim for dim in areas["contact_area"].dims if dim != "load"]).values)
-
-
 def _evaluate_pieces(
     result: MemberSums, member_kind: MemberKind | None, evaluate: Callable[[xarray.Dataset], xarray.Dataset]
 ) -> xarray.Dataset:
     import xarray
 
-    pieces = [evaluate(piece) for piece in result.pieces() if piece.sizes["repetition"]]
+    pieces = [evaluate(piece) for piece in iterate_pieces_with_true_areas(result) if piece.sizes["repetition"]]
     values = pieces[0] if len(pieces) == 1 else xarray.concat(
         pieces, "repetition", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )  # fmt: skip

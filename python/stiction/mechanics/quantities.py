@@ -22,11 +22,11 @@ QuantityAxis = Literal[
 ]
 """Dimensions of quantities in addition to the cells and members of a result. `step` is the approach or the load."""
 
-QuantitySource = Literal["asperities", "areal", "half-space", "adhesion", "onset", "measured"]
+QuantitySource = Literal["asperities", "areal", "half-space", "adhesion", "onset", "measured", "yielding"]
 """Kinds of studies whose results may store a quantity.
 
 These are studies of asperities, of asperities of surfaces, of the half-space, of adhesive bodies, of generated bodies
-with an onset of sliding, and of measured bodies.
+with an onset of sliding, of measured bodies, and of bodies that yield below the surface.
 """
 
 STIFFNESS_PER_AREA_UNIT = "MPa/mm"
@@ -365,6 +365,10 @@ QUANTITIES: dict[str, ResultQuantity] = {
         "1", "error of the half-space solution, in standard deviations of the gap", "error of the solution",
         stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE, shown=_VERBOSE_TABLE_VIEWS,
     ),
+    "elastic_area": _statistic_quantity(
+        "um^2", "true contact area of elastic bodies at the same load, for the first members",
+        stored=frozenset({"yielding"}), stored_bounds=_NOT_NEGATIVE,
+    ),
     "unloading_stiffness": _statistic_quantity(
         "mN/um", "normal stiffness during unloading, as measured by ultrasound", proportional=True,
         proportional_with_adhesion=False,
@@ -515,6 +519,9 @@ HALF_SPACE_SUM_QUANTITIES = (
     *select_quantity_names(lambda each: "half-space" in each.stored and "asperities" not in each.stored),
 )
 """Numbers that a half-space result stores for each pair at each load."""
+
+YIELDING_QUANTITIES = select_quantity_names(lambda each: "yielding" in each.stored)
+"""Numbers that a half-space result stores if the area of its contacts also grows by yielding below the surface."""
 
 ZERO_LOAD_SUM_QUANTITIES = select_quantity_names(lambda each: "adhesion" in each.stored and each.along == _MOTION_AXES)
 """Sums that determine the tangential load at the onset of sliding without a normal load, for any mu0 and tau0."""

@@ -75,16 +75,26 @@ The distance exceeds the tolerance of `find_approaches_at_loads`.
 NUM_UNLOADING_MEMBERS, NUM_UNLOADING_CUT_OFFS = 4, 2
 """Numbers of members and of cutoffs per member for which the unloading stiffness of plastic bodies is computed."""
 
+NUM_ELASTIC_MAP_MEMBERS, NUM_ELASTIC_LARGE_MAP_MEMBERS, NUM_ELASTIC_PROFILE_MEMBERS = 4, 2, 16
+"""Numbers of members for which the elastic area is also computed if the bodies yield: maps, large maps and profiles."""
+
+MIN_LARGE_MAP_POINTS = 2**19
+"""Number of grid points above which a map is large.
+
+Large maps need few members: for 384² points, the areas of members differ by 0.1 % if all contacts yield, and by 2 % if
+some contacts yield.
+"""
+
 
 def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, record: SolutionRecord | None = None,
-    computes_unloading: bool = False,
+    computes_unloading: bool = False, computes_elastic_area: bool = False,
 ) -> ArraysByName:  # fmt: skip
     """Compute the contact sums of a pair at the loads of its study. For measured bodies, add contact statistics.
 
     Arrays that depend on the motion have the shape (rules, directions, loads); all others have the shape (loads,). At
     loads for which the solver fails, values are NaN and the number of contacts is 0. The unloading stiffness takes
-    about a third of the time.
+    about a third of the time. The elastic area of bodies that yield needs a second solution at each load.
     """
     contact = study.contact
     num_loads, motion_shape = (
@@ -99,6 +109,12 @@ def solve_at_loads(
     slopes = PairSlopes.from_pair(upper, lower) if study.is_measured else None
     if isinstance(contact, HalfSpaceSettings):
         _solve_half_space(contact, upper, lower, values, slopes, record, computes_unloading=computes_unloading)
+        if computes_elastic_area and "elastic_area" in values:
+            solve_elastic = functools.partial(
+                half_space, upper, lower, **contact.solver_arguments() | {"hardness": None}, record=record
+            )
+            for load_indices, curve in solve_together_or_separately(solve_elastic, contact.loading_steps()):
+                values["elastic_area"][load_indices] = curve.contact_area
     else:
         _solve_asperities(contact, upper, lower, values, slopes)
     if slopes is not None:
@@ -607,6 +623,7 @@ def _solve_measured_member(
 ) -> Iterator[tuple[int, ArraysByName]]:
     """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
     computes_unloading = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
+    computes_elastic_area = index in find_elastic_members(study)
     for cell_index, wavelength in enumerate(study.surfaces.cell_coordinates()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
@@ -617,5 +634,17 @@ def _solve_measured_member(
                 *member.pair,
                 record=record,
                 computes_unloading=computes_unloading and cell_index < NUM_UNLOADING_CUT_OFFS,
+                computes_elastic_area=computes_elastic_area,
             ),
         )
+
+
+def find_elastic_members(study: Study) -> range:
+    """Return the indices of the members for which the elastic area is computed if the bodies yield."""
+    count = NUM_ELASTIC_PROFILE_MEMBERS
+    if study.is_areal:
+        is_large = count_grid_points(study) >= MIN_LARGE_MAP_POINTS
+        count = NUM_ELASTIC_LARGE_MAP_MEMBERS if is_large else NUM_ELASTIC_MAP_MEMBERS
+    first_index: int = study.surfaces.first_scan_member_index
+    first_index = first_index if first_index < study.ensemble.repetitions else 0
+    return range(first_index, first_index + count)

@@ -82,7 +82,7 @@ if TYPE_CHECKING:
 
 STUDY_FILE = "study.toml"
 BLOCKS_FOLDER = "blocks"
-AREAS_BY_HARDNESS_FILE = "hardness.nc"  # true areas of the first members at the nodes of hardness and modulus
+AREAS_BY_HARDNESS_FILE = "hardness.nc"  # areas at other hardnesses, which earlier versions stored
 CONTACT_PICTURE_FILE = "picture.nc"  # contacts of a typical member
 ONSET_FILE = "onset.nc"  # onset of sliding
 ONSET_TABLE_FILE = "onset.csv"  # mean onset curve as a table, for use in a Masing model

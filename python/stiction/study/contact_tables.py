@@ -380,7 +380,7 @@ class HalfSpaceSettings(CommonContactSettings):
         description="α of p² + α s² = H², the growth of plastic contacts under shear; 0 with a caveat if omitted.",
     )
     yield_exponent: YieldExponentEntry | None = Field(
-        default=None, description="Exponent of the area of yielding contacts, 1 to 1.5 for rough surfaces."
+        default=None, description="Exponent of the area of yielding contacts, 0.7 to 1.6 for rough surfaces."
     )
     compliance_share: Fraction = Field(
         default=0.5, description="Fraction of the compliance that the lower body contributes."

@@ -608,8 +608,8 @@ class MaterialOptions(OptionGroup):
         field=FormField(label="junction growth α", example="9, or 0..27"),
     )] = None  # fmt: skip
     yield_exponent: Annotated[QuantityInput | None, PairOption(
-        "NUMBER", 'Exponent of the area of yielding contacts, "1.25" or "uniform 1 .. 1.5".',
-        usual='"uniform 1 .. 1.5"', key="contact.yield_exponent", applies=(uses_half_space_model,),
+        "NUMBER", 'Exponent of the area of yielding contacts, "1.25" or "uniform 0.7 .. 1.6".',
+        usual='"uniform 0.7 .. 1.6"', key="contact.yield_exponent", applies=(uses_half_space_model,),
     )] = None  # fmt: skip
     wait: Annotated[QuantityInputs | None, PairOption(
         "TIMES", 'Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.',

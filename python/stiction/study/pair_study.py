@@ -74,7 +74,7 @@ DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4
 ZERO_LOAD_REPLACEMENT = 1e-3  # load that replaces a load of zero, as a fraction of the attraction on a grid cell
 DEFAULT_CONTACT_LAW = "hertz-sphere"  # default contact law of the asperity model
-DEFAULT_YIELD_EXPONENT = "uniform 1 .. 1.5"  # exponent of the area of yielding contacts of rough surfaces
+DEFAULT_YIELD_EXPONENT = "uniform 0.7 .. 1.6"  # exponent of the area of yielding contacts of rough surfaces
 HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
 
 GAP_REMARK = (

@@ -30,6 +30,7 @@ from stiction.mechanics.quantities import (
     HALF_SPACE_SUM_QUANTITIES,
     ONSET_QUANTITIES,
     SUM_QUANTITIES,
+    YIELDING_QUANTITIES,
 )
 from stiction.study.contact_tables import (
     DERIVED_ELASTICITY_KEYS,
@@ -469,7 +470,9 @@ class Study(SettingsTable):
     def contact_sum_names(self) -> tuple[str, ...]:
         """Return the names of the contact sums that are stored for each member and loading step."""
         if self.uses_half_space:
-            return HALF_SPACE_SUM_QUANTITIES + (ADHESION_QUANTITIES if self.contact.adheres else ())
+            adhesion_names = ADHESION_QUANTITIES if self.contact.adheres else ()
+            yielding_names = YIELDING_QUANTITIES if self.contact.yield_exponent is not None else ()
+            return HALF_SPACE_SUM_QUANTITIES + adhesion_names + yielding_names
         approach_names = ("approach",) if self.step_quantity == "load" else ()
         onset_names = ONSET_QUANTITIES if self.contact.onset is not None else ()
         return SUM_QUANTITIES + (AREAL_SUM_QUANTITIES if self.is_areal else ()) + approach_names + onset_names
@@ -707,14 +710,16 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
     """List those differences between two studies that affect the members.
 
     Members depend on the central values of inputs, but not on their ranges. They do not depend on the table
-    `[friction]`, on the exponent of the yielding area, on figures, or on file paths.
+    `[friction]`, on figures, or on file paths. Elastic areas are stored for any exponent of the yielding area.
     """
+    has_same_areas = (first.contact.yield_exponent is None) == (second.contact.yield_exponent is None)
+    ignored_keys = ("contact.young", *(["contact.yield_exponent"] if has_same_areas else []))
     return [
         difference
         for difference in find_table_differences(first, second)
         if (difference[0].startswith(("surfaces.", "contact.")) or difference[0] == "ensemble.seed")
         and not difference[0].endswith((".upper.file", ".lower.file"))
-        and difference[0] not in ("contact.yield_exponent", "contact.young")
+        and difference[0] not in ignored_keys
         and not _have_equal_central_values(first, second, difference[0])
     ]
 

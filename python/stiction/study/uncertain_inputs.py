@@ -10,13 +10,11 @@ from stiction.study.input_distributions import UncertainInput
 from stiction.study.inputs import Input, Inputs
 from stiction.study.study import Study
 
-_SEPARATE_NAMES = ("creep", "yield_exponent")
-
 
 def find_uncertain_inputs(study: Study) -> dict[str, Input]:
-    """Return the uncertain inputs of a study by name, apart from the creep exponent and the yield exponent."""
+    """Return the uncertain inputs of a study by name, apart from the creep exponent."""
     inputs = Inputs.from_study(study)
-    return {name: entry for name, entry in inputs.uncertain.items() if name not in _SEPARATE_NAMES}
+    return {name: entry for name, entry in inputs.uncertain.items() if name != "creep"}
 
 
 def find_junction_growth(study: Study) -> UncertainInput | None:
@@ -28,11 +26,6 @@ def find_creep_exponent(study: Study) -> UncertainInput | None:
     """Return the uncertain exponent of indentation creep, or None if the study has no dwell times."""
     entry = Inputs.from_study(study).entries.get("creep")
     return None if entry is None else entry.estimate
-
-
-def find_yield_exponent(study: Study) -> UncertainInput | None:
-    """Return the exponent of the yielding area with its uncertainty, or None if the study does not name it."""
-    return _find_estimate(study, "yield_exponent")
 
 
 def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Floats | float:

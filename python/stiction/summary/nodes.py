@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty
-from stiction.evaluate.coefficient_samples import SAME_INPUT_TOLERANCE
+from stiction.evaluate.combined_intervals import SAME_INPUT_TOLERANCE
 from stiction.evaluate.load_range import choose_loads_in_range
 from stiction.solve.alternative_preparations import load_stored_alternatives
 from stiction.study.inputs import Inputs

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from stiction.evaluate.coefficient_samples import (
+from stiction.evaluate.combined_intervals import (
     LOWER_SCANS_INPUT_NAME,
     POSITIONS_INPUT_NAME,
     UNRESOLVED_ROUGHNESS_INPUT_NAME,

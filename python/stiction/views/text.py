@@ -138,7 +138,7 @@ def main_values_text(
             points_of_first_cell, verbose=verbose, cell=_first_cell_coordinates_text(points)
         )
         if verbose:
-            table_paragraph = [sampling_intervals_note(points[0]), *table_paragraph]
+            table_paragraph = [combined_intervals_note(points[0]), *table_paragraph]
         for point in [point for point in points_of_first_cell if not point.is_unloaded][:1]:
             direction_paragraphs = _direction_paragraphs(point, verbose=verbose)
     if verbose:
@@ -149,15 +149,15 @@ def main_values_text(
     return _join_paragraphs(values_paragraph, [*details_paragraph, *table_paragraph], *direction_paragraphs)
 
 
-def sampling_intervals_note(point: PointSummary) -> str:
-    """Return a note above tables whose intervals are sampling intervals, apart from the intervals of the true area."""
-    areas_note = (
-        " The intervals of the true area and of the mean pressure also cover the results for alternative preparations "
-        "of the scans."
-        if point.values.attrs.get("alternatives")
-        else ""
+def combined_intervals_note(point: PointSummary) -> str:
+    """Return a note above tables of quantities, which states which intervals include the uncertain inputs."""
+    if "friction_combined" not in point.values:
+        return "Intervals in the following tables are 95 % intervals of the mean for exact inputs."
+    alternatives = " and alternative preparations of the scans" if point.values.attrs.get("alternatives") else ""
+    return (
+        f"Intervals of the true area, the mean pressure and the stiffness include the uncertain inputs{alternatives}; "
+        "all other intervals in the following tables are those of the mean for exact inputs."
     )
-    return f"Intervals in the following tables are 95 % sampling intervals for exact inputs.{areas_note}"
 
 
 def _join_paragraphs(*paragraphs: Paragraph) -> str:

@@ -1,0 +1,454 @@
+"""Combined intervals of all quantities at one load, μ0 and τ0, computed from samples of the uncertain inputs.
+
+The uncertain inputs, the scatter between positions, and the unresolved roughness are propagated by sampling (JCGM 101,
+2008) through the `ContactResponse`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction._estimate import Interval
+from stiction.evaluate.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean
+from stiction.evaluate.response import ContactResponse, InputValues, ResponseValues
+from stiction.mechanics.brackets import friction_range_for_finer_scans, max_friction_for_finer_scans
+from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT
+from stiction.mechanics.quantities import QUANTITIES
+from stiction.study.input_distributions import NUM_INPUT_SAMPLES, Z_95, UncertainInput, generate_stratified_points
+from stiction.study.uncertain_inputs import compute_relative_modulus, find_creep_exponent
+
+if TYPE_CHECKING:
+    from stiction.study.study import Study
+
+POSITIONS_INPUT_NAME, UNRESOLVED_ROUGHNESS_INPUT_NAME = "positions", "unresolved roughness"
+UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME = "which piece of the upper part", "which piece of the lower part"
+SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITIONS_INPUT_NAME)
+"""Sources of uncertainty that are not inputs of the study: the choice of scans and of positions."""
+
+INTERFACE_INPUT_NAME = "interface"  # name of the input that combines mu0 and tau0
+# quantiles of an input; the uncertainty budget is computed with the input fixed at each of these quantiles
+FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
+
+# mu0 or tau0 counts as equal to its value in the study up to this relative difference
+SAME_INPUT_TOLERANCE = 1e-3
+# upper bound on ln(coefficient of a single test / mean coefficient), which prevents overflow
+MAX_LOG_COEFFICIENT_RATIO = 50.0
+NORMAL_DECILE_RANGE = 2.563103131089201
+"""Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
+
+StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
+"""Samples of mu0, tau0 (GPa), hardness (GPa) and α of junction growth. Each of the last two may be None."""
+
+_NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
+
+
+def compute_quantity_ratios(values: ResponseValues, central: ResponseValues) -> dict[str, Floats]:
+    """Return the ratios of quantities at given inputs to the quantities at the central inputs, by name."""
+    area_ratio = values.area / central.area
+    with np.errstate(invalid="ignore"):  # both areas at the onset are infinite at seizure
+        onset_area_ratio = values.area_at_onset / central.area_at_onset
+    return {
+        "contact_area": area_ratio,
+        "contact_area_fraction": area_ratio,
+        "contact_area_at_onset": onset_area_ratio,
+        "mean_pressure": 1 / area_ratio,
+        "normal_stiffness": values.stiffness,
+        "closure_stiffness": values.stiffness,
+        "stiffness_per_area": values.stiffness,
+        "unloading_stiffness": values.unloading_stiffness,
+        "unloading_stiffness_per_area": values.unloading_stiffness,
+    }
+
+
+COMBINED_QUANTITIES = (
+    "contact_area", "contact_area_fraction", "contact_area_at_onset", "mean_pressure", "normal_stiffness",
+    "closure_stiffness", "stiffness_per_area", "unloading_stiffness", "unloading_stiffness_per_area",
+)  # fmt: skip
+"""Quantities of a contact besides friction whose intervals include the uncertain inputs."""
+
+
+@dataclass(frozen=True)
+class _InputSamples:
+    """Samples of the named inputs: cumulative probabilities, normal scores of sampling errors, and values."""
+
+    probabilities: dict[str, Floats]
+    scores: dict[str, Floats]
+    values: dict[str, Floats]
+    modulus: Floats | float  # ratio of E* to the E* in the study
+    creep: Floats | None  # exponents of indentation creep
+    spare_scores: Floats  # normal scores that are independent of all inputs except creep
+
+
+class InputSampler:
+    """Samples of the uncertain inputs of a study, shared by all its coefficients."""
+
+    def __init__(self, study: Study) -> None:
+        self._study = study
+        self._creep = find_creep_exponent(study)
+        self._cache: dict[Any, _InputSamples] = {}
+
+    def draw(
+        self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
+    ) -> _InputSamples:
+        """Draw samples of the named inputs and sources. Some are fixed at the given quantiles."""
+        key = tuple(inputs), names, tuple(fixed.items())
+        if key not in self._cache:
+            self._cache[key] = self._draw_uncached(inputs, names, fixed)
+        return self._cache[key]
+
+    def _draw_uncached(
+        self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
+    ) -> _InputSamples:
+        from scipy.special import ndtri
+
+        points = generate_stratified_points(len(names) + 1)
+        probabilities: dict[str, Floats] = dict(zip(names, points.T, strict=False))
+        probabilities |= {name: np.array([quantile]) for name, quantile in fixed.items() if name in probabilities}
+        values = {name: each.quantile(probabilities[name]) for name, each in inputs.items()}
+        return _InputSamples(
+            probabilities,
+            {name: ndtri(probabilities[name]) for name in names if name in SAMPLING_INPUT_NAMES},
+            values,
+            compute_relative_modulus(self._study, values),
+            None if self._creep is None else self._creep.quantile(points[:, -1]),
+            ndtri(points[:, -1]),
+        )
+
+
+class CombinedIntervals:
+    """Combined intervals of the values of `at_load` at one load, μ0 and τ0 under one sliding rule.
+
+    `names` lists the uncertain inputs and sources of sampling uncertainty; it is empty if there is no coefficient or no
+    interval. `drifts` contains, by source of sampling uncertainty, the standard deviations of the logarithm of the
+    slope of the gap between the scan of a part and the whole part.
+    """
+
+    def __init__(
+        self, point: Mapping[str, Any], response: ContactResponse, study: Study, inputs: Mapping[str, Any],
+        sampler: InputSampler, strengths: Sequence[StrengthArrays] = (), scan_mean: ScanPairMean | None = None,
+        drifts: Mapping[str, float] = MappingProxyType({}),
+    ) -> None:  # fmt: skip
+        self.study, self.response, self._sampler = study, response, sampler
+        self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
+        self.sampling_estimate: Floats = point["mean_friction"]  # coefficient and limits of its sampling interval
+        self.names: tuple[str, ...] = ()
+        self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
+        # The first entry contains joint samples of mu0 and tau0.
+        # In each of the other entries, mu0 or tau0 equals its bound.
+        self.strengths = self._drop_inputs_of_other_strengths(strengths)
+        self.drifts = drifts
+        self._central = response.at_central_inputs()
+        self._scan_mean = scan_mean
+        value, lower, upper = self.sampling_estimate.tolist()
+        if study.is_gap:  # a gap has only one relative position
+            lower = upper = value
+        if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
+            return
+        self.value, self.sampling = value, (lower, upper)
+        # range of coefficients that finer scans could give
+        self.finest: tuple[float, float] | None = None
+        # the same range, widened by the confidence interval due to sampling
+        self.bracket: tuple[float, float] | None = None
+        is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
+        if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":
+            self.contacts = float(point["contact_count"][0]) * float(point["members"])
+            bracket_inputs = self.mu0, self.tau0 / float(self._central.yield_pressure), self.contacts
+            self.finest = friction_range_for_finer_scans(value, *bracket_inputs)
+            self.bracket = friction_range_for_finer_scans(value, *bracket_inputs, upper)
+        self.standard_errors = self._split_relative_error(*self.sampling, self.value)
+        self.scatter, self.freedom = self._find_scatter(point)
+        is_unresolved = self.finest is not None and self.finest[1] > self.finest[0]
+        self.names = (
+            *self.inputs,
+            *((INTERFACE_INPUT_NAME,) if self.strengths else ()),
+            *dict.fromkeys((*self.standard_errors, *self.drifts)),
+            *((UNRESOLVED_ROUGHNESS_INPUT_NAME,) if is_unresolved else ()),
+        )
+
+    def _drop_inputs_of_other_strengths(self, strengths: Sequence[StrengthArrays]) -> Sequence[StrengthArrays]:
+        """Drop mu0 or tau0 from the inputs if its value differs from the value in the study.
+
+        A range in the study does not apply to other values of mu0 or tau0. Joint samples are then dropped too; the
+        remaining joint samples are returned.
+        """
+        for name, value in (("mu0", self.mu0), ("tau0", self.tau0)):
+            if self.study.friction.interface is None and name not in self.inputs:
+                continue
+            study_value = float(getattr(self.study.friction, name)[0])
+            if abs(study_value - value) > SAME_INPUT_TOLERANCE * value:
+                self.inputs.pop(name, None)
+                strengths = ()
+        return strengths
+
+    def _split_relative_error(self, lower: float, upper: float, value: float) -> dict[str, float]:
+        """Return the nonzero relative standard errors of a mean due to the choice of scans and positions."""
+        relative_width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
+        error = relative_width / (2 * Z_95)
+        if self._scan_mean is None:
+            return {POSITIONS_INPUT_NAME: error} if error > 0 else {}
+        total_deviation = math.sqrt(sum(self._scan_mean.variances)) or 1.0
+        errors = [error * math.sqrt(variance) / total_deviation for variance in self._scan_mean.variances]
+        return {name: each for name, each in zip(SAMPLING_INPUT_NAMES, errors, strict=True) if each > 0}
+
+    def _find_scatter(self, point: Mapping[str, Any]) -> tuple[float, float]:
+        """Return the relative standard deviation of single tests from the mean, and its degrees of freedom.
+
+        A single test is a test of one new member in one direction.
+        """
+        if self._scan_mean is not None:
+            return self._scan_mean.test / self.value, min(self._scan_mean.test_freedom, MAX_DEGREES_OF_FREEDOM)
+        num_members = int(point["ok"].min())
+        spread = 0.0 if self.study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
+        deviation = spread / (NORMAL_DECILE_RANGE * self.value)
+        return deviation * math.sqrt(1 + 1 / max(num_members, 1)), float(max(num_members - 1, 1))
+
+    # ---- Friction ----------------------------------------------------------------------------------------------------
+
+    def estimate_zero_coefficient(self) -> tuple[float, float, float]:
+        """Return the 95 % interval of a coefficient that is 0 at the central inputs, after the coefficient itself.
+
+        Relative errors of such a coefficient are undefined. The interval contains the coefficient and its sampling
+        interval, and is not below 0. The result is NaN if the coefficient is not 0, or if neither mu0 nor tau0 is
+        uncertain.
+        """
+        is_zero = (np.abs(self.sampling_estimate) < NEGLIGIBLE_COEFFICIENT).all()
+        if not is_zero or not {"mu0", "tau0"} & self.inputs.keys():
+            return math.nan, math.nan, math.nan
+        unit_points = generate_stratified_points(2)
+        mu0, tau0 = (
+            self.inputs[name].quantile(unit_points[:, column]) if name in self.inputs else value
+            for column, (name, value) in enumerate((("mu0", self.mu0), ("tau0", self.tau0)))
+        )
+        coefficients = np.broadcast_to(self.response.forces.compute_coefficient(mu0, tau0), (NUM_INPUT_SAMPLES,))
+        value, lower, upper = self.sampling_estimate.tolist()
+        low, high = compute_equal_tailed_interval(coefficients).extended_to((value, value), (lower, upper))
+        return value, max(low, 0.0), high
+
+    def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
+        """Return the 95 % interval of the coefficient with some inputs fixed at the given quantiles.
+
+        The interval contains the value. It also contains the sampling interval and the range of coefficients for finer
+        scans, unless these sources are fixed.
+        """
+        included_intervals = [(self.value, self.value)]
+        if not set(fixed) & set(SAMPLING_INPUT_NAMES):
+            included_intervals.append(self.sampling)
+        if UNRESOLVED_ROUGHNESS_INPUT_NAME not in fixed and self.finest is not None and self.bracket is not None:
+            included_intervals.append(self.finest if set(fixed) & set(SAMPLING_INPUT_NAMES) else self.bracket)
+        return self._compute_sampled_interval(fixed).extended_to(*included_intervals)
+
+    def remaining_interval_width(self, name: str) -> float:
+        """Return the mean width of the interval that would remain if the named input were known exactly.
+
+        Widths are compared as differences of the friction angle, which stays finite if samples seize.
+        """
+        friction_angle_widths = [
+            _compute_friction_angle_difference(self._compute_sampled_interval({name: quantile}))
+            for quantile in FIXED_INPUT_QUANTILES
+        ]
+        (low, high), sampled_width = (
+            self.interval(),
+            _compute_friction_angle_difference(self._compute_sampled_interval({})),
+        )
+        return (
+            min(float(np.mean(friction_angle_widths)) / sampled_width, 1.0) * (high - low)
+            if sampled_width > 0
+            else high - low
+        )
+
+    @property
+    def seizing_fraction(self) -> float:
+        """Fraction of input samples for which the contacts seize."""
+        if not np.any(self.response.central.junction_growth):
+            return 0.0
+        return float(np.isinf(self._sample_friction({})).mean())
+
+    def predict_next_test(self) -> Interval:
+        """Return the 95 % prediction interval for a test of one new member in one direction of motion.
+
+        Student's t distribution applies to the logarithm of the coefficient, so that the interval is above 0. The test
+        is at another place of a part whose roughness drifts, so that the drift counts twice.
+        """
+        from scipy.special import stdtrit
+
+        scores = stdtrit(self.freedom, generate_stratified_points(len(self.names) + 1)[:, -1])
+        scatter = math.sqrt(math.log1p(self.scatter**2))
+        factor = np.exp(np.minimum(scores * scatter, MAX_LOG_COEFFICIENT_RATIO))
+        fixed = {name: 0.5 for name in self.standard_errors if name not in self.drifts}
+        interval = self._compute_interval_of_samples(fixed, factor=factor, drift_factor=math.sqrt(2))
+        return interval.extended_to((self.value, self.value))
+
+    def friction_after_dwell(self, dwell_time: float) -> tuple[float, float, float]:
+        """Return the friction coefficient after a dwell time (s), together with the limits of its 95 % interval.
+
+        They are NaN if the nominal pressure reaches the hardness.
+        """
+        creep, central = find_creep_exponent(self.study), self.response.central
+        assert creep is not None, "a study with dwell times has a creep exponent"
+        final_hardness = central.hardness * dwell_time**-creep.value
+        if self.response.load / self.response.area.nominal_area >= final_hardness:
+            return math.nan, math.nan, math.nan
+        final = self.response.at_central_inputs(hardness=final_hardness)
+        ratio = float(final.friction_coefficient / self._central.friction_coefficient)
+        if not math.isfinite(ratio):
+            return math.nan, math.nan, math.nan
+        value = self.value * ratio
+        return value, *self._compute_interval_of_samples({}, dwell_time).extended_to((value, value))
+
+    # ---- Other quantities --------------------------------------------------------------------------------------------
+
+    def extend_quantity_intervals(self, estimates: Mapping[str, Floats]) -> dict[str, Floats]:
+        """Return estimates of quantities with combined intervals.
+
+        `estimates` contains value and sampling interval of each quantity, by name. An interval that cannot be computed
+        stays a sampling interval.
+        """
+        names = (*self.inputs, *((INTERFACE_INPUT_NAME,) if self.strengths else ()), *self.drifts)
+        if not names:
+            return dict(estimates)
+        inputs, samples = self._sample_inputs({}, names=(*names, POSITIONS_INPUT_NAME))
+        ratios = compute_quantity_ratios(self.response.evaluate(inputs), self._central)
+        combined = {}
+        for name, estimate in estimates.items():
+            value, lower, upper = estimate.tolist()
+            combined[name] = estimate
+            if not (value > 0 and name in ratios):
+                continue
+            if not (math.isfinite(lower) and math.isfinite(upper)):
+                if not self.study.is_gap:
+                    continue
+                lower = upper = value
+            errors = self._split_relative_error(lower, upper, value)
+            score = samples.scores[POSITIONS_INPUT_NAME] * math.hypot(*errors.values())
+            values = np.broadcast_to(value * ratios[name] * np.exp(score), (NUM_INPUT_SAMPLES,))
+            if np.isnan(values).any():
+                continue
+            low, high = compute_equal_tailed_interval(values).extended_to((lower, upper))
+            combined[name] = np.array([value, low, max(min(high, QUANTITIES[name].bounds[1]), value)])
+        return combined
+
+    # ---- Samples -----------------------------------------------------------------------------------------------------
+
+    def _compute_sampled_interval(self, fixed: Mapping[str, float]) -> Interval:
+        if self.names == tuple(self.standard_errors) and not fixed and not self.drifts:
+            return Interval(max(self.sampling[0], 0.0), self.sampling[1])
+        return self._compute_interval_of_samples(fixed)
+
+    def _compute_interval_of_samples(
+        self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
+        drift_factor: float = 1.0,
+    ) -> Interval:  # fmt: skip
+        """Multiply the coefficient samples by a factor, and return the limits of their 95 % interval.
+
+        The interval is extended to include the samples with mu0 or tau0 at its bound.
+        """
+        num_strengths = 1 if INTERFACE_INPUT_NAME in fixed else max(len(self.strengths), 1)
+        first, *others = (
+            compute_equal_tailed_interval(self._sample_friction(fixed, dwell_time, index, drift_factor) * factor)
+            for index in range(num_strengths)
+        )
+        return first.extended_to(*others)
+
+    def _sample_friction(
+        self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0
+    ) -> Floats:
+        """Return samples of the coefficient. `strength_index` selects an entry of `strengths`, if there are any.
+
+        If unresolved roughness may change the coefficient, it lies between the lowest and the highest coefficient for
+        finer scans.
+        """
+        inputs, samples = self._sample_inputs(fixed, dwell_time, strength_index, drift_factor)
+        values = self.response.evaluate(inputs)
+        is_seized = np.isinf(values.friction_coefficient)
+        coefficients = self.value * (
+            np.where(is_seized, 1.0, values.friction_coefficient) / self._central.friction_coefficient
+        )
+        fractions = samples.probabilities.get(UNRESOLVED_ROUGHNESS_INPUT_NAME)
+        if fractions is not None and self.finest is not None:
+            plastic_part = inputs.tau0 / np.where(is_seized, np.inf, values.yield_pressure)
+            lowest = np.minimum(inputs.mu0 + plastic_part, coefficients)
+            highest = np.maximum(
+                max_friction_for_finer_scans(coefficients, inputs.mu0, plastic_part, self.contacts), lowest
+            )
+            coefficients = lowest + fractions * (highest - lowest)
+        coefficients = coefficients * np.exp(
+            sum(error * samples.scores[name] for name, error in self.standard_errors.items())
+        )
+        coefficients = np.where(is_seized, np.inf, np.maximum(coefficients, 0.0))
+        return np.broadcast_to(coefficients, (NUM_INPUT_SAMPLES,))
+
+    def _sample_inputs(
+        self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0,
+        names: tuple[str, ...] | None = None,
+    ) -> tuple[InputValues, _InputSamples]:  # fmt: skip
+        samples = self._sampler.draw(self.inputs, self.names if names is None else names, fixed)
+        drift = sum(drift_factor * deviation * samples.scores[name] for name, deviation in self.drifts.items())
+        creep_factor = 1.0 if samples.creep is None or dwell_time == 1.0 else dwell_time**-samples.creep
+        values = {
+            name: samples.values.get(name, getattr(self.response.central, name))
+            for name in ("mu0", "tau0", "hardness", "yield_exponent", "junction_growth")
+        }
+        modulus = samples.modulus * np.exp(drift)
+        inputs = InputValues(**values | {"hardness": values["hardness"] * creep_factor, "modulus": modulus})
+        if self.strengths:
+            inputs = self._insert_interface_samples(inputs, samples, strength_index)
+        return inputs, samples
+
+    def _insert_interface_samples(
+        self, inputs: InputValues, samples: _InputSamples, strength_index: int
+    ) -> InputValues:
+        """Insert the joint samples of an interface, in the order of the coefficients that they give.
+
+        Their quantiles are therefore also quantiles of the coefficient.
+        """
+        mu0, tau0, hardness, growth = self.strengths[strength_index]
+        central = self.response.central
+        joint = replace(
+            central,
+            mu0=mu0,
+            tau0=tau0,
+            hardness=central.hardness if hardness is None else hardness,
+            junction_growth=central.junction_growth if growth is None else growth,
+        )
+        order = np.argsort(self.response.evaluate(joint).friction_coefficient)
+        indices = order[(samples.probabilities[INTERFACE_INPUT_NAME] * order.size).astype(int)]
+        changes: dict[str, Any] = {"mu0": mu0[indices], "tau0": tau0[indices]}
+        if growth is not None:
+            changes["junction_growth"] = growth[indices]
+        if hardness is not None:
+            changes["hardness"] = hardness[indices] * inputs.hardness / central.hardness
+        return replace(inputs, **changes)
+
+
+def _compute_friction_angle_difference(ends: tuple[float, float]) -> float:
+    """Return the difference (rad) between the friction angles that correspond to the limits of an interval."""
+    return math.atan(ends[1]) - math.atan(ends[0])
+
+
+def compute_equal_tailed_interval(values: NDArray[Any]) -> Interval:
+    """Return the limits of the equal-tailed interval that contains 95 % of the samples.
+
+    The upper limit is infinite if more than 2.5 % of the samples are infinite.
+
+    Raises
+    ------
+    ValueError
+        If a sample has no coefficient.
+    """
+    if np.isnan(values).any():
+        num_undefined = int(np.count_nonzero(np.isnan(values)))
+        raise ValueError(
+            f"the inputs are too uncertain, because {num_undefined} of {values.size} samples have no coefficient; "
+            "specify narrower ranges"
+        )
+    # Quantiles are not interpolated if samples are infinite.
+    method: Literal["inverted_cdf", "linear"] = "inverted_cdf" if np.isinf(values).any() else "linear"
+    return Interval(*np.quantile(values, [0.025, 0.975], method=method).tolist())

@@ -1,0 +1,223 @@
+"""True area of a pair as a function of load, hardness, E* and the exponent of the yielding area.
+
+Elastic areas at all loads suffice for this: the area of contacts that yield follows from the elastic area at the same
+load, and by similarity, the elastic area at (F, e E*) equals the area at (F/e, E*).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stiction._checks import Floats
+from stiction.mechanics.hardness import yielded_area
+from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
+from stiction.solve.member_sums import MemberSums
+
+if TYPE_CHECKING:
+    import xarray
+
+DEFAULT_YIELD_EXPONENT = 1.15
+"""Exponent of the yielding area for results whose area is limited by the pressure cap. It only scales this area."""
+
+AREA_SUMS = ("contact_area", "normal_adhesive", "tangential_adhesive")
+"""Stored sums that are proportional to the true area."""
+
+
+@dataclass(frozen=True, eq=False)
+class AreaFunction:
+    """True area of the contacts in one cell of a result, averaged over the members.
+
+    Attributes
+    ----------
+    loads : (l,) ndarray, mN
+        Ascending loads.
+    elastic_areas : (l,) ndarray, µm²
+        True areas of elastic bodies at these loads, for the E* of the study.
+    nominal_area : float, µm²
+    hardness : float or None, GPa
+        Hardness in the study; None for elastic bodies.
+    yield_exponent : float
+        Exponent m of `yielded_area`.
+    """
+
+    loads: Floats
+    elastic_areas: Floats
+    nominal_area: float
+    hardness: float | None
+    yield_exponent: float = DEFAULT_YIELD_EXPONENT
+
+    def elastic_area(self, load: ArrayLike, modulus: ArrayLike = 1.0) -> Floats:
+        """Return the true area (µm²) of elastic bodies at a load (mN), for a ratio of E* to the E* in the study.
+
+        Beyond the computed loads, the area is proportional to the load.
+        """
+        equivalent_load = np.asarray(load) / modulus
+        log_area_per_load = np.interp(
+            np.log(equivalent_load), np.log(self.loads), np.log(self.elastic_areas / self.loads)
+        )
+        return np.minimum(np.exp(log_area_per_load) * equivalent_load, self.nominal_area)
+
+    def __call__(
+        self, load: ArrayLike, *, hardness: ArrayLike | None = None, modulus: ArrayLike = 1.0,
+        yield_exponent: ArrayLike | None = None,
+    ) -> Floats:  # fmt: skip
+        """Return the true area (µm²) before shear. The hardness and the exponent are those of the study by default.
+
+        Parameters
+        ----------
+        load : array_like of float, mN
+        hardness : array_like of float, GPa, optional
+            Or the lower pressure H' of contacts under shear. Ignored for elastic bodies.
+        modulus : array_like of float
+            Ratio of E* to the E* in the study.
+        yield_exponent : array_like of float, optional
+        """
+        elastic_area = self.elastic_area(load, modulus)
+        if self.hardness is None:
+            return elastic_area
+        area = yielded_area(
+            elastic_area,
+            load,
+            self.hardness if hardness is None else hardness,
+            self.yield_exponent if yield_exponent is None else yield_exponent,
+        )
+        return np.minimum(area, self.nominal_area)
+
+
+@dataclass(frozen=True, eq=False)
+class _SolvedAreas:
+    """Areas (µm²) at the loading steps, averaged over members; all arrays have the shape (cells, loads)."""
+
+    all_members: Floats  # areas of all members, as stored
+    elastic_members: Floats  # areas of the members whose elastic area is also stored
+    elastic: Floats  # elastic areas of these members; NaN if none are stored
+
+
+def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
+    """Average the stored areas. Pairs of surrogates are omitted if the result also has pairs of the scans."""
+    study = result.study
+    has_elastic_areas = study.contact.yield_exponent is not None
+    first_index = study.surfaces.first_scan_member_index
+    first_index = first_index if first_index < study.ensemble.repetitions else 0
+    shape = 3, study.surfaces.cell_coordinates()["cut_off"].size, study.contact.loading_steps().size
+    sums, counts = np.zeros(shape), np.zeros(shape)
+    for piece in result.pieces(["contact_area", *(["elastic_area"] if has_elastic_areas else [])]):
+        is_used = piece["repetition"].values >= first_index
+        areas, elastic_areas = (
+            np.asarray(piece[name].transpose("cut_off", "repetition", "load").values, np.float64)[:, is_used]
+            if name in piece
+            else np.full((*shape[1:2], int(is_used.sum()), shape[2]), np.nan)
+            for name in ("contact_area", "elastic_area")
+        )
+        is_solved, has_elastic = np.isfinite(areas), np.isfinite(areas) & np.isfinite(elastic_areas)
+        for index, (values, mask) in enumerate(
+            ((areas, is_solved), (areas, has_elastic), (elastic_areas, has_elastic))
+        ):
+            sums[index] += np.where(mask, values, 0.0).sum(axis=1)
+            counts[index] += mask.sum(axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return _SolvedAreas(*(sums / counts))
+
+
+def build_area_functions(result: MemberSums) -> list[AreaFunction]:
+    """Return the true area as a function of the inputs, for each cell (cutoff) of a result for measured bodies."""
+    study, areas = result.study, result.compute_once(_average_solved_areas)
+    contact, loads = study.contact, study.contact.loading_steps()
+    nominal_area = float(result.head["nominal_area"])
+    hardness = None if contact.hardness is None else float(contact.hardness)
+    if hardness is None:
+        elastic_areas = areas.all_members
+    elif contact.yield_exponent is not None:
+        with np.errstate(invalid="ignore"):
+            elastic_areas = areas.elastic * areas.all_members / areas.elastic_members
+    else:
+        elastic_areas = _estimate_elastic_areas(result, areas.all_members)
+    exponent = DEFAULT_YIELD_EXPONENT if contact.yield_exponent is None else float(contact.yield_exponent)
+    functions = []
+    for cell_areas in elastic_areas:
+        is_known = np.isfinite(cell_areas) & (cell_areas > 0)
+        if is_known.any():
+            functions.append(AreaFunction(loads[is_known], cell_areas[is_known], nominal_area, hardness, exponent))
+        else:  # no member could be computed
+            functions.append(AreaFunction(np.ones(1), np.full(1, np.nan), nominal_area, hardness, exponent))
+    return functions
+
+
+def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
+    """Estimate the elastic areas of a result that stores only areas with limited pressure.
+
+    The estimate A = κ F/(E* h') holds for small loads. Surfaces that fit perfectly are in complete contact.
+    """
+    contact = result.study.contact
+    gradients = result.means(["rms_gradient"])["rms_gradient"].values.reshape(-1, 1)
+    with np.errstate(divide="ignore"):
+        estimates = KAPPA_AT_SMALL_LOADS * contact.loading_steps() / (float(contact.effective_modulus) * gradients)
+    return np.fmin(np.minimum(estimates, areas), float(result.head["nominal_area"]))
+
+
+def compute_load_exponent(result: MemberSums, name: str, loads: Floats) -> Floats:
+    """Return d ln(q) / d ln F at the given loads F (mN), where q is the mean of a stored quantity over the members.
+
+    The exponent is 1 if the quantity is known at a single load only.
+    """
+    steps = result.study.contact.loading_steps()
+    values = result.means([name])[name]
+    mean = np.asarray(values.mean([dim for dim in values.dims if dim != "load"]).values)
+    is_known = np.isfinite(mean) & (mean > 0)
+    if is_known.sum() < 2:
+        return np.ones(loads.size)
+    exponents = np.gradient(np.log(mean[is_known]), np.log(steps[is_known]))
+    return np.asarray(np.interp(np.log(loads), np.log(steps[is_known]), exponents))
+
+
+def compute_yield_factors(result: MemberSums) -> Floats | None:
+    """Return the ratio of the true area to the area with limited pressure, with the shape (cells, loading steps).
+
+    The result is None if both are equal, because the bodies are elastic or the result has no elastic areas.
+    """
+    if "elastic_area" not in result.head.variables:
+        return None
+    contact: Any = result.study.contact
+    areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
+    with np.errstate(invalid="ignore", divide="ignore"):
+        true_areas = yielded_area(areas.elastic, loads, float(contact.hardness), float(contact.yield_exponent))
+        # In complete contact, the solved area may exceed the nominal area by round-off.
+        largest_areas = np.maximum(areas.elastic, float(result.head["nominal_area"]))
+        factors = np.minimum(true_areas, largest_areas) / areas.elastic_members
+    for cell_factors in factors:  # at loads for which no elastic area was solved, factors of other loads are used
+        is_known = np.isfinite(cell_factors)
+        if is_known.any():
+            log_loads = np.log(loads)
+            cell_factors[~is_known] = np.interp(log_loads[~is_known], log_loads[is_known], cell_factors[is_known])
+        else:
+            cell_factors[:] = 1.0
+    return factors
+
+
+def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
+    """Yield the pieces of a result with the true areas of contacts that yield, instead of those with limited pressure.
+
+    Sums over the true area (`AREA_SUMS`) are proportional to it. All other sums stay those of the contact with limited
+    pressure.
+    """
+    factors = result.compute_once(compute_yield_factors)
+    for piece in result.pieces(names):
+        yield piece if factors is None else _scale_areas(piece, factors)
+
+
+def _scale_areas(piece: xarray.Dataset, factors: Floats) -> xarray.Dataset:
+    import xarray
+
+    scale = xarray.Variable(("cut_off", "load"), factors)
+    scaled: dict[str, Any] = {}
+    for name in AREA_SUMS:
+        if name in piece.variables:
+            variable = piece.variables[name]
+            scaled[name] = (variable * scale).transpose(*variable.dims)
+            scaled[name].attrs = variable.attrs
+    return piece.assign(scaled)

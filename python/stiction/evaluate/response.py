@@ -1,0 +1,127 @@
+"""Response of a contact to its uncertain inputs: all quantities as functions of E*, hardness, μ0, τ0 and yielding.
+
+One solution at the inputs of the study gives the quantities at all other inputs. Forces are linear in μ0 and τ0, and
+the true area is an `AreaFunction`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.evaluate.contact_area import AreaFunction
+from stiction.mechanics.closed_forms import solve_yield_condition
+from stiction.mechanics.friction import ForcesPerLoad
+
+
+@dataclass(frozen=True, kw_only=True)
+class InputValues:
+    """Values or samples of the inputs of a contact. Arrays are broadcast against each other.
+
+    Attributes
+    ----------
+    mu0 : float or array
+    tau0 : float or array, GPa
+    hardness : float or array, GPa
+        NaN for elastic bodies.
+    modulus : float or array
+        Ratio of E* to the E* in the study. Multiplying all heights by a factor has the same effect on the area and on
+        the stiffness per load.
+    yield_exponent : float or array
+        Exponent of the yielding area.
+    junction_growth : float or array
+        α of junction growth; 0 if contacts do not grow.
+    """
+
+    mu0: Any
+    tau0: Any
+    hardness: Any = np.nan
+    modulus: Any = 1.0
+    yield_exponent: Any = np.nan
+    junction_growth: Any = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResponseValues:
+    """Quantities of a contact for given inputs, as arrays of the broadcast shape.
+
+    Attributes
+    ----------
+    friction_coefficient : array
+        Infinite at seizure.
+    area : array, µm²
+        True area before shear.
+    area_at_onset : array, µm²
+        True area at the onset of sliding; infinite at seizure.
+    yield_pressure : array, GPa
+        Largest pressure at the onset of sliding: the hardness H, or H' if contacts grow. NaN at seizure.
+    stiffness : array
+        Normal stiffness, divided by the stiffness at the central inputs.
+    unloading_stiffness : array
+        Unloading stiffness, divided by the unloading stiffness at the central inputs.
+    """
+
+    friction_coefficient: Floats
+    area: Floats
+    area_at_onset: Floats
+    yield_pressure: Floats
+    stiffness: Floats
+    unloading_stiffness: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class ContactResponse:
+    """Contact of a pair at one load under one sliding rule, averaged over its members and directions.
+
+    Attributes
+    ----------
+    load : float, mN
+    forces : ForcesPerLoad
+        Forces at the central inputs, before contacts grow.
+    area : AreaFunction
+    central : InputValues
+        Central values of all inputs.
+    stiffness_exponent : float
+        Logarithmic derivative of the normal stiffness with respect to the load.
+    """
+
+    load: float
+    forces: ForcesPerLoad
+    area: AreaFunction
+    central: InputValues
+    stiffness_exponent: float = 1.0
+
+    def evaluate(self, inputs: InputValues) -> ResponseValues:
+        """Return all quantities for the given inputs."""
+        area = self.area(
+            self.load, hardness=inputs.hardness, modulus=inputs.modulus, yield_exponent=inputs.yield_exponent
+        )
+        central_area = self.area(self.load)
+        yield_pressure, area_at_onset = np.asarray(inputs.hardness), area
+        if np.any(inputs.junction_growth) and self.area.hardness is not None:
+            yield_pressure = solve_yield_condition(inputs.hardness, inputs.mu0, inputs.tau0, inputs.junction_growth)
+            is_carried = yield_pressure > self.load / self.area.nominal_area  # False at seizure, where H' is NaN
+            grown_area = self.area(
+                self.load, hardness=np.where(is_carried, yield_pressure, inputs.hardness), modulus=inputs.modulus,
+                yield_exponent=inputs.yield_exponent,
+            )  # fmt: skip
+            area_at_onset = np.where(is_carried, grown_area, np.inf)
+        # Without τ0, friction does not depend on the area.
+        is_seized = np.isinf(area_at_onset) & (np.asarray(inputs.tau0) > 0)
+        sliding_area = np.where(np.isinf(area_at_onset), area, area_at_onset)
+        coefficient = self.forces.compute_coefficient(inputs.mu0, inputs.tau0, sliding_area / central_area)
+        return ResponseValues(
+            friction_coefficient=np.where(is_seized, np.inf, coefficient),
+            area=area,
+            area_at_onset=area_at_onset,
+            yield_pressure=yield_pressure,
+            stiffness=np.asarray(inputs.modulus) ** (1.0 - self.stiffness_exponent),
+            unloading_stiffness=np.asarray(inputs.modulus) * area / central_area,
+        )
+
+    def at_central_inputs(self, **changes: Any) -> ResponseValues:
+        """Return all quantities for the central inputs, of which some may be replaced."""
+        return self.evaluate(replace(self.central, **changes))

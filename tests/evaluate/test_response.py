@@ -1,0 +1,146 @@
+"""Test the true area of yielding pairs and all quantities as functions of the inputs, against direct solutions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from stiction import half_space, pair
+from stiction.evaluate.contact_area import AreaFunction, build_area_functions
+from stiction.mechanics.hardness import yielded_area
+from stiction.solve import member_solution
+from stiction.solve.member_sums import MemberSums
+from stiction.study.members import load_bodies
+from support.rough_surfaces import rough_maps
+
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
+HARDNESS, MODULUS, LOAD = 1.0, 80.0, 20.0  # GPa, GPa, mN
+OPTIONS = {
+    "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": MODULUS, "shifts": 4, "cutoff": "none", "onset": 0,
+    "direction": [0.0, 180.0],
+}  # fmt: skip
+
+
+def rough_pair(rms=0.01):
+    return rough_maps(5, hurst_exponent=0.7, rms=rms, points=64, spacing=0.05, shortest_wavelength=0.3)
+
+
+def press(hardness=HARDNESS, **options):
+    return pair(*rough_pair(), **OPTIONS | {"load": f"{LOAD} MPa", "hardness": hardness} | options)
+
+
+def mean_value(result, name, load=None):
+    return float(result.at(load)[name].sel(statistic="mean").squeeze())
+
+
+@pytest.fixture(scope="module")
+def result():
+    return press(yield_exponent=1.25)
+
+
+def solve_members(result, load, hardness):
+    """Return the areas (µm²) and the tangential adhesive sums of all members, solved one by one."""
+    bodies, contact = load_bodies(result.study), result.study.contact
+    curves = [
+        half_space(*bodies.member(index, 0.0).pair, [load], **contact.solver_arguments() | {"hardness": hardness})
+        for index in range(result.study.ensemble.repetitions)
+    ]
+    return np.array([curve.contact_area[0] for curve in curves])
+
+
+def test_true_area_is_the_closed_form_of_the_solved_elastic_area(result):
+    load = float(result.study.friction.load[0])
+    elastic_area = solve_members(result, load, None).mean()
+    expected = float(yielded_area(elastic_area, load, HARDNESS, 1.25))
+    assert expected > 1.05 * solve_members(result, load, HARDNESS).mean()
+    assert mean_value(result, "contact_area") == pytest.approx(expected, rel=1e-9)
+    assert mean_value(result, "mean_pressure") == pytest.approx(load / expected, rel=0.02)
+    capped_result = press(yield_exponent=1.25).study.with_changes({"contact.yield_exponent": None})
+    assert capped_result.contact.yield_exponent is None
+
+
+def test_adhesive_friction_is_proportional_to_the_true_area(result):
+    capped_area = solve_members(result, float(result.study.friction.load[0]), HARDNESS).mean()
+    coefficients = {
+        tau0: float(result.at(tau0=tau0)["friction_combined"].sel(statistic="mean", sliding="all").squeeze())
+        for tau0 in (0.0, 0.05)
+    }
+    adhesive_part = coefficients[0.05] - coefficients[0.0]
+    true_area, load = mean_value(result, "contact_area"), float(result.study.friction.load[0])
+    assert adhesive_part == pytest.approx(0.05 * true_area / load, rel=0.01)
+    assert adhesive_part > 1.05 * 0.05 * capped_area / load
+
+
+def test_elastic_areas_are_solved_for_the_first_members_only(monkeypatch):
+    all_members = press(yield_exponent=1.25).dataset["elastic_area"]
+    assert np.isfinite(all_members).all()
+    monkeypatch.setattr(member_solution, "NUM_ELASTIC_MAP_MEMBERS", 2)
+    first_members = press(yield_exponent=1.25).dataset["elastic_area"]
+    np.testing.assert_array_equal(first_members[:, :2], all_members[:, :2])
+    assert np.isnan(first_members[:, 2:]).all()
+
+
+def test_dataset_keeps_the_areas_with_limited_pressure(result):
+    load = float(result.study.friction.load[0])
+    stored = result.dataset["contact_area"].sel(load=load).mean().item()
+    assert stored == pytest.approx(solve_members(result, load, HARDNESS).mean(), rel=1e-9)
+
+
+# The area depends on E* by similarity, and on the hardness and the exponent in closed form.
+@pytest.mark.parametrize(
+    "changes", [{"effective_modulus": 50.0}, {"effective_modulus": 130.0}, {"hardness": 0.4}, {"hardness": 3.0},
+                {"yield_exponent": 1.0}, {"hardness": 0.5, "effective_modulus": 120.0, "yield_exponent": 1.5}],
+)  # fmt: skip
+def test_area_at_other_inputs_equals_the_area_of_a_direct_solution(result, changes):
+    area = result.compute_once(build_area_functions)[0]
+    direct_result = press(**{"yield_exponent": 1.25} | changes)
+    load = float(result.study.friction.load[0])
+    ratio = area(
+        load, hardness=changes.get("hardness", HARDNESS), modulus=changes.get("effective_modulus", MODULUS) / MODULUS,
+        yield_exponent=changes.get("yield_exponent", 1.25),
+    ) / area(load)  # fmt: skip
+    expected = mean_value(direct_result, "contact_area") / mean_value(result, "contact_area")
+    assert float(ratio) == pytest.approx(expected, rel=0.01)  # few contacts
+
+
+def test_area_function_is_bounded_by_the_nominal_area():
+    area = AreaFunction(np.array([1.0, 10.0]), np.array([2.0, 15.0]), 20.0, 0.5, 1.25)
+    assert area([1.0, 10.0, 1e6]).tolist() == [pytest.approx(float(yielded_area(2.0, 1.0, 0.5, 1.25))), 20.0, 20.0]
+    assert area.elastic_area(np.sqrt(10.0)) == pytest.approx(np.sqrt(30.0))
+
+
+def test_interval_of_the_area_covers_the_areas_at_the_ends_of_the_hardness_range():
+    ranged = press("0.8..1.25 GPa", yield_exponent=1.25)
+    estimate = ranged.at()["contact_area"].squeeze()
+    value, lower, upper = (float(estimate.sel(statistic=name)) for name in ("mean", "lower", "upper"))
+    sampling = ranged.at()["contact_count"].squeeze()
+    assert sampling.sel(statistic="lower") < sampling.sel(statistic="mean")
+    areas = [mean_value(press(hardness, yield_exponent=1.25), "contact_area") for hardness in (0.8, 1.25)]
+    assert lower == pytest.approx(areas[1], rel=0.02)
+    assert upper == pytest.approx(areas[0], rel=0.02)
+    assert lower < areas[1] < value < areas[0] < upper
+
+
+def test_pressure_and_area_have_reciprocal_intervals():
+    table = press("0.8..1.25 GPa").at()
+    area, pressure = (table[name].squeeze().values for name in ("contact_area", "mean_pressure"))
+    assert pressure[1:] == pytest.approx((pressure[0] * area[0] / area[1:])[::-1], rel=0.01)
+
+
+def test_interval_includes_the_exponent_of_the_yielding_area():
+    exact, ranged = (press(yield_exponent=exponent) for exponent in (1.15, "uniform 0.7 .. 1.6"))
+    assert ranged.value == exact.value
+    widths = [np.ptp(each.at()["contact_area"].sel(statistic=["lower", "upper"]).values) for each in (exact, ranged)]
+    assert widths[1] > 1.2 * widths[0]
+    assert "the exponent of the yielding area" in set(ranged.budget["input"]) - set(exact.budget["input"])
+
+
+def test_results_without_elastic_areas_use_the_area_with_limited_pressure(result):
+    study = result.study.with_changes({"contact.yield_exponent": None})
+    dataset = result.dataset.drop_vars("elastic_area").assign_attrs(study=study.to_toml())
+    sums = MemberSums.of(dataset)
+    load = float(result.study.friction.load[0])
+    area = float(type(result)(dataset).at()["contact_area"].sel(statistic="mean").squeeze())
+    assert area == pytest.approx(solve_members(result, load, HARDNESS).mean(), rel=1e-9)
+    function = build_area_functions(sums)[0]
+    assert function(load, hardness=0.5) > function(load) > function(load, hardness=2.0)
