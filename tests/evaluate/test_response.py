@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from stiction import half_space, pair
+from stiction.evaluate.budget import _iterate_intervals
 from stiction.evaluate.contact_area import AreaFunction, build_area_functions
 from stiction.mechanics.hardness import yielded_area
 from stiction.solve import member_solution
@@ -144,3 +145,24 @@ def test_results_without_elastic_areas_use_the_area_with_limited_pressure(result
     assert area == pytest.approx(solve_members(result, load, HARDNESS).mean(), rel=1e-9)
     function = build_area_functions(sums)[0]
     assert function(load, hardness=0.5) > function(load) > function(load, hardness=2.0)
+
+
+@pytest.mark.parametrize("rms", [0.005, 0.02, 0.05])
+@pytest.mark.parametrize(
+    "changes", [{"hardness": 0.5}, {"hardness": 2.0}, {"effective_modulus": 60.0}, {"effective_modulus": 100.0}]
+)
+def test_stiffness_at_other_inputs_agrees_with_a_direct_solution(rms, changes):
+    maps = rough_maps(5, hurst_exponent=0.7, rms=rms, points=128, spacing=0.05, shortest_wavelength=0.3)
+    options = OPTIONS | {"load": f"{LOAD} MPa", "hardness": HARDNESS, "yield_exponent": 1.15}
+    result, direct_result = pair(*maps, **options), pair(*maps, **options | changes)
+    load, table = float(result.study.friction.load[0]), result.at_study_loads
+    dims = ("cut_off", "sliding", "load", "mu0", "tau0")
+    _, intervals = next(_iterate_intervals(result, table, dims, {}, [], {}, {}))
+    values = intervals.response.at_central_inputs(
+        hardness=changes.get("hardness", HARDNESS), modulus=changes.get("effective_modulus", MODULUS) / MODULUS
+    )
+    for name, ratio, tolerance in (
+        ("unloading_stiffness", values.unloading_stiffness, 0.1), ("normal_stiffness", values.stiffness, 0.2),
+    ):  # fmt: skip
+        expected = mean_value(direct_result, name, load) / mean_value(result, name, load)
+        assert float(ratio) == pytest.approx(expected, rel=tolerance)

@@ -16,6 +16,13 @@ from stiction.evaluate.contact_area import AreaFunction
 from stiction.mechanics.closed_forms import solve_yield_condition
 from stiction.mechanics.friction import ForcesPerLoad
 
+UNLOADING_STIFFNESS_EXPONENT, LOADING_STIFFNESS_EXPONENT = 0.55, -0.4
+"""Exponents of the stiffness as powers of the area that yielding adds, fitted to solutions at other hardnesses.
+
+The exponent of the loading stiffness is multiplied by the yielded fraction of the area. For hardnesses from half to
+double and E* within 25 %, the unloading stiffness is within 10 % of these solutions, the loading stiffness within 20 %.
+"""
+
 
 @dataclass(frozen=True, kw_only=True)
 class InputValues:
@@ -113,13 +120,21 @@ class ContactResponse:
         is_seized = np.isinf(area_at_onset) & (np.asarray(inputs.tau0) > 0)
         sliding_area = np.where(np.isinf(area_at_onset), area, area_at_onset)
         coefficient = self.forces.compute_coefficient(inputs.mu0, inputs.tau0, sliding_area / central_area)
+        # E* changes the stiffness by similarity. Yielding changes it with the area.
+        modulus_area = self.area(self.load, modulus=inputs.modulus)
+        yielding_ratio = area / modulus_area
+        yielded_fraction = 1.0 - self.area.elastic_area(self.load) / central_area
         return ResponseValues(
             friction_coefficient=np.where(is_seized, np.inf, coefficient),
             area=area,
             area_at_onset=area_at_onset,
             yield_pressure=yield_pressure,
-            stiffness=np.asarray(inputs.modulus) ** (1.0 - self.stiffness_exponent),
-            unloading_stiffness=np.asarray(inputs.modulus) * area / central_area,
+            stiffness=np.asarray(inputs.modulus) ** (1.0 - self.stiffness_exponent)
+            * yielding_ratio ** (LOADING_STIFFNESS_EXPONENT * yielded_fraction),
+            unloading_stiffness=inputs.modulus
+            * modulus_area
+            / central_area
+            * yielding_ratio**UNLOADING_STIFFNESS_EXPONENT,
         )
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
