@@ -166,3 +166,12 @@ def test_stiffness_at_other_inputs_agrees_with_a_direct_solution(rms, changes):
     ):  # fmt: skip
         expected = mean_value(direct_result, name, load) / mean_value(result, name, load)
         assert float(ratio) == pytest.approx(expected, rel=tolerance)
+
+
+@pytest.mark.parametrize(("load", "has_caveat"), [(LOAD, True), (0.5, False)])
+def test_area_with_limited_pressure_has_a_caveat_if_contacts_yield(load, has_caveat):
+    new_result = press(6.0, load=f"{load} MPa", tau0=0.0) if not has_caveat else press(load=f"{load} MPa")
+    study = new_result.study.with_changes({"contact.yield_exponent": None})
+    old_result = type(new_result)(new_result.dataset.drop_vars("elastic_area").assign_attrs(study=study.to_toml()))
+    assert any("limited to the hardness" in each.text for each in old_result.caveats) == has_caveat
+    assert not any("limited to the hardness" in each.text for each in new_result.caveats)

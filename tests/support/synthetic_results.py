@@ -23,7 +23,7 @@ def measured_study(
         law_with_strength = {"name": law, "yield_strength": "1 GPa", "poisson_ratio": 0.3}
         contact["law"] = law_with_strength if law == "jackson-green" else law
     else:
-        contact |= {} if hardness is None else {"hardness": f"{hardness} GPa"}
+        contact |= {} if hardness is None else {"hardness": f"{hardness} GPa", "yield_exponent": 1.15}
         contact |= {} if adhesion is None else {"work_of_adhesion": adhesion}
     files = {side: {"file": f"nowhere/{side}.npy"} for side in ("upper", "lower")}
     friction = {"mu0": sorted(mu0), "tau0": ["50 MPa"], "load": ["10 mN"]}

@@ -722,6 +722,10 @@ def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[C
         yield Caveat(text, "try --rotate 180", "caution")
 
 
+MIN_YIELDING_PRESSURE_FRACTION = 0.45
+"""Ratio of mean pressure to hardness above which yielding below the surface increases the area by some per cent."""
+
+
 def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     status = find_contact_status(point, study)
     if status == FULL_CONTACT_STATUS:
@@ -732,6 +736,14 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     elif status == AREA_ABOVE_NOMINAL_STATUS:
         text = "the areas of the asperities add up to more than the nominal area"
         yield Caveat(text, "use a smaller load, or the half-space", "fault")
+    elif (
+        study.is_measured
+        and study.contact.hardness is not None
+        and study.contact.yield_exponent is None
+        and mean_contact_pressure(point) > MIN_YIELDING_PRESSURE_FRACTION * float(study.contact.hardness)
+    ):
+        text = "the true area is that of a pressure limited to the hardness, which is up to 30 % too small"
+        yield Caveat(text, "use a smaller load" if study.contact.adheres else "compute the pair again", "caution")
 
 
 def _compute_area_fraction(point: xarray.Dataset, study: Study) -> float:
