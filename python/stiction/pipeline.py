@@ -246,7 +246,10 @@ def compute_companion_files(
         return
     if new_onset is not None:
         export(new_onset, stored_result.path / ONSET_FILE, replace=True)
+        scaled_onset = result.scale_onset(new_onset)
+        if scaled_onset is None:
+            return
         with replace_file_atomically(
             stored_result.path / ONSET_TABLE_FILE, ONSET_TABLE_SIGNATURE, StoreError
         ) as partial_path:
-            partial_path.write_text(format_backbone_csv(new_onset), encoding="utf-8")
+            partial_path.write_text(format_backbone_csv(scaled_onset), encoding="utf-8")

@@ -7,7 +7,8 @@ import numpy as np
 import pandas
 import pytest
 import xarray
-from stiction import Profile, Study, approach_at_load, contacts, half_space, open_result, self_affine
+from stiction import Profile, Study, approach_at_load, contacts, half_space, open_result, pair, self_affine
+from stiction._estimate import Estimate
 from stiction.companions.onset import (
     ONSET_FILE,
     TRACTION_TOLERANCE,
@@ -15,8 +16,10 @@ from stiction.companions.onset import (
     find_onset_values,
     format_backbone_csv,
     load_stored_onset,
+    scale_onset,
 )
 from stiction.evaluate.intervals import average_independent_values
+from stiction.mechanics.presliding import fit_iwan
 from stiction.solve.executors import thread_pool_executor
 from stiction.solve.runner import compute_missing_blocks
 from stiction.solve.store import export, open_stored_result
@@ -24,6 +27,7 @@ from stiction.study.members import load_bodies
 from stiction.views.onset import onset_record, onset_rows, onset_text
 from stiction.views.report import report_page
 from support.command import disable_drawing
+from support.rough_surfaces import rough_maps
 from support.studies_of_files import create_study_from_files, pair_study, write_maps, write_profiles
 
 
@@ -205,3 +209,46 @@ def test_table_rows_and_json_record_of_onset_have_equal_displacements(onset):
         (name,) = (name for name in rows if name.startswith("pre-sliding displacement"))
         value = float(rows[name].split()[0]) * {"nm": 1e-3, "µm": 1.0, "mm": 1e3}[name.split("(")[1][:-1]]
         assert value == pytest.approx(scale * record["displacement_at_sliding"]["value"], rel=0.1)
+
+
+def test_sliding_load_of_the_onset_is_the_coefficient_times_the_load(tmp_path):
+    bodies = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=64, spacing=0.05, shortest_wavelength=0.3)
+    options = {
+        "load": "50 MPa", "hardness": "120 HV ± 10 %", "mu0": "0.1..0.3", "tau0": "50 MPa", "effective_modulus": 80.0,
+        "junction_growth": "0..27", "shifts": 4, "cutoff": "none",
+    }  # fmt: skip
+    result = pair(*bodies, **options, onset=2, directory=tmp_path / "pair")
+    coefficient, values = result.summary().first.rules[0], result.summary().onset_values
+    assert values.sliding_load.kind == "combined"
+    limits = np.array([coefficient.value, coefficient.lower, coefficient.upper]) * values.load
+    sliding_load = values.sliding_load
+    np.testing.assert_allclose([sliding_load.value, sliding_load.lower, sliding_load.upper], limits, rtol=1e-12)
+    stored = load_stored_onset(open_stored_result(tmp_path / "pair"))
+    stored_load = float(stored["sliding_load"].sel(statistic="mean"))
+    factor = limits[0] / stored_load
+    assert factor > 1.02  # Junction growth increases the friction.
+    for name, is_scaled in (("energy_lost", True), ("tangential_load", True), ("displacement", False)):
+        scaled, expected = (each[name].sel(statistic="mean").values for each in (result.onset, stored))
+        np.testing.assert_allclose(scaled, expected * (factor if is_scaled else 1.0), rtol=1e-12, err_msg=name)
+    np.testing.assert_array_equal(result.onset["stiffness"], stored["stiffness"])
+    table = pandas.read_csv(tmp_path / "pair" / "onset.csv")
+    for suffix, limit in zip(("", ": lower", ": upper"), limits, strict=True):
+        assert table[f"tangential load (mN){suffix}"].iloc[-1] == pytest.approx(limit, rel=1e-8)
+    record = onset_record(values)
+    assert record["curve"][-1]["tangential_load"]["value"] == record["sliding_load"]["value"]
+
+
+def test_fitted_models_are_scaled_like_the_tangential_load(onset):
+    coefficient = Estimate(0.5, 0.4, 0.7, kind="combined")
+    scaled = scale_onset(onset, coefficient)
+    factor = 1.0 / float(onset["sliding_load"].sel(statistic="mean"))  # The load is 2 mN.
+    names = ("iwan_sliding_load_mN", "iwan_stiffness_mN_per_um", "lugre_sigma0_mN_per_um")
+    for name in names:
+        assert scaled.attrs[name] == pytest.approx(factor * onset.attrs[name], rel=1e-12)
+    for name in ("iwan_chi", "iwan_beta", "iwan_largest_residual", "lugre_largest_residual"):
+        assert scaled.attrs[name] == onset.attrs[name]
+    curve = scaled.sel(statistic="mean")
+    displacement, load = (curve[name].values for name in ("displacement", "tangential_load"))
+    fit = fit_iwan(displacement, load, sliding_load=1.0, stiffness=scaled.attrs["iwan_stiffness_mN_per_um"])
+    assert fit.chi == pytest.approx(scaled.attrs["iwan_chi"], abs=1e-6)
+    assert fit.beta == pytest.approx(scaled.attrs["iwan_beta"], rel=1e-6)

@@ -1,11 +1,16 @@
-"""Onset of sliding of a measured pair. The result stores the mean onset curve over a subset of its members."""
+"""Onset of sliding of a measured pair. The result stores the mean onset curve over a subset of its members.
+
+The stored curve is the curve of the contact whose pressure is limited by the hardness. The solver of this curve knows
+neither junction growth nor the true area of yielding contacts in closed form. Reported curves are therefore scaled to
+the sliding load μ_s F of the result.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -189,6 +194,38 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
 
 # ---- Values to report ------------------------------------------------------------------------------------------------
 
+_MODEL_FORCES = ("iwan_sliding_load_mN", "iwan_stiffness_mN_per_um", "lugre_sigma0_mN_per_um")
+"""Parameters of the fitted models that are proportional to the tangential load."""
+
+
+def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
+    """Scale a computed onset to the sliding load μ_s F, where F is the normal load of the onset.
+
+    The sliding load and its interval are those of the coefficient times F. The tangential loads of the curve are their
+    fractions of this sliding load. The energies, and the loads and stiffnesses of the fitted models, are multiplied by
+    the same factor as the mean sliding load. Displacements, slipping fractions and stiffnesses of the contact are not
+    changed: the scaled curve is that of the contact with limited pressure.
+
+    Parameters
+    ----------
+    onset : xarray.Dataset
+        Dataset that `compute_onset` returned.
+    coefficient : Estimate
+        Coefficient of static friction at the load, mu0 and tau0 of the onset with friction at all contacts.
+    """
+    limits = [coefficient.value, coefficient.lower, coefficient.upper]
+    sliding_load = onset["sliding_load"].copy(data=float(onset.attrs["load_mN"]) * np.array(limits))
+    factor = coefficient.value * float(onset.attrs["load_mN"]) / float(onset["sliding_load"].sel(statistic="mean"))
+    tangential_load = onset["tangential_load"].copy(data=np.outer(onset["fraction"].values, sliding_load.values))
+    energy_lost = onset["energy_lost"].copy(data=factor * onset["energy_lost"].values)
+    scaled = onset.assign(sliding_load=sliding_load, tangential_load=tangential_load, energy_lost=energy_lost)
+    forces = {name: factor * float(onset.attrs[name]) for name in _MODEL_FORCES if name in onset.attrs}
+    return scaled.assign_attrs({_LOAD_INTERVAL_KIND: coefficient.kind, **forces})
+
+
+_LOAD_INTERVAL_KIND = "load_interval_kind"
+"""Attribute of a scaled onset: kind of the intervals of its tangential loads."""
+
 
 @dataclass(frozen=True)
 class OnsetCurvePoint:
@@ -203,7 +240,10 @@ class OnsetCurvePoint:
 
 @dataclass(frozen=True)
 class OnsetValues:
-    """Values of the onset of sliding at a load, mu0 and tau0: means over members with 95 % intervals."""
+    """Values of the onset of sliding at a load, mu0 and tau0: means over members with 95 % intervals.
+
+    Tangential loads that are scaled to the coefficient of static friction have its combined interval.
+    """
 
     load: float  # normal load (mN)
     mu0: float
@@ -220,12 +260,18 @@ class OnsetValues:
 
 
 def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
-    """Return the values of the onset of sliding in a dataset that `compute_onset` returned."""
+    """Return the values of the onset of sliding in a dataset that `compute_onset` or `scale_onset` returned."""
     attributes = onset.attrs
+
+    def read(table: xarray.DataArray) -> Estimate:
+        estimate = read_estimate(table)
+        is_load = table.name in ("sliding_load", "tangential_load")
+        return replace(estimate, kind=attributes.get(_LOAD_INTERVAL_KIND, estimate.kind)) if is_load else estimate
+
     curve = {}
     for fraction in onset["fraction"].values.tolist():
         curve_point = onset.sel(fraction=fraction)
-        curve[fraction] = OnsetCurvePoint(**{name: read_estimate(curve_point[name]) for name in _CURVE_TITLES})
+        curve[fraction] = OnsetCurvePoint(**{name: read(curve_point[name]) for name in _CURVE_TITLES})
     models = {
         model: {name: float(attributes[f"{model}_{name}"]) for name in names if f"{model}_{name}" in attributes}
         for model, names in PRESLIDING_PARAMETERS.items()
@@ -237,7 +283,7 @@ def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
         num_members=int(attributes["members"]),
         poisson_ratio=tuple(np.ravel(attributes["poisson_ratio"]).astype(float).tolist()),
         is_poisson_ratio_given=bool(attributes.get("poisson_given", 1)),
-        **{name: read_estimate(onset[name]) for name in _ONSET_SCALAR_NAMES},
+        **{name: read(onset[name]) for name in _ONSET_SCALAR_NAMES},
         curve=curve,
         models=models,
     )
@@ -311,7 +357,7 @@ def load_stored_onset(result: StoredResult) -> xarray.Dataset | None:
 
 
 def format_backbone_csv(onset: xarray.Dataset) -> str:
-    """Format the mean curve, which serves as the backbone curve of a Masing model, as CSV with units."""
+    """Format a mean curve, which serves as the backbone curve of a Masing model, as CSV with units."""
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}

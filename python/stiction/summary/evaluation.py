@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -21,7 +22,7 @@ from stiction.companions.height_scale import (
     group_stored_factors,
     parse_height_factors,
 )
-from stiction.companions.onset import load_stored_onset
+from stiction.companions.onset import load_stored_onset, scale_onset
 from stiction.companions.resolution import evaluate_at_cutoffs
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty
@@ -43,6 +44,8 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from stiction.solve.store import StoredResult
+
 # number of fractal dimensions that represent a range in an overview
 NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
@@ -59,11 +62,37 @@ class Evaluation(MemberSums):
 
     @property
     def onset(self) -> xarray.Dataset | None:
-        """Onset of sliding of a measured pair, computed for the first load, mu0 and tau0 in the study.
+        """Onset of sliding of a measured pair for the first load, mu0 and tau0 in the study.
 
-        None if the onset is not stored.
+        Its tangential loads are scaled to the sliding load μ_s F. None if the onset is not stored, or if the result has
+        no coefficient.
         """
-        return self.load_companion(load_stored_onset)
+        return self.load_companion(self._load_scaled_onset)
+
+    def _load_scaled_onset(self, stored: StoredResult) -> xarray.Dataset | None:
+        onset = load_stored_onset(stored)
+        return None if onset is None else self.scale_onset(onset)
+
+    def scale_onset(self, onset: xarray.Dataset) -> xarray.Dataset | None:
+        """Scale a computed onset to the coefficient of the result for friction at all contacts.
+
+        Returns None if the result has no coefficient. The onset is not changed if the result has no values for friction
+        at all contacts.
+        """
+        summary, friction = self._study_summary, self.study.friction
+        if isinstance(summary, ValueError):
+            return None
+        conditions = {name: float(getattr(friction, name)[0]) for name in ("load", "mu0", "tau0")}
+        coefficients = {
+            rule.rule: rule
+            for point in summary.reported_points
+            if all(point.at[name] == value for name, value in conditions.items())
+            for rule in point.rules
+        }
+        if "all" not in coefficients:
+            return onset
+        coefficient = coefficients["all"]
+        return scale_onset(onset, coefficient) if math.isfinite(coefficient.value) and coefficient.value > 0 else None
 
     @property
     def values_at_cutoffs(self) -> xarray.Dataset | None:
