@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import JacksonGreen, Profile, Surface, force_and_area, half_space, self_affine, self_affine_surface
+from stiction.mechanics.hardness import yielded_area
 
 DOCS_FOLDER = Path(__file__).parents[1]
 
@@ -49,9 +50,10 @@ MAX_COMPARED_FRACTION = 0.42
 ONSET_OF_YIELD = 0.5
 """Mean pressure over hardness above which yield below the surface adds area."""
 POWERS = (2.0, 2.25, 2.5)
-EXPONENTS_FROM_ONSET = (1.0, 1.25, 1.5)
-RECOMMENDED_FORM = "m = 1.25"
-FORM_TITLES = {"pressure cap": "pressure cap", RECOMMENDED_FORM: "from the onset of yield, m = 1.25"}
+EXPONENTS_FROM_ONSET = (0.7, 1.0, 1.15, 1.25, 1.6)
+"""Exponents m: the limits and the centre of the default range of `pair`, and two values in between."""
+USED_FORM = "m = 1.15"
+FORM_TITLES = {"pressure cap": "pressure cap", USED_FORM: f"from the onset of yield, {USED_FORM}"}
 SEED = 2016
 CCX = shutil.which("ccx")
 
@@ -449,8 +451,7 @@ def combine_by_power(elastic: np.ndarray, plastic: np.ndarray, exponent: float) 
 
 def combine_from_onset(elastic: np.ndarray, plastic: np.ndarray, exponent: float) -> np.ndarray:
     """Return the elastic area below the onset of yield, and above an area between the elastic area and F/H."""
-    excess = np.maximum(plastic**exponent - (ONSET_OF_YIELD * elastic) ** exponent, 0.0)
-    return (elastic**exponent + excess) ** (1 / exponent)
+    return yielded_area(elastic, plastic, 1.0, exponent)
 
 
 @dataclass(frozen=True)
@@ -483,7 +484,7 @@ def compare_case(name: str, result: dict[str, list[float]]) -> list[Point]:
             **{f"m = {m:g}": combine_from_onset(elastic, plastic, m) for m in EXPONENTS_FROM_ONSET},
             **{
                 f"m = {m:g}, per patch": combine_from_onset(patch_areas, forces / case.hardness, m).sum()
-                for m in (1.25, 1.5)
+                for m in (1.15, 1.25)
             },
         }
         bound = math.inf if isinstance(case, PressedBall) else case.nominal_area
@@ -645,7 +646,8 @@ def format_summary(points: list[Point]) -> list[str]:
 
 
 def format_published_fits() -> list[str]:
-    rows = ["| fit | x | A/A_el | n = 2 | n = 2.25 | m = 1 | m = 1.25 | m = 1.5 |", "|---|---|---|---|---|---|---|---|"]
+    titles = ["fit", "x", "A/A_el", "n = 2", "n = 2.25", *(f"m = {m:g}" for m in EXPONENTS_FROM_ONSET)]
+    rows = [f"| {' | '.join(titles)} |", "|" + "---|" * len(titles)]
     for name, (pressure_ratios, area_ratios) in published_ball_fits().items():
         for x, area in zip(pressure_ratios, area_ratios, strict=True):
             values = [combine_by_power(1.0, x, n) for n in (2, 2.25)]
@@ -704,7 +706,7 @@ def draw_figure(points: list[Point]) -> None:
         ("steep profile", "profiles, rms slope above 0.1"): ("#0072B2", "white"),
         ("ball", "ball"): ("#D55E00", "#D55E00"),
     }  # Okabe & Ito
-    for ax, form in zip(axes, ("pressure cap", RECOMMENDED_FORM), strict=True):
+    for ax, form in zip(axes, ("pressure cap", USED_FORM), strict=True):
         for (kind, label), (colour, fill) in groups.items():
             selected = [point for point in points if classify_case(point.case) == kind]
             ax.plot(
