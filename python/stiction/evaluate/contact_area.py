@@ -21,7 +21,7 @@ from stiction.solve.member_sums import MemberSums
 if TYPE_CHECKING:
     import xarray
 
-DEFAULT_YIELD_EXPONENT = 1.15
+FALLBACK_YIELD_EXPONENT = 1.15
 """Exponent of the yielding area for results whose area is limited by the pressure cap. It only scales this area."""
 
 AREA_SUMS = ("contact_area", "normal_adhesive", "tangential_adhesive")
@@ -49,7 +49,7 @@ class AreaFunction:
     elastic_areas: Floats
     nominal_area: float
     hardness: float | None
-    yield_exponent: float = DEFAULT_YIELD_EXPONENT
+    yield_exponent: float = FALLBACK_YIELD_EXPONENT
 
     def elastic_area(self, load: ArrayLike, modulus: ArrayLike = 1.0) -> Floats:
         """Return the true area (µm²) of elastic bodies at a load (mN), for a ratio of E* to the E* in the study.
@@ -137,7 +137,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
             elastic_areas = areas.elastic * areas.all_members / areas.elastic_members
     else:
         elastic_areas = _estimate_elastic_areas(result, areas.all_members)
-    exponent = DEFAULT_YIELD_EXPONENT if contact.yield_exponent is None else float(contact.yield_exponent)
+    exponent = FALLBACK_YIELD_EXPONENT if contact.yield_exponent is None else float(contact.yield_exponent)
     functions = []
     for cell_areas in elastic_areas:
         is_known = np.isfinite(cell_areas) & (cell_areas > 0)
