@@ -21,8 +21,8 @@ from stiction import (
     read_interface,
     write_interface,
 )
+from stiction.study.inputs import Inputs
 from stiction.study.interfaces import GROWTH_HEADER_ENTRY, HARDNESS_HEADER_ENTRY, compute_credible_interval
-from stiction.study.uncertain_inputs import find_uncertain_inputs
 from stiction.views.calibration import calibration_text
 from support.rough_surfaces import rough_maps
 
@@ -164,7 +164,7 @@ def test_friction_test_accepts_a_result_of_the_pair_function() -> None:
     interface = calibrate(tests)
     assert [fit.sliding for fit in interface.fits] == ["all", "opposing"]
     assert interface.predict(result, "80 MPa")[0] == pytest.approx(truth, rel=0.02)
-    hardness_of_brass = find_uncertain_inputs(result.study)["hardness"].estimate
+    hardness_of_brass = Inputs.from_study(result.study).estimate("hardness")
     assert interface.about[HARDNESS_HEADER_ENTRY] == hardness_of_brass.text
     assert interface.draws["hardness"].median() == pytest.approx(hardness_of_brass.value, rel=0.1)
 

@@ -15,7 +15,7 @@ from stiction.evaluate.budget import _iterate_intervals, add_uncertainty
 from stiction.evaluate.combined_intervals import compute_equal_tailed_interval
 from stiction.mechanics.friction import STATUS_OK
 from stiction.study.input_distributions import Z_95, parse_uncertain_input
-from stiction.study.uncertain_inputs import find_uncertain_inputs
+from stiction.study.inputs import Inputs
 from stiction.study.values import StudyError
 from stiction.summary.summary import summarize
 from support.rough_surfaces import rough_maps
@@ -121,7 +121,7 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
     result = pair(
         *rough_surfaces(rms=rms, points=LARGE_MAP_POINTS), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs
     )
-    inputs = find_uncertain_inputs(result.study)
+    inputs = Inputs.from_study(result.study).uncertain
     assert sorted(inputs) == ["effective_modulus", "hardness", "yield_exponent"]
     table = result.at_study_loads
     dims = ("cut_off", "sliding", "load", "mu0", "tau0")
@@ -281,7 +281,7 @@ def test_pair_function_rejects_invalid_ranges_of_inputs(options, pattern) -> Non
 def test_stored_study_preserves_uncertain_inputs() -> None:
     result = pair(*rough_surfaces(), load="2 MPa", mu0="0.1..0.3", effective_modulus="80 GPa", **PAIR_OPTIONS)
     stored_study = Study.from_toml(result.path / "study.toml")
-    assert find_uncertain_inputs(stored_study)["mu0"].estimate == parse_uncertain_input("mu0", "0.1..0.3")
+    assert Inputs.from_study(stored_study).estimate("mu0") == parse_uncertain_input("mu0", "0.1..0.3")
     with pytest.raises(StudyError, match=r"friction.tau0.*unit"):
         stored_study.with_changes({"friction.tau0": "20..80"})
 
@@ -307,7 +307,7 @@ def test_combined_interval_contains_the_true_friction_for_random_inputs(num_trut
         scans = [Surface(surface.heights[::refinement, ::refinement], spacing=0.05) for surface in filtered_surfaces]
         options = dict(load="4 MPa", **PAIR_OPTIONS)
         predicted = pair(*scans, **ranges, **options)
-        inputs = find_uncertain_inputs(predicted.study)
+        inputs = Inputs.from_study(predicted.study).uncertain
         true_inputs = {name: float(inputs[name].estimate.quantile(rng.random())) for name in ranges}
         truth = pair(*true_surfaces, **true_inputs, **(options | {"shifts": 40}))
         num_covered += predicted.interval[0] <= truth.value <= predicted.interval[1]

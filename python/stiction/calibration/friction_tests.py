@@ -20,15 +20,10 @@ from stiction.mechanics.model import SlidingRule
 from stiction.solve.member_sums import MemberSums
 from stiction.study.elasticity import PairElasticity
 from stiction.study.input_distributions import UncertainInput
+from stiction.study.inputs import Inputs
 from stiction.study.interfaces import SLIDING_RULES
 from stiction.study.moduli import UncertainModulus, parse_elasticity
-from stiction.study.study import Study, parse_study_of_dataset
-from stiction.study.uncertain_inputs import (
-    compute_relative_modulus,
-    find_creep_exponent,
-    find_junction_growth,
-    find_uncertain_inputs,
-)
+from stiction.study.study import parse_study_of_dataset
 
 if TYPE_CHECKING:
     pass
@@ -185,29 +180,29 @@ class _AreaFactorFromResult(_AreaFactor):
 
     area: AreaFunction
     load: float
-    study: Study
+    inputs: Inputs
     wait: float
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
         """Return the area factor of a result, or None if no uncertain input, creep or growth affects the area."""
         sums = MemberSums.of(result)
-        study = sums.study
+        inputs = Inputs.from_study(sums.study)
         uncertain_inputs = {
-            name: each.estimate for name, each in find_uncertain_inputs(study).items() if name not in ("mu0", "tau0")
+            name: each.estimate for name, each in inputs.uncertain.items() if name not in ("mu0", "tau0", "creep")
         }
-        creep = find_creep_exponent(study)
+        creep = inputs.estimate("creep")
         if wait != 1 and creep is None:
             raise ValueError("wait requires a result that was computed with the options wait and creep")
-        if not uncertain_inputs and creep is None and find_junction_growth(study) is None:
+        if not uncertain_inputs and creep is None and "junction_growth" not in inputs.entries:
             return None
         known = uncertain_inputs | ({} if creep is None else {"creep": creep})
-        return cls(known, sums.compute_once(build_area_functions)[0], load, study, wait)
+        return cls(known, sums.compute_once(build_area_functions)[0], load, inputs, wait)
 
     @property
     def junction_growth(self) -> UncertainInput | None:
         """Junction growth α, or None if contacts do not grow."""
-        return find_junction_growth(self.study)
+        return self.inputs.estimate("junction_growth")
 
     def area_factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
         """Return the ratio of the true area to the computed area for given values of the inputs.
@@ -216,14 +211,14 @@ class _AreaFactorFromResult(_AreaFactor):
         infinite at seizure.
         """
         exponent = samples.get("yield_exponent", self.area.yield_exponent)
-        modulus = compute_relative_modulus(self.study, samples)
+        modulus = self.inputs.relative_modulus(samples)
         hardness: Any = None
         if self.area.hardness is not None:
             hardness = samples.get("hardness", np.asarray(self.area.hardness))
             hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
             if self.junction_growth is not None and strength is not None:
                 pressure = strength.pressure_under_shear(
-                    hardness, samples.get("junction_growth", self.junction_growth.value)
+                    hardness, samples.get("junction_growth", self.inputs.central("junction_growth"))
                 )
                 nominal_pressure = self.load / self.area.nominal_area
                 # keeps the pressure above the nominal pressure, so that the computed area is finite

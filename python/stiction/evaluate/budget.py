@@ -33,9 +33,8 @@ from stiction.mechanics.friction import LOAD_SUM_NAMES, ForcesPerLoad
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
 from stiction.solve.member_sums import MemberSums
-from stiction.study.inputs import find_interface
+from stiction.study.inputs import Inputs
 from stiction.study.interfaces import HARDNESS_HEADER_ENTRY
-from stiction.study.uncertain_inputs import find_junction_growth, find_uncertain_inputs
 from stiction.surfaces.pairing import SIDES
 
 if TYPE_CHECKING:
@@ -70,8 +69,8 @@ def add_uncertainty(
     contains the interval to report: this interval or, without one, the interval of the mean. If scans are evaluated at
     two cutoffs, the reported interval at the first cutoff covers the results at both. `friction_prediction` contains
     the prediction interval of a test at one position in one direction, and `friction_after_dwell` the interval after
-    each dwell time. With `budget`, which takes most of the time, the dataset also has the dimension `input` (inputs of
-    `find_uncertain_inputs`, positions and unresolved roughness) and the variables `remaining_interval` and
+    each dwell time. With `budget`, which takes most of the time, the dataset also has the dimension `input` (uncertain
+    inputs of the study, positions and unresolved roughness) and the variables `remaining_interval` and
     `remaining_width`: the interval that would remain if the input were exact, and its width. Without `tests`, only
     `friction_combined` is added. Results of generated bodies are returned unchanged.
 
@@ -173,7 +172,7 @@ def _evaluate_uncertainty(
             for name in input_names
         ]
         coordinates |= {"input": ("input", input_names), "input_label": ("input", labels)}
-    if find_junction_growth(study) is not None:
+    if "junction_growth" in Inputs.from_study(study).entries:
         tables["fraction_seizing"] = dims, seizing_fractions
     if study.friction.wait:
         tables["friction_after_dwell"] = (*dims, "dwell_time", "statistic"), dwell_intervals
@@ -186,14 +185,17 @@ def _find_inputs_and_strengths(study: Study) -> tuple[dict[str, Any], list[Stren
 
     The samples replace inputs that the interface was calibrated with. Without an interface, there are no samples.
     """
-    inputs = find_uncertain_inputs(study)
-    if (interface := find_interface(study)) is None:
+    study_inputs = Inputs.from_study(study)
+    inputs = {name: each for name, each in study_inputs.uncertain.items() if name != "creep"}
+    if (interface := study_inputs.strength) is None:
         return inputs, []
     fit, hardness = interface.fits[0], inputs.get("hardness")
     fit_has_same_hardness = hardness is not None and hardness.estimate.describes_same_hardness(
         interface.about.get(HARDNESS_HEADER_ENTRY, "")
     )
-    growth = fit.junction_growth if interface.has_equal_junction_growth(find_junction_growth(study)) else None
+    growth = (
+        fit.junction_growth if interface.has_equal_junction_growth(study_inputs.estimate("junction_growth")) else None
+    )
     hardness_and_growth = fit.hardness if fit_has_same_hardness else None, growth
     replaced_names = {"mu0", "tau0"} | ({"hardness"} if fit_has_same_hardness else set())
     replaced_names |= {"junction_growth"} if growth is not None else set()
@@ -265,12 +267,12 @@ def _iterate_intervals(
     areas = result.compute_once(build_area_functions)
     loads = at["load"].values
     stiffness_exponents = compute_load_exponent(result, "normal_stiffness", loads)
-    growth = find_junction_growth(study)
+    growth = Inputs.from_study(study).entries.get("junction_growth")
     study_inputs = InputValues(
         mu0=np.nan, tau0=np.nan,
         hardness=np.nan if contact.hardness is None else float(contact.hardness),
         yield_exponent=areas[0].yield_exponent,
-        junction_growth=0.0 if growth is None else growth.value,
+        junction_growth=0.0 if growth is None else growth.central,
     )  # fmt: skip
     values_by_name = _get_arrays_over_dims(
         {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}, at, dims

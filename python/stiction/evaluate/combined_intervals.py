@@ -23,7 +23,7 @@ from stiction.mechanics.brackets import friction_range_for_finer_scans, max_fric
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES, Z_95, UncertainInput, generate_stratified_points
-from stiction.study.uncertain_inputs import compute_relative_modulus, find_creep_exponent
+from stiction.study.inputs import Inputs
 
 if TYPE_CHECKING:
     from stiction.study.study import Study
@@ -91,8 +91,8 @@ class InputSampler:
     """Samples of the uncertain inputs of a study, shared by all its coefficients."""
 
     def __init__(self, study: Study) -> None:
-        self._study = study
-        self._creep = find_creep_exponent(study)
+        self._inputs = Inputs.from_study(study)
+        self._creep = self._inputs.estimate("creep")
         self._cache: dict[Any, _InputSamples] = {}
 
     def draw(
@@ -117,7 +117,7 @@ class InputSampler:
             probabilities,
             {name: ndtri(probabilities[name]) for name in names if name in SAMPLING_INPUT_NAMES},
             values,
-            compute_relative_modulus(self._study, values),
+            self._inputs.relative_modulus(values),
             None if self._creep is None else self._creep.quantile(points[:, -1]),
             ndtri(points[:, -1]),
         )
@@ -291,7 +291,7 @@ class CombinedIntervals:
 
         They are NaN if the nominal pressure reaches the hardness.
         """
-        creep, central = find_creep_exponent(self.study), self.response.central
+        creep, central = Inputs.from_study(self.study).estimate("creep"), self.response.central
         assert creep is not None, "a study with dwell times has a creep exponent"
         final_hardness = central.hardness * dwell_time**-creep.value
         if self.response.load / self.response.area.nominal_area >= final_hardness:

@@ -95,6 +95,11 @@ class Inputs:
         """Inputs that are given as a range or with an uncertainty."""
         return {name: entry for name, entry in self.entries.items() if not entry.estimate.is_exact}
 
+    def estimate(self, name: str) -> UncertainInput | None:
+        """Return the distribution of an input, or None if the study does not have the input."""
+        entry = self.entries.get(name)
+        return None if entry is None else entry.estimate
+
     @property
     def strength(self) -> InterfaceStrength | None:
         """Joint distribution of mu0 and tau0, or None without an interface, or if its file is missing or changed."""

@@ -31,7 +31,6 @@ from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_a
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS, softest_material
 from stiction.study.input_distributions import UncertainInput
 from stiction.study.inputs import Inputs, find_interface, find_materials
-from stiction.study.uncertain_inputs import find_junction_growth
 
 if TYPE_CHECKING:
     import xarray
@@ -510,7 +509,7 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat
     """Yield caveats about junction growth and about seizure."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
-        growth = find_junction_growth(study)
+        growth = Inputs.from_study(study).estimate("junction_growth")
         coefficient, coefficient_with_growth = tabor_friction(
             float(hardness), mu0, tau0, [0.0, VON_MISES_GROWTH_COEFFICIENT]
         )
