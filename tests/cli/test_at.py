@@ -10,7 +10,7 @@ from stiction import open_result, run, self_affine, self_affine_surface, write_p
 from stiction.evaluate.at_load import at_load
 from stiction.solve.store import open_stored_result
 from stiction.summary.summary import summarize
-from stiction.views.rows import SCHEMA_VERSION
+from stiction.views.json_record import SCHEMA_VERSION
 from support.command import assert_rejected, call_stiction, check_stiction, disable_reports
 from support.generated_studies import SMALL_STUDY
 

@@ -10,7 +10,8 @@ import pytest
 from stiction._estimate import Interval
 from stiction.summary.assessment import Caveat
 from stiction.summary.summary import UncertaintyBudgetEntry, summarize
-from stiction.views.rows import SCHEMA_VERSION, summary_json, summary_table, values_frame
+from stiction.views.json_record import SCHEMA_VERSION
+from stiction.views.rows import summary_json, summary_table, values_frame
 from stiction.views.spreadsheet import frame_to_csv
 from support.synthetic_results import (
     QUANTITIES_AT_LOAD,

@@ -152,7 +152,7 @@ def interfaces(path: InterfacePathArgument = None, as_json: JsonOption = False) 
     from stiction.study.interfaces import interfaces as builtin_interfaces
     from stiction.study.interfaces import read_interface_entries
     from stiction.views.calibration import interfaces_text
-    from stiction.views.rows import record_json
+    from stiction.views.json_record import record_json
 
     values_by_name = builtin_interfaces() if path is None else read_interface_entries(path)
     if not (values_by_name or as_json):

@@ -116,8 +116,8 @@ def characterise(
     from stiction.surfaces.cut_off import cut_off
     from stiction.views import characterisation as views
     from stiction.views.files import write_new_text_file
+    from stiction.views.json_record import record_json
     from stiction.views.report.reading import file_reading_table
-    from stiction.views.rows import record_json
     from stiction.views.style import save_figure
 
     reading_options = {
@@ -207,7 +207,7 @@ def _print_joined_spectrum(
     from stiction.surfaces.joined_spectrum import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
     from stiction.views.characterisation import find_outlier_caveats
-    from stiction.views.rows import record_json
+    from stiction.views.json_record import record_json
     from stiction.views.scans import joined_spectrum_figure, joined_spectrum_record, joined_spectrum_text
     from stiction.views.style import save_figure
 
@@ -245,7 +245,7 @@ def _print_scan_comparison(
     from stiction.surfaces.repeated_scans import compare_repeated_scans
     from stiction.views.characterisation import find_outlier_caveats
     from stiction.views.files import write_new_text_file
-    from stiction.views.rows import record_json
+    from stiction.views.json_record import record_json
     from stiction.views.scans import octave_noise_csv, repeated_scans_figure, repeated_scans_record, repeated_scans_text
     from stiction.views.style import save_figure
 

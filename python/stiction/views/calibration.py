@@ -16,9 +16,9 @@ from stiction._repr import render_png
 from stiction.calibration.fit import MIN_AREA_VARIATION
 from stiction.calibration.prediction import Interface
 from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_VALUE_LIMIT, StrengthFit
+from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
-from stiction.views.rows import record_json
 from stiction.views.style import ALL_CONTACTS_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
 if TYPE_CHECKING:

@@ -24,9 +24,9 @@ from stiction.surfaces.scale import InstrumentLimit
 from stiction.surfaces.sections import DEFAULT_SECTION_COUNT, SectionLengthError, SectionParameters
 from stiction.surfaces.spectrum import PowerSpectrum, find_spectral_peak, spectral_moments
 from stiction.surfaces.surface import Surface
+from stiction.views.json_record import caveat_record, record_json
 from stiction.views.layout import wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
-from stiction.views.rows import caveat_record, record_json
 from stiction.views.spreadsheet import frame_to_csv
 
 NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings

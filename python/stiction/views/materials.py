@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from stiction._estimate import Estimate
+from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
-from stiction.views.rows import record_json
 
 if TYPE_CHECKING:
     from stiction.mechanics.materials import Material, MaterialValue

@@ -1,11 +1,7 @@
 """Results as CSV tables and JSON records for other programs, both created from the same data frame.
 
-JSON has the same schema for every command. A record contains ``schema`` (a number that increases with every
-incompatible change), ``stiction`` (the version), ``command``, a description of the inputs, and ``values``. Each value,
-here and elsewhere in a record, is the object of `Estimate.to_record`: ``name``, ``value``, ``unit`` ("1" if
-dimensionless), ``lower`` and ``upper`` (the 95 % interval), ``kind`` (of the interval), ``at`` (its coordinates in µm,
-mN, GPa and degrees) and ``status``. Records of results also contain ``points``: the values to quote for each point,
-with their caveats. Missing values are null.
+Records of results have the schema of `json_record`, and also contain ``points``: the values to quote for each point,
+with their caveats.
 """
 
 from __future__ import annotations
@@ -16,16 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._core import __version__
 from stiction._estimate import Estimate, estimate_column_titles, to_file_unit
-from stiction._number_format import format_time, to_json
+from stiction._number_format import format_time
 from stiction.evaluate.combined_intervals import COMBINED_QUANTITIES
 from stiction.evaluate.point import CELL_DIMENSIONS, list_sliding_rules_reported_first
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_title_and_factor, quantity_names_shown_in
-from stiction.summary.assessment import Caveat
 from stiction.summary.summary import PointSummary, Summary
 from stiction.surfaces.pairing import SIDES
+from stiction.views.json_record import caveat_record, record_json
 from stiction.views.onset import onset_record
 from stiction.views.pull_off import pull_off_record
 from stiction.views.quantities import quantity_label
@@ -37,7 +32,6 @@ if TYPE_CHECKING:
     import xarray
 
 
-SCHEMA_VERSION = 2
 _POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")  # coordinates that identify a row of a CSV file
 
 COORDINATE_ORDER = (
@@ -270,17 +264,6 @@ def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[floa
 
 
 # ---- JSON ------------------------------------------------------------------------------------------------------------
-
-
-def record_json(command: str, values: list[dict[str, Any]], **fields: Any) -> str:
-    """Return a record as a JSON string."""
-    record = {"schema": SCHEMA_VERSION, "stiction": __version__, "command": command, **fields, "values": values}
-    return to_json(record, ensure_ascii=False, indent=1)
-
-
-def caveat_record(caveat: Caveat) -> dict[str, str]:
-    """Return a caveat as JSON fields."""
-    return {"text": caveat.text, "remedy": caveat.remedy, "severity": caveat.severity}
 
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:

@@ -17,8 +17,8 @@ from stiction.summary.assessment import Caveat
 from stiction.summary.input_caveats import MAX_SPECTRA_RATIO, have_different_spectra
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
+from stiction.views.json_record import caveat_record
 from stiction.views.layout import format_table, wrap_text
-from stiction.views.rows import caveat_record
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
