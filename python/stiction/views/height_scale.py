@@ -19,6 +19,7 @@ from stiction.evaluate.point import (
 )
 from stiction.mechanics.friction import STATUS_OK
 from stiction.views import rows
+from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text
 from stiction.views.quantities import percent_text
@@ -99,4 +100,4 @@ def height_scale_json(dataset: xarray.Dataset, study: Study) -> str:
     """Return a dataset from `evaluate_at_height_factors` as a JSON record."""
     fields = {"kind": "pair", "scaled": dataset.attrs["scaled"], "solved": dataset.attrs["solved"].tolist()}
     fields |= {name: float(dataset[name]) for name in ("effective_modulus", "nominal_area") if name in dataset.coords}
-    return rows.record_json("at", rows.value_records(rows.values_frame(dataset)), **fields)
+    return record_json("at", rows.value_records(rows.values_frame(dataset)), **fields)
