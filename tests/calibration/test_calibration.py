@@ -261,6 +261,22 @@ def test_calibration_over_a_range_of_moduli_agrees_with_a_brute_force_calculatio
         assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * np.ptp(expected))
 
 
+@pytest.mark.parametrize(
+    "contact_options", [{}, {"hardness": "0.5..1.5 GPa"}, {"hardness": "1..2 GPa", "junction_growth": 9}]
+)
+def test_prediction_for_a_pair_equals_its_combined_interval_with_the_interface(tmp_path, contact_options) -> None:
+    strength = calibrate(simulate_ball_tests(), common=0.0, sliding="all")
+    write_interface(strength, tmp_path / "film.csv")
+    options = {name: value for name, value in PAIR_OPTIONS.items() if name not in ("mu0", "tau0")} | contact_options
+    options["effective_modulus"] = "80 GPa ± 5 %"
+    predicted_pair = pair(*rough_surface_pair(0.01), mu0=0.2, tau0="50 MPa", **options)
+    value, *ends = strength.predict(predicted_pair, "20 MPa")
+    result = pair(*rough_surface_pair(0.01), interface=tmp_path / "film.csv", **options)
+    width = np.ptp(result.interval)
+    assert ends == pytest.approx(result.interval, abs=0.01 * width)
+    assert value == pytest.approx(result.value, abs=0.1 * width)
+
+
 def test_prediction_for_the_tested_pair_omits_the_error_of_its_contact_area() -> None:
     tested_pair = pair(*rough_surface_pair(0.03), hardness="0.8 GPa", **PAIR_OPTIONS)
     tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)] * 4

@@ -104,7 +104,7 @@ class _FrictionTestForces(ForcesPerLoad):
     scatter: float = 0.0  # relative standard error of the adhesive sum `stick`
     surfaces: Hashable = None  # key of the surfaces; tests with equal keys share the area error
     hardness: float = math.nan
-    area_factor: _AreaFactor | None = None
+    area_factor: AreaFactor | None = None
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ class StrengthSamples:
 
 
 @dataclass(frozen=True)
-class _AreaFactor:
+class AreaFactor:
     """Area factor, i.e. the ratio of true area to computed area, as a function of uncertain inputs."""
 
     # uncertain inputs by name: hardness, creep exponent, moduli and α of junction growth
@@ -164,7 +164,7 @@ class _AreaFactor:
 
 
 @dataclass(frozen=True)
-class _BallAreaFactor(_AreaFactor):
+class _BallAreaFactor(AreaFactor):
     """Area factor of a Hertzian point contact. The area is proportional to E*^(-2/3)."""
 
     moduli: UncertainModulus
@@ -175,7 +175,7 @@ class _BallAreaFactor(_AreaFactor):
 
 
 @dataclass(frozen=True)
-class _AreaFactorFromResult(_AreaFactor):
+class _AreaFactorFromResult(AreaFactor):
     """Area factor at a given load, computed from a result for measured bodies."""
 
     area: AreaFunction
@@ -331,7 +331,7 @@ class FrictionTest:
         return validate_number("uncertainty", uncertainty, above=0) / (load if is_force else 1.0)
 
     @cached_property
-    def area_factor(self) -> _AreaFactor | None:
+    def area_factor(self) -> AreaFactor | None:
         """Area factor of the test, or None if no uncertain input, creep or growth affects the area."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None

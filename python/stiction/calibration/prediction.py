@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Hashable
 from pathlib import Path
@@ -11,13 +12,16 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.calibration.friction_tests import (
+    AreaFactor,
     Ball,
     FrictionTest,
     StrengthSamples,
     depends_on_junction_growth,
     evaluate_test_forces,
 )
+from stiction.evaluate.budget import predict_interval
 from stiction.mechanics.friction import FrictionCurve
+from stiction.solve.member_sums import MemberSums
 from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, InterfaceStrength, ValueWithLimits
 
 
@@ -58,8 +62,11 @@ class Interface(InterfaceStrength):
         Returns
         -------
         (float, float, float)
-            Value, lower limit and upper limit. The interval includes the joint uncertainty of mu0 and tau0, and the
-            scatter of the area between positions. A limit is infinite at seizure.
+            Median, lower limit and upper limit. The interval includes the joint uncertainty of mu0 and tau0, and the
+            scatter of the area between positions. A limit is infinite at seizure. For measured bodies, the interval is
+            the combined interval that `pair` computes with this interface, without alternative preparations of the
+            scans. If the tests have the same surfaces or a modulus with the same uncertainty, the interval includes
+            only these and the other inputs, because such errors cancel.
 
         Warns
         -----
@@ -110,7 +117,28 @@ class Interface(InterfaceStrength):
             values = test_forces.compute_coefficient(mu0, tau0, np.where(tau0 > 0, total_area, 1.0))
             return np.where(np.isfinite(values), values, np.inf)
 
-        return self.interval_of(compute_coefficients)
+        value, lower, upper = self.interval_of(compute_coefficients)
+        has_shared_errors = test_forces.surfaces in fit.scores or (
+            area_factor is not None and bool(fit.scores.keys() & self._list_separate_nuisances(area_factor))
+        )
+        if isinstance(result, (Ball, FrictionCurve)) or has_shared_errors:
+            return value, lower, upper
+        sums = MemberSums.of(result)
+        if not sums.study.is_measured:
+            return value, lower, upper
+        combined = predict_interval(sums, float(FrictionTest(result, load, coefficient=0.0).load), self)
+        # A mean over one position has no interval.
+        return (value, lower, upper) if math.isnan(combined.lower + combined.upper) else (value, *combined)
+
+    def _list_separate_nuisances(self, area_factor: AreaFactor) -> set[Hashable]:
+        """Return the nuisance parameters of an area factor that are not samples of the joint distribution."""
+        known = area_factor.known
+        joint_names = {
+            "hardness": "hardness" in known
+            and known["hardness"].describes_same_hardness(self.about.get(HARDNESS_HEADER_ENTRY, "")),
+            "junction_growth": self.has_equal_junction_growth(known.get("junction_growth")),
+        }
+        return {area_factor.nuisance_name(name) for name in known if not joint_names.get(name)}
 
 
 def read_interface(path: str | Path) -> Interface:

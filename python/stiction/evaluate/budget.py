@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._estimate import extend_intervals
+from stiction._estimate import Interval, extend_intervals
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.combined_intervals import (
     COMBINED_QUANTITIES,
@@ -34,7 +34,7 @@ from stiction.mechanics.quantities import quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
 from stiction.solve.member_sums import MemberSums
 from stiction.study.inputs import Inputs
-from stiction.study.interfaces import HARDNESS_HEADER_ENTRY
+from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, InterfaceStrength, round_median_strength
 from stiction.surfaces.pairing import SIDES
 
 if TYPE_CHECKING:
@@ -96,18 +96,52 @@ def add_uncertainty(
 _Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and values of variables, by name
 
 
-def _add_own_uncertainty(at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool) -> xarray.Dataset:
-    """Add the variables of `add_uncertainty` without the results for alternative preparations of the scans."""
+def predict_interval(result: MemberSums, load: float, strength: InterfaceStrength) -> Interval:
+    """Return the combined interval of the coefficient at a load (mN) for the joint samples of an interface.
+
+    The sliding rule is that of the fit. If the interface was calibrated with the junction growth of the result, its
+    fitted α is used. The interval does not cover alternative preparations of the scans.
+    """
+    fit, study = strength.fits[0], result.study
+    mu0, tau0 = round_median_strength(strength)
+    changes: dict[str, Any] = {"friction.interface": None, "friction.mu0": [mu0], "friction.tau0": [f"{tau0!r} GPa"]}
+    growth = Inputs.from_study(study).estimate("junction_growth")
+    if (
+        strength.junction_growth is not None
+        and growth is not None
+        and not growth.is_exact
+        and (strength.has_equal_junction_growth(growth))
+    ):
+        changes["contact.junction_growth"] = f"{strength.junction_growth.value:.6g} ({strength.junction_growth.text})"
+    sums = result.with_study(study.with_changes(changes))
+    at = at_load(sums, [load], mu0=[mu0], tau0=[tau0], names=["contact_count"])
+    combined = _add_own_uncertainty(at, sums, budget=False, tests=False, strength=strength)["friction_combined"]
+    _, lower, upper = combined.sel(sliding=fit.sliding).isel(cut_off=0, load=0, mu0=0, tau0=0).values.tolist()
+    return Interval(lower, upper)
+
+
+def _add_own_uncertainty(
+    at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool, strength: InterfaceStrength | None = None
+) -> xarray.Dataset:
+    """Add the variables of `add_uncertainty` without the results for alternative preparations of the scans.
+
+    `strength` replaces the interface of the study.
+    """
     is_study_load = np.isin(at["load"].values, [float(load) for load in result.study.friction.load])
     num_coefficients = at["mean_friction"].size // at.sizes["statistic"]
     is_budgeted = _find_budgeted_loads(is_study_load, num_coefficients) if budget else None
-    tables, coordinates = _evaluate_uncertainty(at, result, is_budgeted=is_budgeted, tests=tests)
+    tables, coordinates = _evaluate_uncertainty(at, result, is_budgeted=is_budgeted, tests=tests, strength=strength)
     variables = {name: (dims, values, quantity_attributes(name)) for name, (dims, values) in tables.items()}
     return at.assign(variables).assign_coords(coordinates)
 
 
 def _evaluate_uncertainty(
-    at: xarray.Dataset, result: MemberSums, *, is_budgeted: NDArray[np.bool_] | None, tests: bool
+    at: xarray.Dataset,
+    result: MemberSums,
+    *,
+    is_budgeted: NDArray[np.bool_] | None,
+    tests: bool,
+    strength: InterfaceStrength | None,
 ) -> tuple[_Tables, dict[str, Any]]:
     """Evaluate the variables of `add_uncertainty` and their coordinates.
 
@@ -116,7 +150,7 @@ def _evaluate_uncertainty(
     study = result.study
     dims = tuple(str(dim) for dim in at["mean_friction"].dims if dim != "statistic")
     shape = tuple(at.sizes[dim] for dim in dims)
-    inputs, strengths = _find_inputs_and_strengths(study)
+    inputs, strengths = _find_inputs_and_strengths(study, strength)
     scan_means = _average_pairs_of_scans(result, at, dims)
     drifts = find_slope_drifts(at.attrs)
     input_names = [
@@ -180,14 +214,17 @@ def _evaluate_uncertainty(
     return tables, coordinates
 
 
-def _find_inputs_and_strengths(study: Study) -> tuple[dict[str, Any], list[StrengthArrays]]:
+def _find_inputs_and_strengths(
+    study: Study, strength: InterfaceStrength | None = None
+) -> tuple[dict[str, Any], list[StrengthArrays]]:
     """Return the uncertain inputs of a study, and the joint samples of mu0 and tau0 of its interface.
 
     The samples replace inputs that the interface was calibrated with. Without an interface, there are no samples.
+    `strength` replaces the interface of the study.
     """
     study_inputs = Inputs.from_study(study)
     inputs = {name: each for name, each in study_inputs.uncertain.items() if name != "creep"}
-    if (interface := study_inputs.strength) is None:
+    if (interface := strength or study_inputs.strength) is None:
         return inputs, []
     fit, hardness = interface.fits[0], inputs.get("hardness")
     fit_has_same_hardness = hardness is not None and hardness.estimate.describes_same_hardness(

@@ -48,6 +48,12 @@ class MemberSums:
         check_instance("result", sums, (xarray.Dataset, StoredResult), "a Result, or an xarray.Dataset of member sums")
         return cls(sums)
 
+    def with_study(self, study: Study) -> MemberSums:
+        """Return the same sums as the result of another study, which may differ in the values of inputs."""
+        sums = MemberSums(self.source)
+        sums.study = study
+        return sums
+
     @property
     def stored(self) -> StoredResult | None:
         """Result stored in a directory, or None if the result is in memory."""
