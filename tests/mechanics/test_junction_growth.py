@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from stiction import half_space, hardness_under_shear, self_affine_surface, tabor_friction
+from stiction.mechanics.friction import FrictionLaw
 
 ROUND_OFF = 1e-12
 
@@ -76,3 +77,16 @@ def test_half_space_friction_at_hardness_under_shear_equals_tabor_friction(alpha
 def test_errors_of_junction_growth_functions_name_the_invalid_argument(law, arguments, word):
     with pytest.raises(ValueError, match=word):
         law(*arguments)
+
+
+def test_friction_law_carries_the_hardness_of_yielding_contacts_under_shear():
+    law = FrictionLaw(0.2, 0.05, 9.0)
+    pressure = hardness_under_shear(1.27, 0.2, 0.05, 9.0)
+    assert law.yield_pressure(1.27) == pytest.approx(float(pressure), rel=1e-15)
+    # All contacts yield, so the area is the load over the pressure.
+    assert law.plastic_coefficient(1.27) == pytest.approx(law.force(3.0, 3.0 / pressure) / 3.0, rel=1e-15)
+    assert law.plastic_coefficient(1.27) == pytest.approx(float(tabor_friction(1.27, 0.2, 0.05, 9.0)), rel=1e-15)
+    without_growth = FrictionLaw(0.2, 0.05)
+    assert without_growth.yield_pressure(1.27) == 1.27
+    assert without_growth.plastic_coefficient(1.27) == 0.2 + 0.05 / 1.27
+    assert np.isnan(FrictionLaw(0.2, 1.0, 9.0).plastic_coefficient(1.27))  # tau0 exceeds H/√α

@@ -8,6 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.mechanics.contact import contacts
+from stiction.mechanics.friction import FrictionLaw
 from stiction.study.contact_tables import AsperityModelSettings
 from stiction.study.members import generate_profile_pairs, load_bodies
 from stiction.surfaces.profile import Profile
@@ -81,7 +82,9 @@ def build_contact_forces(
     import xarray
 
     contact_table = contacts(upper, lower, approach, **contact)
-    friction = np.where(contact_table.opposing, mu0 * contact_table.force + tau0 * contact_table.area, 0.0)
+    friction = np.where(
+        contact_table.opposing, FrictionLaw(mu0, tau0).force(contact_table.force, contact_table.area), 0.0
+    )
     upper_heights = upper.heights - (float((upper.heights - lower.heights).min()) + approach)
     variables: dict[str, Any] = {
         "upper_height": ("height_x", upper_heights, {"units": "um"}),

@@ -25,6 +25,7 @@ from stiction.evaluate.point import (
     mean_over_directions,
 )
 from stiction.mechanics import brackets
+from stiction.mechanics.friction import FrictionLaw
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
 from stiction.solve.companion_study import CompanionStudy
 from stiction.solve.store import STUDY_FILE, StoredResult
@@ -310,7 +311,7 @@ def estimate_yield_wavelengths(
     if not pressure > 0:
         return ()
     contact_count = mean_over_directions(point, "contact_count")
-    mu0, tau0 = float(point["mu0"]), float(point["tau0"])
+    law = FrictionLaw(float(point["mu0"]), float(point["tau0"]))
     return tuple(
         YieldWavelengthEstimate(
             hardness,
@@ -320,7 +321,7 @@ def estimate_yield_wavelengths(
                 unit="um",
                 kind="fit",
             ),
-            mu0 + tau0 / hardness,
+            law.plastic_coefficient(hardness),
         )
         for hardness in TYPICAL_HARDNESSES
         if hardness < modulus / 2

@@ -13,8 +13,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.evaluate.contact_area import AreaFunction
-from stiction.mechanics.closed_forms import solve_yield_condition
-from stiction.mechanics.friction import ForcesPerLoad
+from stiction.mechanics.friction import ForcesPerLoad, FrictionLaw
 
 UNLOADING_STIFFNESS_EXPONENT, LOADING_STIFFNESS_EXPONENT = 0.55, -0.4
 """Exponents of the stiffness as powers of the area that yielding adds, fitted to solutions at other hardnesses.
@@ -109,7 +108,8 @@ class ContactResponse:
         central_area = self.area(self.load)
         yield_pressure, area_at_onset = np.asarray(inputs.hardness), area
         if np.any(inputs.junction_growth) and self.area.hardness is not None:
-            yield_pressure = solve_yield_condition(inputs.hardness, inputs.mu0, inputs.tau0, inputs.junction_growth)
+            law = FrictionLaw(inputs.mu0, inputs.tau0, inputs.junction_growth)
+            yield_pressure = law.yield_pressure(inputs.hardness)
             is_carried = yield_pressure > self.load / self.area.nominal_area  # False at seizure, where H' is NaN
             grown_area = self.area(
                 self.load, hardness=np.where(is_carried, yield_pressure, inputs.hardness), modulus=inputs.modulus,

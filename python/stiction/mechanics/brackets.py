@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats
+from stiction.mechanics.friction import FrictionLaw
 from stiction.mechanics.patches import grid_slopes
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.profile import Profile
@@ -168,7 +169,7 @@ def add_finer_scan_bounds(result: xr.Dataset, hardness: float, parameters: tuple
     }  # fmt: skip
     if parameters is not None:
         mu0, tau0 = parameters
-        plastic_friction = np.full(loads.size, mu0 + tau0 / hardness)
+        plastic_friction = np.full(loads.size, FrictionLaw(mu0, tau0).plastic_coefficient(hardness))
         friction = result.friction_coefficient.sel(sliding="all").transpose(*dimensions[:2]).values
         friction_bounds = _stack_bounds(plastic_friction, friction + tau0 * (largest_area - area) / loads)
         variables["plastic_friction_coefficient"] = (

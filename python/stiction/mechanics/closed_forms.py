@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, float_array, unwrap_scalar
 from stiction._units import short_repr
-from stiction.mechanics.friction import validate_friction_parameter, warn_if_tau0_is_large
+from stiction.mechanics.friction import solve_yield_condition, validate_friction_parameter, warn_if_tau0_is_large
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import SlidingRule
 
@@ -807,18 +807,6 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
     mu, tau, alpha_value = (validate_friction_parameter(name, value) for name, value in parameters.items())
     plastic_hardness = validate_positive_arguments(hardness=hardness)[0]
     return np.where(alpha_value == 0, plastic_hardness, solve_yield_condition(plastic_hardness, mu, tau, alpha_value))
-
-
-def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
-    """Solve for the pressure that `hardness_under_shear` returns, without checking the arguments."""
-    half_linear_coefficient = alpha * (mu0 * tau0)
-    # If the contact seizes, this difference of two squares is zero or negative.
-    constant_term = np.square(hardness) - alpha * tau0**2
-    with np.errstate(invalid="ignore"):
-        pressure = constant_term / (
-            half_linear_coefficient + np.sqrt(half_linear_coefficient**2 + (1 + alpha * mu0**2) * constant_term)
-        )
-    return np.where(constant_term > 0, pressure, np.nan)
 
 
 @reject_overflow

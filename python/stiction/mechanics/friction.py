@@ -53,6 +53,52 @@ The ratio of rubber on glass is usually 0.1 to 0.3. A unit that is wrong by a fa
 """
 
 
+@dataclass(frozen=True)
+class FrictionLaw:
+    """Law of friction of a contact: a contact with force F and true area A carries mu0 F + tau0 A.
+
+    Attributes
+    ----------
+    mu0 : float or array
+    tau0 : float or array, GPa
+    junction_growth : float or array
+        α of junction growth; 0 if contacts do not grow.
+    """
+
+    mu0: Any
+    tau0: Any
+    junction_growth: Any = 0.0
+
+    def force(self, force: Any, area: Any) -> Any:
+        """Return the friction force (mN) of contacts with the given forces (mN) and true areas (µm²)."""
+        return self.mu0 * force + self.tau0 * area
+
+    def yield_pressure(self, hardness: Any) -> Any:
+        """Return the pressure (GPa) of yielding contacts at the onset of sliding; NaN at seizure.
+
+        It is the hardness (GPa) if contacts do not grow.
+        """
+        if not np.any(self.junction_growth):
+            return hardness
+        return solve_yield_condition(hardness, self.mu0, self.tau0, self.junction_growth)
+
+    def plastic_coefficient(self, hardness: Any) -> Any:
+        """Return the friction coefficient if all contacts yield; NaN at seizure."""
+        return self.mu0 + self.tau0 / self.yield_pressure(hardness)
+
+
+def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
+    """Solve for the pressure that `hardness_under_shear` returns, without checking the arguments."""
+    half_linear_coefficient = alpha * (mu0 * tau0)
+    # If the contact seizes, this difference of two squares is zero or negative.
+    constant_term = np.square(hardness) - alpha * tau0**2
+    with np.errstate(invalid="ignore"):
+        pressure = constant_term / (
+            half_linear_coefficient + np.sqrt(half_linear_coefficient**2 + (1 + alpha * mu0**2) * constant_term)
+        )
+    return np.where(constant_term > 0, pressure, np.nan)
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactSums:
     """Sums over contacts (arrays of equal shape) that determine normal and tangential loads for any mu0 and tau0."""

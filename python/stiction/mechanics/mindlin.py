@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 import stiction._core as _core
 from stiction._checks import Floats, validate_number
 from stiction._errors import NoSolutionError
+from stiction.mechanics.friction import FrictionLaw
 from stiction.mechanics.half_space_problem import solver_thread_count
 from stiction.mechanics.law import HertzCylinder, parse_contact_law
 from stiction.mechanics.model import ContactModel
@@ -98,7 +99,7 @@ class AsperityTangentialProblem:
         self.size = load.size
         self.bound = (self.frictional + self.adhesive) / area
         self.normal_load = float(load.sum())
-        self.sliding_load = float(mu0 * load.sum() + tau0 * area.sum())
+        self.sliding_load = float(FrictionLaw(mu0, tau0).force(load.sum(), area.sum()))
         self.stiffness = float(self.spring_stiffness.sum())
         # displacement at which each contact slides completely
         self.sliding_displacement = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring_stiffness
@@ -198,7 +199,7 @@ class HalfSpaceTangentialProblem:
         self.area = contact_solution.share * self.cell_area * area_factor
         self.bound = mu0 * self.pressure + tau0 * self.area / self.cell_area
         self.normal_load = float(self.pressure.sum() * self.cell_area)
-        self.sliding_load = float(mu0 * self.normal_load + tau0 * self.area.sum())
+        self.sliding_load = float(FrictionLaw(mu0, tau0).force(self.normal_load, self.area.sum()))
         bound_on_grid = self._spread_over_grid(self.bound)
         self.mean_bound = float(bound_on_grid.mean())
         self.tolerance = validate_number("tolerance", tolerance, above=0, below=1)
