@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._estimate import Interval
 from stiction.evaluate.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean
-from stiction.evaluate.response import ContactResponse, InputValues, ResponseValues
+from stiction.evaluate.response import ContactResponse, InputValues
 from stiction.mechanics.brackets import friction_range_for_finer_scans, max_friction_for_finer_scans
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT
 from stiction.mechanics.quantities import QUANTITIES
@@ -44,15 +44,19 @@ MAX_LOG_COEFFICIENT_RATIO = 50.0
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
+MAX_CACHED_AREAS = 64  # number of arrays of area samples that are kept
+
 StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
 """Samples of mu0, tau0 (GPa), hardness (GPa) and α of junction growth. Each of the last two may be None."""
 
 _NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
 
 
-def compute_quantity_ratios(values: ResponseValues, central: ResponseValues) -> dict[str, Floats]:
+def compute_quantity_ratios(response: ContactResponse, inputs: InputValues) -> dict[str, Floats]:
     """Return the ratios of quantities at given inputs to the quantities at the central inputs, by name."""
+    values, central = response.evaluate(inputs), response.at_central_inputs()
     area_ratio = values.area / central.area
+    loading, unloading = response.stiffness_ratios(inputs, values.area)
     with np.errstate(invalid="ignore"):  # both areas at the onset are infinite at seizure
         onset_area_ratio = values.area_at_onset / central.area_at_onset
     return {
@@ -60,11 +64,11 @@ def compute_quantity_ratios(values: ResponseValues, central: ResponseValues) -> 
         "contact_area_fraction": area_ratio,
         "contact_area_at_onset": onset_area_ratio,
         "mean_pressure": 1 / area_ratio,
-        "normal_stiffness": values.stiffness,
-        "closure_stiffness": values.stiffness,
-        "stiffness_per_area": values.stiffness,
-        "unloading_stiffness": values.unloading_stiffness,
-        "unloading_stiffness_per_area": values.unloading_stiffness,
+        "normal_stiffness": loading,
+        "closure_stiffness": loading,
+        "stiffness_per_area": loading,
+        "unloading_stiffness": unloading,
+        "unloading_stiffness_per_area": unloading,
     }
 
 
@@ -94,6 +98,7 @@ class InputSampler:
         self._inputs = Inputs.from_study(study)
         self._creep = self._inputs.estimate("creep")
         self._cache: dict[Any, _InputSamples] = {}
+        self._areas: dict[Any, Floats] = {}
 
     def draw(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
@@ -103,6 +108,14 @@ class InputSampler:
         if key not in self._cache:
             self._cache[key] = self._draw_uncached(inputs, names, fixed)
         return self._cache[key]
+
+    def find_area(self, key: Any, response: ContactResponse, inputs: InputValues) -> Floats:
+        """Return the area before shear for samples with the given key, and cache it for other mu0 and tau0."""
+        if key not in self._areas:
+            if len(self._areas) == MAX_CACHED_AREAS:
+                self._areas.pop(next(iter(self._areas)))
+            self._areas[key] = response.area_before_shear(inputs)
+        return self._areas[key]
 
     def _draw_uncached(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
@@ -315,7 +328,7 @@ class CombinedIntervals:
         if not names:
             return dict(estimates)
         inputs, samples = self._sample_inputs({}, names=(*names, POSITIONS_INPUT_NAME))
-        ratios = compute_quantity_ratios(self.response.evaluate(inputs), self._central)
+        ratios = compute_quantity_ratios(self.response, inputs)
         combined = {}
         for name, estimate in estimates.items():
             value, lower, upper = estimate.tolist()
@@ -366,7 +379,10 @@ class CombinedIntervals:
         finer scans.
         """
         inputs, samples = self._sample_inputs(fixed, dwell_time, strength_index, drift_factor)
-        values = self.response.evaluate(inputs)
+        # The area before shear is the same for all mu0 and tau0, unless an interface comes with its own hardness.
+        key = self.response.load, id(self.response.area), tuple(self.inputs), self.names, (*fixed.items(),), dwell_time
+        area = None if self.strengths else self._sampler.find_area((*key, drift_factor), self.response, inputs)
+        values = self.response.evaluate(inputs, area)
         is_seized = np.isinf(values.friction_coefficient)
         coefficients = self.value * (
             np.where(is_seized, 1.0, values.friction_coefficient) / self._central.friction_coefficient
@@ -396,8 +412,8 @@ class CombinedIntervals:
             name: samples.values.get(name, getattr(self.response.central, name))
             for name in ("mu0", "tau0", "hardness", "yield_exponent", "junction_growth")
         }
-        modulus = samples.modulus * np.exp(drift)
-        inputs = InputValues(**values | {"hardness": values["hardness"] * creep_factor, "modulus": modulus})
+        values["hardness"] = values["hardness"] * creep_factor
+        inputs = InputValues(**values, modulus=samples.modulus * np.exp(drift) if self.drifts else samples.modulus)
         if self.strengths:
             inputs = self._insert_interface_samples(inputs, samples, strength_index)
         return inputs, samples

@@ -64,18 +64,12 @@ class ResponseValues:
         True area at the onset of sliding; infinite at seizure.
     yield_pressure : array, GPa
         Largest pressure at the onset of sliding: the hardness H, or H' if contacts grow. NaN at seizure.
-    stiffness : array
-        Normal stiffness, divided by the stiffness at the central inputs.
-    unloading_stiffness : array
-        Unloading stiffness, divided by the unloading stiffness at the central inputs.
     """
 
     friction_coefficient: Floats
     area: Floats
     area_at_onset: Floats
     yield_pressure: Floats
-    stiffness: Floats
-    unloading_stiffness: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,11 +94,15 @@ class ContactResponse:
     central: InputValues
     stiffness_exponent: float = 1.0
 
-    def evaluate(self, inputs: InputValues) -> ResponseValues:
-        """Return all quantities for the given inputs."""
-        area = self.area(
+    def area_before_shear(self, inputs: InputValues) -> Floats:
+        """Return the true area (µm²) before shear, which depends neither on mu0 nor on tau0."""
+        return self.area(
             self.load, hardness=inputs.hardness, modulus=inputs.modulus, yield_exponent=inputs.yield_exponent
         )
+
+    def evaluate(self, inputs: InputValues, area_before_shear: Floats | None = None) -> ResponseValues:
+        """Return all quantities for the given inputs, whose area before shear may be known already."""
+        area = self.area_before_shear(inputs) if area_before_shear is None else area_before_shear
         central_area = self.area(self.load)
         yield_pressure, area_at_onset = np.asarray(inputs.hardness), area
         if np.any(inputs.junction_growth) and self.area.hardness is not None:
@@ -120,22 +118,25 @@ class ContactResponse:
         is_seized = np.isinf(area_at_onset) & (np.asarray(inputs.tau0) > 0)
         sliding_area = np.where(np.isinf(area_at_onset), area, area_at_onset)
         coefficient = self.forces.compute_coefficient(inputs.mu0, inputs.tau0, sliding_area / central_area)
-        # E* changes the stiffness by similarity. Yielding changes it with the area.
-        modulus_area = self.area(self.load, modulus=inputs.modulus)
-        yielding_ratio = area / modulus_area
-        yielded_fraction = 1.0 - self.area.elastic_area(self.load) / central_area
         return ResponseValues(
             friction_coefficient=np.where(is_seized, np.inf, coefficient),
             area=area,
             area_at_onset=area_at_onset,
             yield_pressure=yield_pressure,
-            stiffness=np.asarray(inputs.modulus) ** (1.0 - self.stiffness_exponent)
-            * yielding_ratio ** (LOADING_STIFFNESS_EXPONENT * yielded_fraction),
-            unloading_stiffness=inputs.modulus
-            * modulus_area
-            / central_area
-            * yielding_ratio**UNLOADING_STIFFNESS_EXPONENT,
         )
+
+    def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, Floats]:
+        """Return the loading and the unloading stiffness, divided by those at the central inputs.
+
+        E* changes the stiffness by similarity. Yielding changes it with the area.
+        """
+        modulus_area, central_area = self.area(self.load, modulus=inputs.modulus), self.area(self.load)
+        yielding_ratio = area_before_shear / modulus_area
+        yielded_fraction = 1.0 - self.area.elastic_area(self.load) / central_area
+        loading = np.asarray(inputs.modulus) ** (1.0 - self.stiffness_exponent)
+        loading = loading * yielding_ratio ** (LOADING_STIFFNESS_EXPONENT * yielded_fraction)
+        unloading = inputs.modulus * modulus_area / central_area * yielding_ratio**UNLOADING_STIFFNESS_EXPONENT
+        return loading, unloading
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
         """Return all quantities for the central inputs, of which some may be replaced."""

@@ -39,5 +39,7 @@ def yielded_area(elastic_area: ArrayLike, load: ArrayLike, hardness: ArrayLike, 
     area = np.asarray(elastic_area, dtype=np.float64)
     pressure_ratio = np.asarray(load) / (area * np.asarray(hardness))  # mean elastic pressure / hardness
     power = np.asarray(exponent)
-    excess = np.maximum(pressure_ratio, ELASTIC_PRESSURE_FRACTION) ** power - ELASTIC_PRESSURE_FRACTION**power
-    return np.asarray(area * (1.0 + excess) ** (1.0 / power))
+    # Exponentials of logarithms are several times faster than powers.
+    log_ratio = np.log(np.maximum(pressure_ratio, ELASTIC_PRESSURE_FRACTION))
+    excess = np.exp(power * log_ratio) - np.exp(power * np.log(ELASTIC_PRESSURE_FRACTION))
+    return np.asarray(area * np.exp(np.log(1.0 + excess) / power))
