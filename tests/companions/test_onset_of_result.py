@@ -227,9 +227,9 @@ def test_sliding_load_of_the_onset_is_the_coefficient_times_the_load(tmp_path):
     stored_load = float(stored["sliding_load"].sel(statistic="mean"))
     factor = limits[0] / stored_load
     assert factor > 1.02  # Junction growth increases the friction.
-    for name, is_scaled in (("energy_lost", True), ("tangential_load", True), ("displacement", False)):
+    for name, power in (("energy_lost", 2), ("tangential_load", 1), ("displacement", 1), ("slipped_area", 0)):
         scaled, expected = (each[name].sel(statistic="mean").values for each in (result.onset, stored))
-        np.testing.assert_allclose(scaled, expected * (factor if is_scaled else 1.0), rtol=1e-12, err_msg=name)
+        np.testing.assert_allclose(scaled, expected * factor**power, rtol=1e-12, err_msg=name)
     np.testing.assert_array_equal(result.onset["stiffness"], stored["stiffness"])
     table = pandas.read_csv(tmp_path / "pair" / "onset.csv")
     for suffix, limit in zip(("", ": lower", ": upper"), limits, strict=True):
@@ -242,9 +242,12 @@ def test_fitted_models_are_scaled_like_the_tangential_load(onset):
     coefficient = Estimate(0.5, 0.4, 0.7, kind="combined")
     scaled = scale_onset(onset, coefficient)
     factor = 1.0 / float(onset["sliding_load"].sel(statistic="mean"))  # The load is 2 mN.
-    names = ("iwan_sliding_load_mN", "iwan_stiffness_mN_per_um", "lugre_sigma0_mN_per_um")
-    for name in names:
-        assert scaled.attrs[name] == pytest.approx(factor * onset.attrs[name], rel=1e-12)
+    assert scaled.attrs["iwan_sliding_load_mN"] == pytest.approx(
+        factor * onset.attrs["iwan_sliding_load_mN"], rel=1e-12
+    )
+    unchanged_names = ("iwan_stiffness_mN_per_um", "lugre_sigma0_mN_per_um")
+    for name in unchanged_names:
+        assert scaled.attrs[name] == onset.attrs[name]
     for name in ("iwan_chi", "iwan_beta", "iwan_largest_residual", "lugre_largest_residual"):
         assert scaled.attrs[name] == onset.attrs[name]
     curve = scaled.sel(statistic="mean")

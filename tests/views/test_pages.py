@@ -580,21 +580,12 @@ def test_tab_key_reaches_every_control(generated_report):
     assert num_unlabelled_controls == 0
 
 
-def test_area_caption_names_errors_of_the_scans_if_the_interval_covers_alternatives(driver, pages, tmp_path):
-    text = pages["maps"].read_text("utf-8")
-    assert '"hasAlternatives": false' in text
-    (tmp_path / "page.html").write_text(text.replace('"hasAlternatives": false', '"hasAlternatives": true'), "utf-8")
-    for path, area_interval in (
-        (pages["maps"], "sampling interval"),
-        (tmp_path / "page.html", "sampling interval, extended by errors of the scans"),
-    ):
-        browser.open_page(driver, path)
-        browser.open_more_section(driver)
-        captions = {
-            name: find_element(driver, f"{name}-caption").get_property("textContent") for name in ("area", "stiffness")
-        }
-        assert f"Shaded: 95 % {area_interval}." in captions["area"]
-        assert "Shaded: 95 % sampling interval." in captions["stiffness"]
+def test_captions_of_area_and_stiffness_name_combined_intervals(driver, pages):
+    browser.open_page(driver, pages["maps"])
+    browser.open_more_section(driver)
+    for name in ("area", "stiffness"):
+        caption = find_element(driver, f"{name}-caption").get_property("textContent")
+        assert "Shaded: 95 % combined interval." in caption
     assert log_is_empty(driver)
 
 

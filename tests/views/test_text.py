@@ -145,7 +145,7 @@ def test_remedy_is_listed_only_if_it_changes_printed_digits():
         entry = UncertaintyBudgetEntry(point.value, *ends, label="unresolved roughness", width=0.0)
         point_with_budget = replace(point, budget=(entry,))
         assert point_with_budget.dominant_input is not None
-        assert ("would give" in format_paragraph(assessment_paragraph([point_with_budget]))) == is_listed
+        assert ("the interval would be" in format_paragraph(assessment_paragraph([point_with_budget]))) == is_listed
 
 
 def test_verbose_text_contains_values_of_the_dataset():

@@ -194,17 +194,17 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
 
 # ---- Values to report ------------------------------------------------------------------------------------------------
 
-_MODEL_FORCES = ("iwan_sliding_load_mN", "iwan_stiffness_mN_per_um", "lugre_sigma0_mN_per_um")
-"""Parameters of the fitted models that are proportional to the tangential load."""
+_MODEL_FORCES = ("iwan_sliding_load_mN",)
+"""Parameters of the fitted models that are proportional to the sliding load."""
 
 
 def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
     """Scale a computed onset to the sliding load μ_s F, where F is the normal load of the onset.
 
     The sliding load and its interval are those of the coefficient times F. The tangential loads of the curve are their
-    fractions of this sliding load. The energies, and the loads and stiffnesses of the fitted models, are multiplied by
-    the same factor as the mean sliding load. Displacements, slipping fractions and stiffnesses of the contact are not
-    changed: the scaled curve is that of the contact with limited pressure.
+    fractions of this sliding load. As in the solution of Cattaneo and Mindlin, the displacements at equal fractions are
+    proportional to the sliding load: they, and the sliding load of the fitted models, are multiplied by the same factor
+    as the mean sliding load, and energies by its square. Stiffnesses and slipping fractions are not changed.
 
     Parameters
     ----------
@@ -217,8 +217,10 @@ def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
     sliding_load = onset["sliding_load"].copy(data=float(onset.attrs["load_mN"]) * np.array(limits))
     factor = coefficient.value * float(onset.attrs["load_mN"]) / float(onset["sliding_load"].sel(statistic="mean"))
     tangential_load = onset["tangential_load"].copy(data=np.outer(onset["fraction"].values, sliding_load.values))
-    energy_lost = onset["energy_lost"].copy(data=factor * onset["energy_lost"].values)
-    scaled = onset.assign(sliding_load=sliding_load, tangential_load=tangential_load, energy_lost=energy_lost)
+    multiplied = {"displacement": factor, "displacement_at_sliding": factor, "energy_lost": factor**2}
+    variables = {name: onset[name].copy(data=each * onset[name].values) for name, each in multiplied.items()}
+    variables |= {"sliding_load": sliding_load, "tangential_load": tangential_load}
+    scaled = onset.assign(variables)
     forces = {name: factor * float(onset.attrs[name]) for name in _MODEL_FORCES if name in onset.attrs}
     return scaled.assign_attrs({_LOAD_INTERVAL_KIND: coefficient.kind, **forces})
 

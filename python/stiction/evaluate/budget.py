@@ -316,6 +316,11 @@ def _iterate_intervals(
     )
     contact_sums = interpolate_member_sums(result, loads).mean(("repetition", "direction"))
     sums_by_name = _get_arrays_over_dims({name: contact_sums.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
+    replaced_inputs = {
+        name: each
+        for name, each in Inputs.from_study(study).uncertain.items()
+        if name in ("hardness", "junction_growth") and name not in inputs
+    }
     shape = tuple(at.sizes[dim] for dim in dims)
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))
@@ -329,7 +334,9 @@ def _iterate_intervals(
         )
         yield (
             position,
-            CombinedIntervals(point, response, study, inputs, sampler, strengths, scan_means.get(position), drifts),
+            CombinedIntervals(
+                point, response, study, inputs, sampler, strengths, scan_means.get(position), drifts, replaced_inputs
+            ),
         )
 
 

@@ -141,13 +141,14 @@ class CombinedIntervals:
 
     `names` lists the uncertain inputs and sources of sampling uncertainty; it is empty if there is no coefficient or no
     interval. `drifts` contains, by source of sampling uncertainty, the standard deviations of the logarithm of the
-    slope of the gap between the scan of a part and the whole part.
+    slope of the gap between the scan of a part and the whole part. `replaced_inputs` are the inputs besides mu0 and
+    tau0 whose values the samples of `strengths` contain.
     """
 
     def __init__(
         self, point: Mapping[str, Any], response: ContactResponse, study: Study, inputs: Mapping[str, Any],
         sampler: InputSampler, strengths: Sequence[StrengthArrays] = (), scan_mean: ScanPairMean | None = None,
-        drifts: Mapping[str, float] = MappingProxyType({}),
+        drifts: Mapping[str, float] = MappingProxyType({}), replaced_inputs: Mapping[str, Any] = MappingProxyType({}),
     ) -> None:  # fmt: skip
         self.study, self.response, self._sampler = study, response, sampler
         self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
@@ -157,6 +158,8 @@ class CombinedIntervals:
         # The first entry contains joint samples of mu0 and tau0.
         # In each of the other entries, mu0 or tau0 equals its bound.
         self.strengths = self._drop_inputs_of_other_strengths(strengths)
+        if strengths and not self.strengths:  # the inputs that the joint samples contained are needed again
+            self.inputs |= {name: each.estimate for name, each in replaced_inputs.items()}
         self.drifts = drifts
         self._central = response.at_central_inputs()
         self._scan_mean = scan_mean
@@ -413,7 +416,8 @@ class CombinedIntervals:
             for name in ("mu0", "tau0", "hardness", "yield_exponent", "junction_growth")
         }
         values["hardness"] = values["hardness"] * creep_factor
-        inputs = InputValues(**values, modulus=samples.modulus * np.exp(drift) if self.drifts else samples.modulus)
+        height_factor = np.exp(drift) if self.drifts else 1.0
+        inputs = InputValues(**values, modulus=samples.modulus, height_factor=height_factor)
         if self.strengths:
             inputs = self._insert_interface_samples(inputs, samples, strength_index)
         return inputs, samples

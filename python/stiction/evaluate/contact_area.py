@@ -43,6 +43,8 @@ class AreaFunction:
         Hardness in the study; None for elastic bodies.
     yield_exponent : float
         Exponent m of `yielded_area`.
+    attractions : (l,) ndarray, mN, optional
+        Attraction of bodies that adhere, at these loads. The contacts carry the load and the attraction.
     """
 
     loads: Floats
@@ -50,17 +52,24 @@ class AreaFunction:
     nominal_area: float
     hardness: float | None
     yield_exponent: float = FALLBACK_YIELD_EXPONENT
+    attractions: Floats | None = None
 
     def elastic_area(self, load: ArrayLike, modulus: ArrayLike = 1.0) -> Floats:
         """Return the true area (µm²) of elastic bodies at a load (mN), for a ratio of E* to the E* in the study.
 
         Beyond the computed loads, the area is proportional to the load.
         """
-        equivalent_load = np.asarray(load) / modulus
-        log_area_per_load = np.interp(
-            np.log(equivalent_load), np.log(self.loads), np.log(self.elastic_areas / self.loads)
-        )
-        return np.minimum(np.exp(log_area_per_load) * equivalent_load, self.nominal_area)
+        equivalent_load = self._contact_load(load) / np.asarray(modulus)
+        loads = self.loads if self.attractions is None else self.loads + self.attractions
+        log_area_per_load = np.interp(np.log(equivalent_load), np.log(loads), np.log(self.elastic_areas / loads))
+        return np.asarray(np.minimum(np.exp(log_area_per_load) * equivalent_load, self.nominal_area))
+
+    def _contact_load(self, load: ArrayLike) -> Floats:
+        """Return the load (mN) on the contacts, including the attraction."""
+        loads = np.asarray(load, dtype=np.float64)
+        if self.attractions is None:
+            return loads
+        return np.asarray(loads + np.interp(np.log(loads), np.log(self.loads), self.attractions))
 
     def __call__(
         self, load: ArrayLike, *, hardness: ArrayLike | None = None, modulus: ArrayLike = 1.0,
@@ -82,7 +91,7 @@ class AreaFunction:
             return elastic_area
         area = yielded_area(
             elastic_area,
-            load,
+            self._contact_load(load),
             self.hardness if hardness is None else hardness,
             self.yield_exponent if yield_exponent is None else yield_exponent,
         )
@@ -95,7 +104,7 @@ class _SolvedAreas:
 
     all_members: Floats  # areas of all members, as stored
     elastic_members: Floats  # areas of the members whose elastic area is also stored
-    elastic: Floats  # elastic areas of these members; NaN if none are stored
+    elastic: Floats  # elastic areas of these members, or estimates; NaN for studies without elastic areas
 
 
 def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
@@ -103,7 +112,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
     study = result.study
     has_elastic_areas = study.contact.yield_exponent is not None
     first_index = study.surfaces.first_scan_member_index
-    first_index = first_index if first_index < study.ensemble.repetitions else 0
+    first_index = first_index if (result.members >= first_index).any() else 0
     shape = 3, study.surfaces.cell_coordinates()["cut_off"].size, study.contact.loading_steps().size
     sums, counts = np.zeros(shape), np.zeros(shape)
     for piece in result.pieces(["contact_area", *(["elastic_area"] if has_elastic_areas else [])]):
@@ -121,7 +130,13 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
             sums[index] += np.where(mask, values, 0.0).sum(axis=1)
             counts[index] += mask.sum(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return _SolvedAreas(*(sums / counts))
+        all_members, elastic_members, elastic = sums / counts
+    # In an unfinished result, the members with elastic areas may be missing.
+    lacks_elastic = ~np.isfinite(elastic).any(axis=1)
+    if has_elastic_areas and lacks_elastic.any():
+        elastic_members[lacks_elastic] = all_members[lacks_elastic]
+        elastic[lacks_elastic] = _estimate_elastic_areas(result, all_members)[lacks_elastic]
+    return _SolvedAreas(all_members, elastic_members, elastic)
 
 
 def build_area_functions(result: MemberSums) -> list[AreaFunction]:
@@ -130,7 +145,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
     contact, loads = study.contact, study.contact.loading_steps()
     nominal_area = float(result.head["nominal_area"])
     hardness = None if contact.hardness is None else float(contact.hardness)
-    if hardness is None:
+    if hardness is None or contact.adheres:  # few contacts yield under attraction alone
         elastic_areas = areas.all_members
     elif contact.yield_exponent is not None:
         with np.errstate(invalid="ignore"):
@@ -138,14 +153,25 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
     else:
         elastic_areas = _estimate_elastic_areas(result, areas.all_members)
     exponent = FALLBACK_YIELD_EXPONENT if contact.yield_exponent is None else float(contact.yield_exponent)
+    contact_loads = _average_contact_loads(result)
     functions = []
-    for cell_areas in elastic_areas:
+    for index, cell_areas in enumerate(elastic_areas):
         is_known = np.isfinite(cell_areas) & (cell_areas > 0)
         if is_known.any():
-            functions.append(AreaFunction(loads[is_known], cell_areas[is_known], nominal_area, hardness, exponent))
+            attractions = None if contact_loads is None else np.maximum(contact_loads[index] - loads, 0.0)[is_known]
+            functions.append(
+                AreaFunction(loads[is_known], cell_areas[is_known], nominal_area, hardness, exponent, attractions)
+            )
         else:  # no member could be computed
             functions.append(AreaFunction(np.ones(1), np.full(1, np.nan), nominal_area, hardness, exponent))
     return functions
+
+
+def _average_contact_loads(result: MemberSums) -> Floats | None:
+    """Return the mean load (mN) on the contacts of bodies that adhere, with the shape (cells, loading steps)."""
+    if "contact_load" not in result.head.variables:
+        return None
+    return np.asarray(result.means(["contact_load"])["contact_load"].transpose("cut_off", "load").values)
 
 
 def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
@@ -156,8 +182,11 @@ def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
     contact = result.study.contact
     gradients = result.means(["rms_gradient"])["rms_gradient"].values.reshape(-1, 1)
     with np.errstate(divide="ignore"):
-        estimates = KAPPA_AT_SMALL_LOADS * contact.loading_steps() / (float(contact.effective_modulus) * gradients)
-    return np.fmin(np.minimum(estimates, areas), float(result.head["nominal_area"]))
+        loads = _average_contact_loads(result)
+        loads = contact.loading_steps() if loads is None else loads
+        estimates = KAPPA_AT_SMALL_LOADS * loads / (float(contact.effective_modulus) * gradients)
+    smaller_areas = np.minimum(np.fmin(estimates, float(result.head["nominal_area"])), areas)
+    return np.where(np.isfinite(areas), smaller_areas, np.nan)
 
 
 def compute_load_exponent(result: MemberSums, name: str, loads: Floats) -> Floats:

@@ -34,8 +34,9 @@ class InputValues:
     hardness : float or array, GPa
         NaN for elastic bodies.
     modulus : float or array
-        Ratio of E* to the E* in the study. Multiplying all heights by a factor has the same effect on the area and on
-        the stiffness per load.
+        Ratio of E* to the E* in the study.
+    height_factor : float or array
+        Factor of all heights. It changes the area like a factor of E*, and divides the stiffness by itself.
     yield_exponent : float or array
         Exponent of the yielding area.
     junction_growth : float or array
@@ -46,6 +47,7 @@ class InputValues:
     tau0: Any
     hardness: Any = np.nan
     modulus: Any = 1.0
+    height_factor: Any = 1.0
     yield_exponent: Any = np.nan
     junction_growth: Any = 0.0
 
@@ -97,8 +99,9 @@ class ContactResponse:
     def area_before_shear(self, inputs: InputValues) -> Floats:
         """Return the true area (µm²) before shear, which depends neither on mu0 nor on tau0."""
         return self.area(
-            self.load, hardness=inputs.hardness, modulus=inputs.modulus, yield_exponent=inputs.yield_exponent
-        )
+            self.load, hardness=inputs.hardness, modulus=inputs.modulus * inputs.height_factor,
+            yield_exponent=inputs.yield_exponent,
+        )  # fmt: skip
 
     def evaluate(self, inputs: InputValues, area_before_shear: Floats | None = None) -> ResponseValues:
         """Return all quantities for the given inputs, whose area before shear may be known already."""
@@ -110,8 +113,8 @@ class ContactResponse:
             yield_pressure = law.yield_pressure(inputs.hardness)
             is_carried = yield_pressure > self.load / self.area.nominal_area  # False at seizure, where H' is NaN
             grown_area = self.area(
-                self.load, hardness=np.where(is_carried, yield_pressure, inputs.hardness), modulus=inputs.modulus,
-                yield_exponent=inputs.yield_exponent,
+                self.load, hardness=np.where(is_carried, yield_pressure, inputs.hardness),
+                modulus=inputs.modulus * inputs.height_factor, yield_exponent=inputs.yield_exponent,
             )  # fmt: skip
             area_at_onset = np.where(is_carried, grown_area, np.inf)
         # Without τ0, friction does not depend on the area.
@@ -130,10 +133,11 @@ class ContactResponse:
 
         E* changes the stiffness by similarity. Yielding changes it with the area.
         """
-        modulus_area, central_area = self.area(self.load, modulus=inputs.modulus), self.area(self.load)
+        modulus = np.asarray(inputs.modulus * inputs.height_factor)
+        modulus_area, central_area = self.area(self.load, modulus=modulus), self.area(self.load)
         yielding_ratio = area_before_shear / modulus_area
         yielded_fraction = 1.0 - self.area.elastic_area(self.load) / central_area
-        loading = np.asarray(inputs.modulus) ** (1.0 - self.stiffness_exponent)
+        loading = modulus ** (1.0 - self.stiffness_exponent) / inputs.height_factor
         loading = loading * yielding_ratio ** (LOADING_STIFFNESS_EXPONENT * yielded_fraction)
         unloading = inputs.modulus * modulus_area / central_area * yielding_ratio**UNLOADING_STIFFNESS_EXPONENT
         return loading, unloading

@@ -23,7 +23,7 @@ SAME_VALUE_TOLERANCE = 1e-3  # relative difference up to which a replaced value 
 
 _LABELS = {
     "mu0": "μ0", "tau0": "τ0", "effective_modulus": "E*", "hardness": "the hardness",
-    "junction_growth": "the junction growth α", "yield_exponent": "the exponent of the yielding area",
+    "junction_growth": "the junction growth α", "yield_exponent": "the yield exponent m",
     "creep": "the creep exponent", "young": "Young's modulus", "poisson": "Poisson's ratio",
 }  # fmt: skip
 

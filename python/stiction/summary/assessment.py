@@ -741,8 +741,12 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         and study.contact.yield_exponent is None
         and mean_contact_pressure(point) > MIN_YIELDING_PRESSURE_FRACTION * float(study.contact.hardness)
     ):
-        text = "the true area is that of a pressure limited to the hardness, which is up to 30 % too small"
-        yield Caveat(text, "use a smaller load" if study.contact.adheres else "compute the pair again", "caution")
+        text = "the true area is up to 30 % too small, because yielding below the surface is neglected"
+        yield Caveat(
+            text,
+            "use a smaller load" if study.contact.adheres else "compute the pair again with this version",
+            "caution",
+        )
 
 
 def _compute_area_fraction(point: xarray.Dataset, study: Study) -> float:

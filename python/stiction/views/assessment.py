@@ -113,17 +113,17 @@ def most_useful_measurement_text(point: PointSummary) -> str:
     reduced_limits = str(dominant_input.interval)
     if reduced_limits == str(point.rules[0].interval):
         return ""
-    action_text = _REMEDY_TEXTS.get(dominant_input.label, f"Measuring {dominant_input.label}")
-    return f"{action_text} would give [{reduced_limits.replace(' to ', ', ')}]."
+    condition = _CONDITION_TEXTS.get(dominant_input.label, f"If {dominant_input.label} were known")
+    return f"{condition}, the interval would be [{reduced_limits.replace(' to ', ', ')}]."
 
 
-_REMEDY_TEXTS = {
-    POSSIBLE_NOISE_INPUT_NAME: "Scanning one place twice",
-    POSITIONS_INPUT_NAME: "Using more positions",
-    UNRESOLVED_ROUGHNESS_INPUT_NAME: "A finer scan",
-    ALTERNATIVE_LABELS[SPIKES_ALTERNATIVE]: "A scan without spikes",
-    ALTERNATIVE_LABELS[TIP_ALTERNATIVE]: "A sharper tip",
-    UPPER_SCANS_INPUT_NAME: "Scanning more places of the upper part",
-    LOWER_SCANS_INPUT_NAME: "Scanning more places of the lower part",
+_CONDITION_TEXTS = {
+    POSSIBLE_NOISE_INPUT_NAME: "If one place were scanned twice",
+    POSITIONS_INPUT_NAME: "With more positions",
+    UNRESOLVED_ROUGHNESS_INPUT_NAME: "With a finer scan",
+    ALTERNATIVE_LABELS[SPIKES_ALTERNATIVE]: "With a scan without spikes",
+    ALTERNATIVE_LABELS[TIP_ALTERNATIVE]: "With a sharper tip",
+    UPPER_SCANS_INPUT_NAME: "With scans of more places of the upper part",
+    LOWER_SCANS_INPUT_NAME: "With scans of more places of the lower part",
 }  # fmt: skip
-"""Actions that reduce the uncertainty from sources other than uncertain inputs."""
+"""Conditions under which sources other than uncertain inputs would contribute little."""

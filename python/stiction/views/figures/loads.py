@@ -40,16 +40,10 @@ MAX_PLAIN_LABEL_RATIO = 2e3
 """Maximum ratio of the limits of a logarithmic axis that is labelled with plain numbers."""
 
 INTERVAL_BAND_LEGENDS = {
-    True: "light bands: 95 %, combined intervals\ndark bands and area: 95 %, sampling intervals",
-    False: "bands: 95 %, sampling intervals",
+    True: "light bands and area: 95 %, combined intervals\ndark bands: 95 %, intervals of the mean",
+    False: "bands: 95 %, intervals of the mean",
 }
 """Legend texts of the interval bands for results with (True) and without (False) a combined interval."""
-
-ALTERNATIVES_BAND_LEGEND = (
-    "light bands: 95 %, combined intervals\narea: 95 %, sampling intervals, and errors of the scans\n"
-    "dark bands: 95 %, sampling intervals"
-)
-"""Legend text if the intervals include results for alternative preparations of the scans."""
 
 
 def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
@@ -260,11 +254,8 @@ def _friction_and_area_figure(
     modulus = float(points["effective_modulus"]) if "effective_modulus" in points.coords else None
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]), modulus)
     figure.suptitle(f"{title}\n{parameters}".strip(), fontsize=6)
-    bands_label = INTERVAL_BAND_LEGENDS[has_combined]
-    if has_combined and points.attrs.get("alternatives"):
-        bands_label = ALTERNATIVES_BAND_LEGEND
     handles = friction_axes.get_legend_handles_labels()
-    figure.legend(*handles, title=bands_label, loc="outside lower center", ncols=2)
+    figure.legend(*handles, title=INTERVAL_BAND_LEGENDS[has_combined], loc="outside lower center", ncols=2)
     return figure
 
 

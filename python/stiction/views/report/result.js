@@ -82,10 +82,10 @@ function showParameters() {
 }
 
 /** Return the name of an interval. The interval for generated surfaces is always due to sampling of repetitions.
- * The interval of the true area also covers results for alternative preparations of the scans, if there are any. */
-function intervalName(isCombined, isArea = false) {
+ */
+function intervalName(isCombined, isQuantity = false) {
   if (!isMeasured) return "interval";
-  if (isArea && facts.hasAlternatives && facts.combined[state.kind]) return "sampling interval, extended by errors of the scans";
+  if (isQuantity && facts.combined[state.kind]) return "combined interval";
   if (!isCombined) return "sampling interval";
   return `combined interval${facts.ranged && !isAtRange() ? ", μ0 and τ0 exact where the study has other values" : ""}`;
 }
@@ -321,7 +321,7 @@ function curveCaption(series, where, [low, high], of, id) {
   const ok = points.filter((point) => point.status === "ok");
   const words = [`At ${[...where, materialName()].join(", ")}; ${motionWords()}${hasBothRules ? "" : `, ${ruleName(facts.rules[0])}`}.`];
   if (ok.length && ok.every((point) => Number.isFinite(point.lower))) {
-    words.push(`Shaded: ${PERCENT} ${intervalName(id === "friction" && ok.every((point) => point.isCombined), id === "area")}.`);
+    words.push(`Shaded: ${PERCENT} ${intervalName(id === "friction" && ok.every((point) => point.isCombined), id !== "friction")}.`);
     const cut = [];
     if (ok.some((point) => point.upper > high)) cut.push("above");
     if (ok.some((point) => point.lower < low)) cut.push("below");
