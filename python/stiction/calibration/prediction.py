@@ -134,7 +134,6 @@ class Interface(InterfaceStrength):
         """Return the nuisance parameters of an area factor that are not samples of the joint distribution."""
         known = area_factor.known
         joint_names = {
-            "yield_exponent": True,  # it scatters from surface to surface, so that tests hardly tell it
             "hardness": "hardness" in known
             and known["hardness"].describes_same_hardness(self.about.get(HARDNESS_HEADER_ENTRY, "")),
             "junction_growth": self.has_equal_junction_growth(known.get("junction_growth")),

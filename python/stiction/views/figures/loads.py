@@ -254,8 +254,11 @@ def _friction_and_area_figure(
     modulus = float(points["effective_modulus"]) if "effective_modulus" in points.coords else None
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]), modulus)
     figure.suptitle(f"{title}\n{parameters}".strip(), fontsize=6)
+    bands_label = INTERVAL_BAND_LEGENDS[has_combined]
+    if has_combined and points.attrs.get("alternatives"):
+        bands_label = bands_label.replace("combined intervals", "combined intervals with errors of the scans")
     handles = friction_axes.get_legend_handles_labels()
-    figure.legend(*handles, title=INTERVAL_BAND_LEGENDS[has_combined], loc="outside lower center", ncols=2)
+    figure.legend(*handles, title=bands_label, loc="outside lower center", ncols=2)
     return figure
 
 
