@@ -56,7 +56,7 @@ for axes in (friction_axes, area_axes):
     axes.minorticks_off()
 figure.legend(
     loc="outside lower center", ncols=2, handlelength=3,
-    title=r"steel, Sq of the lower face 0.1 µm, $\mu_0$ = 0.2, 20 MPa; shaded: 95 % sampling intervals",
+    title=r"steel, Sq of the lower face 0.1 µm, $\mu_0$ = 0.2, 20 MPa; shaded: 95 % intervals of the mean",
 )  # fmt: skip
 figure.savefig("polishing.png", dpi=200)
 for rms, percent, table in zip(UPPER_RMS_HEIGHTS, area_percent, tables, strict=True):

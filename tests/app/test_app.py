@@ -365,9 +365,9 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
     hints = run_script_in_report(
         empty_page, "return [...inside.querySelectorAll('#answer .hint')].map((each) => each.textContent)"
     )
-    interval_titles = [text.split(":")[0] for text in hints if text.startswith("Sampling interval")]
+    interval_titles = [text.split(":")[0] for text in hints if text.startswith("Interval of the mean")]
     assert interval_titles
-    titles_by_rule = [f"Sampling interval, {SLIDING_RULE_DESCRIPTIONS[rule]}" for rule in expected[0]]
+    titles_by_rule = [f"Interval of the mean, {SLIDING_RULE_DESCRIPTIONS[rule]}" for rule in expected[0]]
     assert interval_titles == [title for title in titles_by_rule if title in interval_titles]
     report_values = run_script_in_report(empty_page, "return {...inside.getElementById('readout').dataset}")
     np.testing.assert_allclose(

@@ -582,7 +582,9 @@ def test_pair_command_output_fits_in_24_lines(scans_folder, arguments, tmp_path)
     assert not set(completed.stderr) & {"\x1b"}
     assert "warning" not in completed.stderr
     repeated_values = [
-        text_part for text_part in ("E* = ", "hardness 6", "μ0 = ", "sampling interval:") if text.count(text_part) > 1
+        text_part
+        for text_part in ("E* = ", "hardness 6", "μ0 = ", "interval of the mean:")
+        if text.count(text_part) > 1
     ]
     assert not repeated_values
 

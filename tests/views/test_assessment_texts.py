@@ -563,7 +563,7 @@ def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
 def test_caveats_use_the_name_of_the_members_of_the_study(study, members):
     expected_texts = {
         ("half_width_ratio", np.nan): f"there is no interval; an interval requires at least 8 different {members}",
-        ("half_width_ratio", 0.55): f"the sampling interval is wider than ±50 %; use more {members}",
+        ("half_width_ratio", 0.55): f"the interval of the mean is wider than ±50 %; use more {members}",
         ("contact_count", 0.6): f"all {members} together have fewer than 10 contacts, on average 0.6 per "
         f"{study.member_names.singular}; use a higher load, larger surfaces or more {members}",
         ("share_of_pull_off_bounds", 0.25): f"the pull-off force is a lower bound: 25 % of the {members} have only a "

@@ -273,7 +273,7 @@ def evaluate_at_height_factors(
     -------
     xarray.Dataset
         Variables at the quoted cutoff, with the dimension height_scale and the dimensions of `at_load`:
-        mean_friction and friction_by_axis with the sampling interval, friction_combined with the combined
+        mean_friction and friction_by_axis with the interval of the mean, friction_combined with the combined
         interval, true area, number of contacts, mean pressure, stiffness, and rms_gradient and rms_slope of the gap.
         upper_rms and lower_rms (µm) are the root-mean-square heights of both bodies of the first member, if their files
         exist. The attribute `solved` contains the computed factors.

@@ -152,7 +152,7 @@ class CombinedIntervals:
     ) -> None:  # fmt: skip
         self.study, self.response, self._sampler = study, response, sampler
         self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
-        self.sampling_estimate: Floats = point["mean_friction"]  # coefficient and limits of its sampling interval
+        self.sampling_estimate: Floats = point["mean_friction"]  # coefficient and limits of its interval of the mean
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
         # The first entry contains joint samples of mu0 and tau0.
@@ -251,7 +251,7 @@ class CombinedIntervals:
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
         """Return the 95 % interval of the coefficient with some inputs fixed at the given quantiles.
 
-        The interval contains the value. It also contains the sampling interval and the range of coefficients for finer
+        The interval contains the value, the interval of the mean, and the range of coefficients for finer
         scans, unless these sources are fixed.
         """
         included_intervals = [(self.value, self.value)]
@@ -324,8 +324,8 @@ class CombinedIntervals:
     def extend_quantity_intervals(self, estimates: Mapping[str, Floats]) -> dict[str, Floats]:
         """Return estimates of quantities with combined intervals.
 
-        `estimates` contains value and sampling interval of each quantity, by name. An interval that cannot be computed
-        stays a sampling interval.
+        `estimates` contains value and interval of the mean of each quantity, by name. An interval that cannot be
+        computed stays an interval of the mean.
         """
         names = (*self.inputs, *((INTERFACE_INPUT_NAME,) if self.strengths else ()), *self.drifts)
         if not names:

@@ -175,7 +175,7 @@ def _average_contact_loads(result: MemberSums) -> Floats | None:
 
 
 def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
-    """Estimate the elastic areas of a result that stores only areas with limited pressure.
+    """Estimate the elastic areas of a result that stores only areas with the pressure cap.
 
     The estimate A = κ F/(E* h') holds for small loads. Surfaces that fit perfectly are in complete contact.
     """
@@ -205,7 +205,7 @@ def compute_load_exponent(result: MemberSums, name: str, loads: Floats) -> Float
 
 
 def compute_yield_factors(result: MemberSums) -> Floats | None:
-    """Return the ratio of the true area to the area with limited pressure, with the shape (cells, loading steps).
+    """Return the ratio of the true area to the area with the pressure cap, with the shape (cells, loading steps).
 
     The result is None if both are equal, because the bodies are elastic or the result has no elastic areas.
     """
@@ -229,10 +229,10 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
 
 
 def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Yield the pieces of a result with the true areas of contacts that yield, instead of those with limited pressure.
+    """Yield the pieces of a result with the true areas of contacts that yield, instead of those with the pressure cap.
 
-    Sums over the true area (`AREA_SUMS`) are proportional to it. All other sums stay those of the contact with limited
-    pressure.
+    Sums over the true area (`AREA_SUMS`) are proportional to it. All other sums stay those of the contact with the
+    pressure cap.
     """
     factors = result.compute_once(compute_yield_factors)
     for piece in result.pieces(names):

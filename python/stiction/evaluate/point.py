@@ -44,7 +44,7 @@ class SlidingRuleCoefficient(Estimate):
     slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies
     # True if more than half of the load is on contacts for which the asperity model is invalid
     is_outside_asperity_model: bool = False
-    # coefficients along the axes and in the directions (degree) of motion, with sampling intervals
+    # coefficients along the axes and in the directions (degree) of motion, with intervals of the mean
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
 

@@ -405,8 +405,13 @@ class HalfSpaceSettings(CommonContactSettings):
                 "junction_growth", "must not be given without a hardness, because elastic contacts do not grow"
             )
         if self.yield_exponent is not None and (self.hardness is None or self.adheres):
-            reason = "given without a hardness" if self.hardness is None else "given if work_of_adhesion is above 0"
-            raise make_key_error("yield_exponent", f"must not be {reason}, because the contacts then do not yield")
+            raise make_key_error(
+                "yield_exponent",
+                "must not be given without a hardness, because elastic contacts do not yield"
+                if self.hardness is None
+                else "must not be given if work_of_adhesion is above 0, because areas of adhesive contacts are "
+                "computed with the pressure cap",
+            )
         if self.junction_growth and self.adheres:
             raise make_key_error(
                 "junction_growth",

@@ -711,8 +711,12 @@ class MeasuredPair:
         if (value := self.options.yield_exponent) is None:
             return parse_input_value("yield_exponent", DEFAULT_YIELD_EXPONENT) if can_yield else None
         if not can_yield:
-            reason = "needs {hardness}" if self._hardness is None else "must not be combined with {work_of_adhesion}"
-            raise ArgumentError(f"{{yield_exponent}} {reason}, because the contacts otherwise do not yield")
+            if self._hardness is None:
+                raise ArgumentError("{yield_exponent} needs {hardness}, because elastic contacts do not yield")
+            raise ArgumentError(
+                "{yield_exponent} must not be combined with {work_of_adhesion}, because areas of adhesive contacts are "
+                "computed with the pressure cap"
+            )
         return self._parse_input("yield_exponent", value)
 
     @property

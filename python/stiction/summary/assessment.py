@@ -173,7 +173,7 @@ STATUS_EXPLANATIONS = {
 }
 """Meaning and remedy of each status of a point that has no coefficient."""
 
-WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check of the width of the sampling interval
+WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check of the width of the interval of the mean
 
 SINGLE_POSITION_CHECK = LimitCheck(
     "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
@@ -255,7 +255,7 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
         ),
         LimitCheck(
             WIDE_INTERVAL_CHECK_NAME, MAX_RELATIVE_HALF_WIDTH,
-            f"the sampling interval is wider than ±{100 * MAX_RELATIVE_HALF_WIDTH:.0f} %", f"use more {members}",
+            f"the interval of the mean is wider than ±{100 * MAX_RELATIVE_HALF_WIDTH:.0f} %", f"use more {members}",
         ),
     )  # fmt: skip
 

@@ -192,7 +192,7 @@ class Evaluation(MemberSums):
         The contacts need no new computation.
 
         For measured bodies at elastic loads, `friction_combined` has the combined 95 % interval. All other coefficients
-        have the sampling interval of the mean over positions. Between computed loads, values are interpolated, and the
+        have the interval of the mean over positions. Between computed loads, values are interpolated, and the
         intervals include the interpolation error.
 
         With `height_scale`, the dataset contains friction, true area and stiffness for factors of the heights, as for

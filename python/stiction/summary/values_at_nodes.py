@@ -69,7 +69,7 @@ class MeasuredValuesAtNodes:
     friction : ndarray of float
         Estimates with combined intervals. The limits are NaN where `has_combined` is false.
     sampling : ndarray of float
-        Estimates with sampling intervals of the mean over positions.
+        Estimates with intervals of the mean over positions.
     status_codes : ndarray of int
         Indices into `ORDERED_STATUSES`.
     num_solved : ndarray of int

@@ -144,7 +144,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 
     The header of the table contains the units. Each row has the coefficient of static friction for its motion (all
     directions, an axis or a direction), the quantities at its load, and the assessment and caveats of its point. The
-    combined interval exists only for the mean over all directions. The sampling interval of the mean over members has
+    combined interval exists only for the mean over all directions. The interval of the mean over members has
     separate columns. Rows of the default rule come first.
     """
     import pandas

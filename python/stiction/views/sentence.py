@@ -360,7 +360,7 @@ def single_test_text(point: PointSummary) -> str:
         return ""
     interval_of_mean = estimate.interval_of_mean
     is_printed = math.isfinite(interval_of_mean.lower) and interval_of_mean != estimate.interval
-    sampling_text = f"; sampling interval: {interval_of_mean}" if is_printed else ""
+    sampling_text = f"; interval of the mean: {interval_of_mean}" if is_printed else ""
     return f"Single test, one direction: {estimate.prediction_interval}{sampling_text}."
 
 

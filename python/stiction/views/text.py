@@ -362,7 +362,7 @@ def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
 def _coefficients_table(
     coefficients: Mapping[str, Mapping[float, Estimate]], format_coordinate: Callable[[float], str]
 ) -> Paragraph:
-    """Return a table of coefficients with sampling intervals: a row per coordinate, and a column per sliding rule."""
+    """Return a table of coefficients with intervals of the mean: a row per coordinate, a column per sliding rule."""
     rules = [rule for rule in SLIDING_RULE_DESCRIPTIONS if rule in coefficients]
     rows = [
         [format_coordinate(coordinate), *(_coefficient_cell(coefficients[rule][coordinate]) for rule in rules)]

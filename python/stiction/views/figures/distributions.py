@@ -82,7 +82,7 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
         *axes.get_legend_handles_labels(),
         loc="outside lower center",
         ncols=1,
-        title="angle: motion of the upper body\nbands: 95 %, sampling intervals",
+        title="angle: motion of the upper body\nbands: 95 %, intervals of the mean",
     )
     return figure
 
@@ -153,7 +153,7 @@ def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
     figure.suptitle(f"{title}\n{caption}".strip(), fontsize=6)
     num_missing = int(np.isnan(values.values).reshape(values.shape[0], -1).any(axis=-1).sum())
     note = f"; {num_missing} of {values.shape[0]} results are incomplete" if num_missing else ""
-    legend_title = f"lines: means; bands: 95 %, sampling intervals{note}"
+    legend_title = f"lines: means; bands: 95 %, intervals of the mean{note}"
     figure.legend(*axes.get_legend_handles_labels(), title=legend_title, loc="outside lower center", ncols=2)
     return figure
 

@@ -50,7 +50,7 @@ def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float]
     """Draw a figure, 80 mm wide, of friction coefficient and true contact area against load.
 
     `points` is a result of `add_uncertainty` for one cell, mu0 and tau0. The loads of the study (mN) are marked. The
-    bands of friction are the combined interval and, in a darker colour, the sampling interval of the mean over
+    bands of friction are the combined interval and, in a darker colour, the interval of the mean over
     positions.
     """
     loads = np.asarray(points["load"].values, dtype=np.float64)

@@ -33,7 +33,7 @@ function indexOf(rule, cell, load, way = state.way) {
 }
 
 /** Return friction for a rule: value, interval, status and kind of interval.
- * Without a combined interval, the interval is the sampling interval. It is then drawn but not printed. */
+ * Without a combined interval, the interval is the interval of the mean. It is then drawn but not printed. */
 function frictionAt(rule, cell, load, at = place(), way = state.way) {
   const index = indexOf(rule, cell, load, way);
   const first = index * at.size;
@@ -86,7 +86,7 @@ function showParameters() {
 function intervalName(isCombined, isQuantity = false) {
   if (!isMeasured) return "interval";
   if (isQuantity && facts.combined[state.kind]) return "combined interval";
-  if (!isCombined) return "sampling interval";
+  if (!isCombined) return "interval of the mean";
   return `combined interval${facts.ranged && !isAtRange() ? ", μ0 and τ0 exact where the study has other values" : ""}`;
 }
 
@@ -157,7 +157,7 @@ function answerOf(at, rule, alone) {
   return [
     element("p", {class: "value", "data-rule": rule}, element("i", {}, "μ"), element("sub", {}, "s"), " = ", data(at.value, inDecimals(at.value, at.decimals))),
     element("p", {class: "interval"}, ...interval),
-    ...(sampled && (!at.isCombined || sampled !== ends) ? [element("p", {class: "hint"}, `Sampling interval, ${facts.ruleDescriptions[rule]}: ${sampled}`)] : []),
+    ...(sampled && (!at.isCombined || sampled !== ends) ? [element("p", {class: "hint"}, `Interval of the mean, ${facts.ruleDescriptions[rule]}: ${sampled}`)] : []),
     ...(alone ? [element("p", {class: "hint"}, "The small-slope estimate is ", data(alone.value, quoted(alone)))] : []),
   ];
 }
