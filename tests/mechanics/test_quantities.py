@@ -188,19 +188,18 @@ def test_table_of_quantities_contains_the_names_of_core_sums_and_validity_fields
     assert [QUANTITIES[name].numerator for name in ZERO_LOAD_SUM_QUANTITIES] == list(LOAD_SUM_NAMES[3:])
 
 
-@pytest.mark.parametrize("name", QUANTITIES)
-def test_fields_of_a_quantity_in_the_table_are_consistent_with_each_other(name):
-    quantity = QUANTITIES[name]
-    assert quantity.words
-    assert len(quantity.table_label) <= len(quantity.words)
-    for part in filter(None, (quantity.numerator, *quantity.denominator, quantity.bound_fraction)):
-        assert part in QUANTITIES
-    if quantity.percent:
-        assert quantity.unit == "1"
-    assert bool(quantity.denominator) == (quantity.kind == "validity")
-    if math.isfinite(quantity.bounds[1]):
-        assert quantity.unit == "1"
-    assert len(set(quantity.along)) == len(quantity.along)
+def test_fields_of_quantities_in_the_table_are_consistent_with_each_other():
+    for name, quantity in QUANTITIES.items():
+        assert quantity.words, name
+        assert len(quantity.table_label) <= len(quantity.words), name
+        for part in filter(None, (quantity.numerator, *quantity.denominator, quantity.bound_fraction)):
+            assert part in QUANTITIES, name
+        if quantity.percent:
+            assert quantity.unit == "1", name
+        assert bool(quantity.denominator) == (quantity.kind == "validity"), name
+        if math.isfinite(quantity.bounds[1]):
+            assert quantity.unit == "1", name
+        assert len(set(quantity.along)) == len(quantity.along), name
 
 
 def test_csv_columns_are_in_the_order_of_the_table_of_quantities(results_at_loads):
