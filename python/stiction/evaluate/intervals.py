@@ -145,7 +145,7 @@ class LoadCrossings:
 class MeansAtLoads:
     """Means of quantities at given mean normal loads, with their jackknife intervals.
 
-    The method is described in docs/explanation/intervals.md. Let v and n be the values and the normal loads of the
+    The method is described in docs/explanation/uncertainty.md. Let v and n be the values and the normal loads of the
     repetitions at the crossing, and e the exponent of the mean curve, mean(v) ~ mean(n)^e. If one repetition is
     omitted, the logarithm of the mean at the load changes by the change of ln mean(v) minus e times the change of ln
     mean(n). If the mean is zero, or if its sign changes when a repetition is omitted, the interval is a symmetric
@@ -354,8 +354,8 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     """Return the mean of correlated values measured at neighboring positions (first axis), with its interval.
 
     The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
-    and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/intervals.md). The interval lies within the range
-    of the values. It is NaN if there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values are equal.
+    and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/uncertainty.md). The interval lies within the
+    range of the values. It is NaN if there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values are equal.
     """
     count = values.shape[0]
     # Each row (c, r) is summed separately, so that the sum does not depend on the other rows.
