@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import io
+import itertools
 import math
 import re
 import warnings
 import zipfile
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -19,6 +21,11 @@ MAX_WORKBOOK_TAGS = 10_000_000
 # Maximum number of XML tags in a row: eight tags for each column of the largest sheet.
 # The number of tags is limited because each row is stored in memory.
 MAX_TAGS_PER_ROW = 8 * 16_384
+_FORMULA_WITHOUT_VALUE = "unevaluated formula"  # word that replaces such a formula
+_FORMULA_WITHOUT_VALUE_PATTERN = re.compile(
+    rb"</(?:\w+:)?f>\s*(?:<(?:\w+:)?v\s*(?:/>|>\s*</(?:\w+:)?v>)\s*)?</(?:\w+:)?c>"
+)
+_Rows = list[tuple[Any, ...]]
 _ROW_TAG_PATTERN = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
 
@@ -32,11 +39,11 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
             "is an Excel workbook; install openpyxl to read it (pip install openpyxl), or save the sheet as .csv"
         ) from None
     try:
-        _reject_zip_bombs(data)
-        with warnings.catch_warnings(action="ignore"):
-            workbook = load_workbook(io.BytesIO(data), read_only=True, data_only=True)
-            sheets = {sheet.title: _read_rows(sheet) for sheet in workbook.worksheets}
-            workbook.close()
+        has_formulas_without_values = _scan_archive(data)
+        sheets = _read_sheets(load_workbook, data, data_only=True)
+        if has_formulas_without_values:
+            formulas = _read_sheets(load_workbook, data, data_only=False)
+            sheets = {title: _show_formulas_without_values(rows, formulas[title]) for title, rows in sheets.items()}
     except (FormatError, MemoryError):
         raise
     except Exception as error:  # openpyxl raises many kinds of errors
@@ -49,7 +56,12 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
         return HeightChannels(("DATA",), lambda _: _record_layout(content, layout.name), 0)
     filled_sheets = [name for name, rows in sheets.items() if _find_numeric_columns(rows)]
     if not filled_sheets:
-        raise FormatError("is a workbook without a column of numbers")
+        advice = (
+            "; it has formulas without values, so save it in a spreadsheet program"
+            if has_formulas_without_values
+            else ""
+        )
+        raise FormatError(f"is a workbook without a column of numbers{advice}")
     return HeightChannels(
         tuple(filled_sheets),
         lambda index: parse_sheet(sheets[filled_sheets[index]], words),
@@ -61,11 +73,44 @@ def _record_layout(table: ColumnTable, layout: str) -> ColumnTable:
     return replace(table, source=replace(table.source, layout=layout))
 
 
-def _reject_zip_bombs(data: bytes) -> None:
-    """Reject an archive with too much text or too many XML tags, regardless of the sizes that the archive declares."""
+def _read_sheets(
+    load_workbook: Callable[..., Any], data: bytes, *, data_only: bool
+) -> dict[str, list[tuple[Any, ...]]]:
+    """Return the rows of each sheet. With `data_only`, a formula has its stored value, otherwise its text."""
+    with warnings.catch_warnings(action="ignore"):
+        workbook = load_workbook(io.BytesIO(data), read_only=True, data_only=data_only)
+        sheets = {sheet.title: _read_rows(sheet) for sheet in workbook.worksheets}
+        workbook.close()
+    return sheets
+
+
+def _show_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
+    """Return rows in which a formula without a stored value is a word, so that its column is not read as empty."""
+    shown_rows = []
+    for number, formula_row in enumerate(formulas):
+        row = rows[number] if number < len(rows) else ()
+        row = (*row, *(None,) * (len(formula_row) - len(row)))
+        shown_rows.append(
+            tuple(
+                _FORMULA_WITHOUT_VALUE
+                if cell is None and isinstance(formula, str) and formula.startswith("=")
+                else cell
+                for cell, formula in itertools.zip_longest(row, formula_row)
+            )
+        )
+    return shown_rows
+
+
+def _scan_archive(data: bytes) -> bool:
+    """Return whether a workbook contains formulas without stored values.
+
+    Raises `FormatError` for too much text or too many XML tags, regardless of the sizes that the archive declares.
+    """
+    has_formulas_without_values = False
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         remaining_bytes, tag_count = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
+            end_of_chunk = b""
             tags_in_row = -math.inf  # no limit applies before the first row; a file that is not a sheet has no rows
             for chunk in read_member_chunks(archive, name, remaining_bytes):
                 remaining_bytes -= len(chunk)
@@ -76,6 +121,9 @@ def _reject_zip_bombs(data: bytes) -> None:
                 if max(tags_in_row + first_part, *rows, 0) > MAX_TAGS_PER_ROW:
                     raise FormatError("has a sheet with more cells in a row than Excel allows")
                 tags_in_row = rows[-1] if rows else tags_in_row + first_part
+                has_formulas_without_values |= bool(_FORMULA_WITHOUT_VALUE_PATTERN.search(end_of_chunk + chunk))
+                end_of_chunk = chunk[-100:]
+    return has_formulas_without_values
 
 
 def _read_rows(sheet: Any) -> list[tuple[Any, ...]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,11 +13,35 @@ from typing import Any
 
 import numpy as np
 
-from stiction.surfaces.measured.raw import FormatError, HeightChannels, HeightProvenance, RawHeights, check_point_count
+from stiction.surfaces.measured.raw import (
+    ColumnTable,
+    FormatError,
+    HeightChannels,
+    HeightProvenance,
+    RawHeights,
+    check_point_count,
+)
 from stiction.surfaces.profile import MAX_POINTS
 
 _TEXT_FORMATS = ("asc", "xyz")
 """Plain text formats for which SurfaceTopography ignores units and other declarations in the header."""
+
+_ARRAY_FORMATS = ("h5", "mat", "npz")
+"""Formats of named arrays, which may be heights, masks, axes or indices, in rows and columns like a text matrix."""
+
+_FORMATS_WITHOUT_SIGNATURE = ("hgt", "mat")
+"""Formats that SurfaceTopography may find in any bytes. Their files must have the extension of the format."""
+
+_UNSUPPORTED_FORMATS = {"nms": "a NanoFocus .nms file, whose spacing has no reliable unit"}
+"""Formats that are rejected, because SurfaceTopography 1.27 computes a wrong spacing for some of their files."""
+
+_ARRAY_WITHOUT_HEIGHTS_PATTERN = re.compile(
+    r"(?:.*[/_ .-])?(?:[xyt]+|d[xy]|time|ax[ei]s|coord\w*|pos\w*|\w*mask\w*|(?:in)?valid\w*|flags?|ind(?:ex|ic)\w*|idx|"
+    r"ids?|labels?|rows?|col(?:umn)?s?|err(?:or)?s?|std\w*|sigma|uncertaint\w*|weights?|quality|intensity|spacing|size|"
+    r"units?|pixel\w*|scale)\d*",
+    re.IGNORECASE,
+)
+"""Pattern of array names that denote something other than heights."""
 
 
 def is_reader_installed() -> bool:
@@ -40,9 +65,22 @@ def read_instrument_file(path: Path) -> HeightChannels:
                 "is text that cannot be read as a table of heights; rename it so that its name ends in .csv or .txt, "
                 "and read it again to see the reason"
             )
+        if (reason := _UNSUPPORTED_FORMATS.get(reader.format())) is not None:
+            raise FormatError(f"is {reason}; export it as X3P or as text")
+        if reader.format() in _FORMATS_WITHOUT_SIGNATURE and path.suffix.lower() != f".{reader.format()}":
+            raise FormatError(_UNKNOWN_FORMAT_MESSAGE.format(""))
         names = tuple(str(channel.name)[:80] for channel in reader.channels)
-        default_index = int(reader.default_channel.index)
+        if not names:
+            raise FormatError("contains no matrix of numbers that may be heights")
+        default_index: int | None = int(reader.default_channel.index)
+        if reader.format() in _ARRAY_FORMATS and (len(names) > 1 or _ARRAY_WITHOUT_HEIGHTS_PATTERN.fullmatch(names[0])):
+            default_index = None
     return HeightChannels(names, lambda index: _read_channel(path, index, names[index]), default_index)
+
+
+_UNKNOWN_FORMAT_MESSAGE = (
+    "is not a profile or surface in a known format{}; save it as X3P, or as text ending in .csv or .txt"
+)
 
 
 @contextmanager
@@ -59,12 +97,10 @@ def _open_reader(path: Path) -> Iterator[Any]:
         # omit the message of this error, because the message lists the errors of all readers
         if type(error).__name__ == "CannotDetectFileFormat":
             detail = ""
-        raise FormatError(
-            f"is not a profile or surface in a known format{detail}; save it as X3P, or as text ending in .csv or .txt"
-        ) from None
+        raise FormatError(_UNKNOWN_FORMAT_MESSAGE.format(detail)) from None
 
 
-def _read_channel(path: Path, index: int, name: str) -> RawHeights:
+def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable:
     with _open_reader(path) as reader:
         channel = reader.channels[index]
         points = math.prod(map(int, np.atleast_1d(channel.nb_grid_pts)))
@@ -81,6 +117,10 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights:
         source = HeightProvenance(f"{reader.format()} by SurfaceTopography", column=name)
         topography = channel.topography(**size_arguments)
         heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
+        if reader.format() in _ARRAY_FORMATS:
+            if np.isin(heights, (0.0, 1.0)).all():
+                raise FormatError(f"has an array {index} ({name}) of 0 and 1, like a mask; choose another channel")
+            return ColumnTable(np.atleast_2d(heights), area=True, source=source)
         unit = None if topography.unit is None else str(topography.unit)
         if not topography.is_uniform:
             positions = np.array(topography.positions(), dtype=np.float64)

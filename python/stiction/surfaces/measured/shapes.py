@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._text import printable_text
 from stiction.surfaces.measured.grid import to_grid
-from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN
+from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN, unit_in_column_name
 from stiction.surfaces.measured.raw import (
     ColumnTable,
     FileCaveat,
@@ -99,7 +99,10 @@ def _find_column_or_channel_index(
 ) -> int:
     """Return the index of a column or a channel, given its name or its number in the file."""
     text = str(selected).strip()
-    for normalise in (lambda name: name, lambda name: name.casefold(), _name_without_unit):
+    normalisers: list[Callable[[str], str]] = [lambda name: name, lambda name: name.casefold()]
+    if "(" not in text or unit_in_column_name(text) is not None:  # "Height (trace)" has no unit that can be omitted
+        normalisers.append(_name_without_unit)
+    for normalise in normalisers:
         matches = [index for index, name in enumerate(names) if normalise(name.strip()) == normalise(text) and text]
         if len(matches) > 1:
             raise FormatError(
