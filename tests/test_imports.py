@@ -13,7 +13,7 @@ import typer
 from stiction.cli import application
 
 PACKAGE_FOLDER = Path(stiction.__file__).parent
-FACADE = ("result", "pipeline", "measured_pair")
+FACADE = ("result", "pipeline", "measured_pair", "direct_shear")
 """Modules that users hold. They may import all layers except the user interfaces, and no layer imports them."""
 
 LAYERS = (

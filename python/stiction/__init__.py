@@ -62,6 +62,7 @@ _PUBLIC_NAMES_BY_MODULE = {
     "stiction.surfaces.surrogates": "isotropic_spectrum isotropic_surface surrogate",
     "stiction.surfaces.tip": "tip_reconstructed",
     "stiction.views.calibration": "calibration_figure",
+    "stiction.direct_shear": "shear_test",
     "stiction.measured_pair": "pair",
 }
 """Public names of each module, as in the stub file. A module is imported when one of its names is first used."""

@@ -1,0 +1,277 @@
+"""`stiction.shear_test`: direct shear test of two faces that fit, such as the walls of a rock joint."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from stiction._arguments import parse_quantity
+from stiction._checks import check_choice, validate_number, validate_whole_number
+from stiction._errors import ArgumentError
+from stiction._units import loads_to_core_units, quantity, short_repr
+from stiction.mechanics.friction import LOAD_SUM_NAMES, STATUS_OK, FrictionLaw, compute_load, warn_if_tau0_is_large
+from stiction.mechanics.half_space import BoundaryCondition, TiltMode
+from stiction.mechanics.onset import parse_direction
+from stiction.mechanics.shear import ShearBox
+from stiction.mechanics.solution_record import SolutionRecord
+from stiction.study.elasticity import determine_elasticity
+from stiction.study.input_distributions import UncertainInput, draw_input_samples, parse_study_input
+from stiction.surfaces.preparation import count_flips, flipped, levelled, on_common_grid
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import BodyLike, as_bodies
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+ShearLevel = Literal["mean", "line", "plane", "none"]
+INTERVAL_PROBABILITIES = (0.025, 0.975)
+
+
+def shear_test(
+    upper: BodyLike,
+    lower: BodyLike,
+    *,
+    load: float | str,
+    mu0: float | str,
+    tau0: float | str = 0.0,
+    path: float | str,
+    steps: int = 40,
+    direction: float | Literal["+x", "-x"] = 0.0,
+    normal_stiffness: float | str | None = None,
+    young: Any = None,
+    poisson: Any = None,
+    effective_modulus: float | str | None = None,
+    hardness: float | str | None = None,
+    boundary: BoundaryCondition = "free",
+    tilt: TiltMode = "fixed",
+    level: ShearLevel | None = None,
+    spacing: Any = None,
+    unit: str = "um",
+    tolerance: float = 1e-6,
+    progress: Callable[[int, int], object] | None = None,
+    record: SolutionRecord | None = None,
+) -> xr.Dataset:
+    r"""Compute a direct shear test of two faces that fit: shear stress and dilation over the displacement.
+
+    Parameters
+    ----------
+    upper, lower : Profile, Surface or array_like
+        Faces as they were scanned, with heights out of the material. The upper face is flipped as `pair` flips it, and
+        both faces start at the same corner.
+    load : float, mN, or str
+        Normal load, "1 MPa" on the overlap at the start of the path, or a force. With `normal_stiffness`, the load at
+        the start.
+    mu0 : float or str
+        Molecular friction coefficient. A range, "0.5..0.7", gives intervals.
+    tau0 : float or str, GPa
+        Adhesive shear strength, "1 MPa" or a range.
+    path : float, µm, or str
+        Displacement of the upper face at the end of the test, "2 mm".
+    steps : int
+        Number of displacements, which are rounded to grid points: at most one per grid point along the path.
+    direction : float, degrees, "+x" or "-x"
+        Direction of the motion of the upper face, from +x towards +y; on profiles along x.
+    normal_stiffness : float, GPa/µm, or str, optional
+        Increase of the normal stress per dilation, "5 MPa/mm", on the overlap at the start. By default the load is
+        constant.
+    young, poisson, effective_modulus
+        Elastic constants of one or both bodies, or E*, as for `pair`.
+    hardness : float, GPa, or str, optional
+        Largest contact pressure, the strength of the asperities that interlock.
+    boundary : {"free", "periodic"}
+        "free": the overlap decreases along the path. "periodic": the faces continue beyond their edges.
+    tilt : {"fixed", "free"}
+        "free": the upper face rotates until the load is centred on the overlap. Requires a free boundary.
+    level : {"mean", "line", "plane", "none"}, optional
+        Trend to subtract from each face. By default a line from profiles and a plane from maps, and the mean if
+        periodic.
+    spacing, unit
+        Distance of the points and unit of the heights, for arrays.
+    tolerance : float
+        As for `half_space`.
+    progress : callable, optional
+        Called with the number of solved displacements and their total number.
+    record : SolutionRecord, optional
+        Store of the solved displacements, with which an interrupted test is resumed.
+
+    Returns
+    -------
+    test : xarray.Dataset
+        Over `displacement` (µm): `friction_coefficient` (tangential over normal load, against the motion),
+        `shear_stress` (GPa, on the overlap at this displacement), `dilation` (µm, 0 at the start),
+        `contact_area_fraction` (projected), `normal_load` (mN), `overlap_area` (µm²), `contact_count`,
+        `load_fraction_at_hardness`, `load_fraction_at_edges` (of the faces), `elastic_energy` (nJ), the six contact
+        sums, and `status`. A coefficient below 0 is NaN with the status "downhill": the face slides by itself.
+
+        With ranges, over `end` ("lower", "upper"): `friction_coefficient_interval` and `shear_stress_interval`, 95 %.
+
+        Attributes: `peak`, `peak_displacement_um`, `peak_dilation_angle_deg`, `peak_shear_stress_GPa`, `end` (value at
+        the end of the path), and `peak_status`, which is not "ok" if the faces lock.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or the path leaves too small an overlap.
+
+    See Also
+    --------
+    pair : Mean friction over relative positions of two faces that do not fit.
+
+    Notes
+    -----
+    Each displacement is a half-space contact with friction at all contacts. The asperities deform elastically, and
+    flow at the hardness. Breakage, gouge and wear are not included: each step starts from the scanned faces. On a
+    sawtooth of angle i the coefficient is :math:`\tan(\phi + i)` with :math:`\tan \phi = μ_0`; without friction, the
+    work of the tangential load is the work of dilation plus the elastic energy. The dilation is the change of the mean
+    gap, without the bending of the bodies.
+
+    Examples
+    --------
+    >>> from stiction import Surface, self_affine_surface, shear_test
+    >>> lower = self_affine_surface(1, hurst_exponent=0.8, rms=20.0, shape=(64, 64), spacing=50.0)
+    >>> upper = Surface(-lower.heights[::-1], spacing=lower.spacing)
+    >>> test = shear_test(
+    ...     upper, lower, path="0.5 mm", load="1 MPa", mu0=0.6, young="30 GPa", poisson=0.25, hardness="150 MPa"
+    ... )
+    >>> float(test.friction_coefficient[0].round(2))  # before the faces ride up
+    0.6
+    >>> test.attrs["peak"] > 0.7
+    True
+    """
+    upper, lower = as_bodies(upper, lower, spacing=spacing, unit=unit)
+    box, inputs = _build_box(
+        upper, lower, load=load, mu0=mu0, tau0=tau0, direction=direction, normal_stiffness=normal_stiffness,
+        elasticity=(effective_modulus, young, poisson), hardness=hardness, boundary=boundary, tilt=tilt, level=level,
+        tolerance=tolerance,
+    )  # fmt: skip
+    length = validate_number("path", path, unit="µm", above=0)
+    offsets = box.choose_offsets(length, validate_whole_number("steps", steps, minimum=1))
+    rows = box.solve(offsets, SolutionRecord() if record is None else record, progress)
+    return _add_intervals(box.to_dataset(offsets, rows), inputs)
+
+
+def _build_box(
+    upper: Any, lower: Any, *, load: Any, mu0: Any, tau0: Any, direction: Any, normal_stiffness: Any,
+    elasticity: tuple[Any, Any, Any], hardness: Any, boundary: Any, tilt: Any, level: Any, tolerance: float,
+) -> tuple[ShearBox, dict[str, UncertainInput]]:  # fmt: skip
+    """Check the arguments of a shear test. Return the faces and conditions, and the distributions of mu0 and tau0."""
+    is_profile = isinstance(lower, Profile)
+    if isinstance(upper, Profile) != is_profile:
+        raise ValueError(
+            "upper and lower must both be profiles or both surfaces, got "
+            f"{type(upper).__name__} and {type(lower).__name__}"
+        )
+    check_choice("boundary", boundary, BoundaryCondition)
+    check_choice("tilt", tilt, TiltMode)
+    if tilt == "free" and boundary == "periodic":
+        raise ValueError("tilt must be 'fixed' if the faces are periodic, got 'free'")
+    if level is None:
+        level = "mean" if boundary == "periodic" else "line" if is_profile else "plane"
+    check_choice("level", level, ShearLevel)
+    if level == ("plane" if is_profile else "line"):
+        allowed = "mean, line or none for profiles" if is_profile else "mean, plane or none for maps"
+        raise ValueError(f"level must be {allowed}, got {level!r}")
+    if count_flips(upper):
+        raise ValueError("upper must be the face as it was scanned, got a face that is flipped already")
+    faces = [face if level == "none" else levelled(face, level) for face in (upper, lower)]
+    upper, lower = flipped(faces[0]), faces[1]
+    if upper.spacing != lower.spacing:
+        upper, lower = on_common_grid(upper, lower)
+    inputs = {}
+    for name, value in (("mu0", mu0), ("tau0", tau0)):
+        try:
+            inputs[name] = parse_study_input(name, value)
+        except ValueError as error:
+            raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
+    moduli = determine_elasticity(*elasticity)
+    warn_if_tau0_is_large(np.asarray(inputs["tau0"].value), moduli.effective_modulus)
+    strength = None if hardness is None else _parse_hardness(hardness)
+    box = ShearBox(
+        upper, lower, load=1.0, stiffness=0.0, direction=parse_direction(direction, line=is_profile),
+        law=FrictionLaw(inputs["mu0"].value, inputs["tau0"].value), effective_modulus=moduli.effective_modulus,
+        compliance_share=moduli.compliance_share, hardness=strength, boundary=boundary, tilt=tilt,
+        tolerance=validate_number("tolerance", tolerance, above=0, below=1),
+    )  # fmt: skip
+    area = box.initial_overlap_area
+    if boundary == "periodic" and upper.heights.shape != lower.heights.shape:
+        raise ValueError(
+            f"upper and lower must have equal shapes if they are periodic, got {upper.heights.shape} and "
+            f"{lower.heights.shape}"
+        )
+    force = validate_number("load", loads_to_core_units("load", load, area), unit="mN", above=0)
+    if strength is not None and not force < strength * area:
+        raise ArgumentError(
+            "{load} must be below the hardness times the overlap of the faces, {limit:.4g} mN, got {got}",
+            limit=strength * area, got=short_repr(load),
+        )  # fmt: skip
+    stiffness = 0.0 if normal_stiffness is None else _parse_stiffness(normal_stiffness) * area
+    return replace(box, load=force, stiffness=stiffness), inputs
+
+
+def _parse_hardness(value: Any) -> float:
+    try:
+        parsed = parse_study_input("hardness", value)
+    except ValueError as error:
+        raise ArgumentError("{hardness} {why}", why=str(error).strip()) from None
+    if not parsed.is_exact or not parsed.value > 0:
+        allowed = "a value above 0" if parsed.is_exact else "one value; compute both limits of a range separately"
+        raise ArgumentError("{hardness} must be {allowed}, got {got}", allowed=allowed, got=short_repr(value))
+    return parsed.value
+
+
+def _parse_stiffness(value: Any) -> float:
+    """Parse a stiffness per area, a number in GPa/µm or a pressure per length such as "5 MPa/mm"."""
+    if isinstance(value, str):
+        pressure, _, length = value.partition("/")
+        try:
+            value = float(parse_quantity("", pressure, "pressure") / quantity(f"1 {length}", "length"))
+        except ValueError:
+            raise ArgumentError(
+                '{normal_stiffness} must be a pressure per length, as in "5 MPa/mm", got {got}', got=repr(value)
+            ) from None
+    stiffness = validate_number("normal_stiffness", value)
+    if not stiffness >= 0:
+        raise ArgumentError("{normal_stiffness} must be at least 0, got {got}", got=short_repr(value))
+    return stiffness
+
+
+def _add_intervals(test: xr.Dataset, inputs: dict[str, UncertainInput]) -> xr.Dataset:
+    """Add 95 % intervals due to ranges of mu0 and tau0, for the contacts that were solved at their central values."""
+    if all(value.is_exact for value in inputs.values()):
+        return test
+    samples = draw_input_samples(inputs)
+    mu0, tau0 = samples["mu0"][:, np.newaxis], samples["tau0"][:, np.newaxis]
+    sums = {name: test[name].values for name in LOAD_SUM_NAMES}
+    normal, tangential = (compute_load(load, sums, mu0, tau0) for load in ("normal", "tangential"))
+    coefficients = np.divide(tangential, normal, out=np.full_like(normal, np.inf), where=normal > 0)
+    is_ok = test["status"].values == STATUS_OK
+    intervals = {
+        "friction_coefficient": np.where(is_ok, _interval(coefficients), np.nan),
+        "shear_stress": _interval(coefficients) * (test["normal_load"] / test["overlap_area"]).values,
+    }
+    test = test.assign_coords(end=["lower", "upper"]).assign(
+        {
+            f"{name}_interval": (
+                ("end", "displacement"), limits,
+                test[name].attrs | {"long_name": f"95 % interval of the {test[name].attrs['long_name']}"},
+            )
+            for name, limits in intervals.items()
+        }
+    )  # fmt: skip
+    limits_by_name = {"end": _interval(coefficients[:, -1]) if is_ok[-1] else (np.nan, np.nan)}
+    if test.attrs["peak_status"] == STATUS_OK:
+        limits_by_name["peak"] = _interval(coefficients[:, is_ok].max(axis=1))
+    return test.assign_attrs(
+        {
+            f"{name}_{end}": float(limit)
+            for name, limits in limits_by_name.items()
+            for end, limit in zip(("lower", "upper"), limits, strict=True)
+        }
+    )
+
+
+def _interval(samples: Any) -> Any:
+    return np.quantile(samples, INTERVAL_PROBABILITIES, axis=0)

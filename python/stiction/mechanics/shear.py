@@ -1,0 +1,381 @@
+"""Direct shear test: contacts of two faces while the upper one is displaced in steps along one direction.
+
+Each step is a half-space contact. The normal load is constant, or rises with the dilation at a constant stiffness.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction._errors import NoSolutionError
+from stiction.mechanics.friction import (
+    LOAD_SUM_NAMES,
+    NEGLIGIBLE_COEFFICIENT,
+    STATUS_DOWNHILL,
+    STATUS_DTYPE,
+    STATUS_NO_CONTACT,
+    STATUS_NOT_REACHED,
+    STATUS_NOT_SOLVED,
+    STATUS_OK,
+    STATUS_SELF_LOCKED,
+    FrictionLaw,
+    Status,
+    compute_load,
+)
+from stiction.mechanics.half_space import BoundaryCondition, HalfSpaceCurve, TiltMode, half_space
+from stiction.mechanics.half_space_problem import solver_thread_count
+from stiction.mechanics.model import ContactModel
+from stiction.mechanics.patches import grid_slopes, patch_sums
+from stiction.mechanics.quantities import quantity_attributes
+from stiction.mechanics.solution_record import SolutionRecord, StepResult
+from stiction.surfaces.profile import Profile, combine_missing_masks, select_from_mask
+from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MIN_OVERLAP_POINTS = 16
+"""Minimum number of points, along each axis, in which the faces must overlap at the end of the path."""
+
+LOAD_TOLERANCE = 1e-4
+"""Accepted deviation of the normal load from its target, as a fraction of the initial load."""
+
+MAX_LOAD_TRIALS = 40  # maximum number of contacts that are solved for one step
+MAX_LOAD_FACTOR = 4.0  # maximum factor between the elastic loads of two consecutive trials
+MAX_LOAD_RATIO = 1e4  # ratio of the elastic load to the target at which the faces count as locked or as separated
+
+_NUMBER_NAMES = (
+    *LOAD_SUM_NAMES, "contact_area", "overlap_area", "contact_count", "load_fraction_at_hardness",
+    "load_fraction_at_edges", "height",
+    "elastic_energy",
+)  # fmt: skip
+_COPIED_NAMES = tuple(name for name in _NUMBER_NAMES if name not in ("contact_area", "height"))
+_ATTRIBUTES: dict[str, dict[str, str]] = {
+    "displacement": {"units": "um", "long_name": "displacement of the upper face along the path"},
+    "friction_coefficient": {"units": "1", "long_name": "tangential load over normal load, against the motion"},
+    "shear_stress": {"units": "GPa", "long_name": "tangential load over the overlap of the faces"},
+    "dilation": {"units": "um", "long_name": "rise of the upper face since the start of the path"},
+    "contact_area_fraction": {"units": "1", "long_name": "fraction of the overlap that is in contact"},
+    "normal_load": {"units": "mN", "long_name": "normal load"},
+    "overlap_area": {"units": "um2", "long_name": "overlap of the faces"},
+    "contact_count": {"units": "1", "long_name": "number of contact patches"},
+    "load_fraction_at_hardness": {"units": "1", "long_name": "fraction of the load at the hardness"},
+    "load_fraction_at_edges": {"units": "1", "long_name": "fraction of the load at the edges of the faces"},
+    "elastic_energy": {"units": "nJ", "long_name": "elastic energy of the faces"},
+}
+
+
+@dataclass(frozen=True, eq=False)
+class ShearBox:
+    """Two faces in a direct shear test, and the conditions of the test, in core units.
+
+    Attributes
+    ----------
+    upper, lower : Profile or Surface
+        Faces on the same grid spacing. The upper face has been flipped.
+    load : float, mN
+        Normal load, or initial normal load with a stiffness.
+    stiffness : float, mN/µm
+        Increase of the normal load per dilation; 0 for a constant load.
+    direction : float, degrees
+        Direction of the motion of the upper face, from +x towards +y.
+    law : FrictionLaw
+        mu0 and tau0 of the contacts.
+    """
+
+    upper: Profile | Surface
+    lower: Profile | Surface
+    load: float
+    stiffness: float
+    direction: float
+    law: FrictionLaw
+    effective_modulus: float
+    compliance_share: float = 0.5
+    hardness: float | None = None
+    boundary: BoundaryCondition = "free"
+    tilt: TiltMode = "fixed"
+    tolerance: float = 1e-6
+
+    @cached_property
+    def _motion(self) -> Floats:
+        """Unit vector of the motion along the axes of the arrays: y and x, or x for profiles."""
+        angle = math.radians(self.direction)
+        vector = np.array([math.sin(angle), math.cos(angle)])[-self.lower.heights.ndim :]
+        return np.where(np.abs(vector) < NEGLIGIBLE_COEFFICIENT, 0.0, vector)
+
+    @property
+    def initial_overlap_area(self) -> float:
+        """Area (µm²) of the points that were measured on both faces, in the overlap at the start of the path."""
+        return _measured_area(*self.faces_at(np.zeros(self.lower.heights.ndim, np.int64)))
+
+    def choose_offsets(self, path: float, steps: int) -> NDArray[np.int64]:
+        """Return the offsets of the upper face in grid points, with shape (count, axes).
+
+        The positions are spread evenly over the path (µm) and rounded to grid points, at most one per grid point.
+        """
+        displacements = np.linspace(0.0, path, steps + 1)
+        rounded = np.rint(displacements[:, np.newaxis] * self._motion / self.lower.spacings).astype(np.int64)
+        offsets: NDArray[np.int64] = rounded[np.append(True, np.any(np.diff(rounded, axis=0) != 0, axis=1))]
+        if len(offsets) < 2:
+            raise ValueError(f"path must be at least the distance between two grid points, got {path:g} µm")
+        if self.boundary == "free":
+            overlaps = [self._find_overlap(offset) for offset in offsets]
+            overlap = min(int(np.min(shape)) for _, _, shape in overlaps)
+            if overlap < MIN_OVERLAP_POINTS:
+                raise ValueError(
+                    f"path must leave an overlap of at least {MIN_OVERLAP_POINTS} points along each axis, got "
+                    f"{path:g} µm, which leaves {max(overlap, 0)}"
+                )
+        return offsets
+
+    def displacements(self, offsets: NDArray[np.int64]) -> Floats:
+        """Return the displacements (µm) along the path at given offsets."""
+        return np.asarray((offsets * self.lower.spacings) @ self._motion)
+
+    def _find_overlap(self, offset: NDArray[np.int64]) -> tuple[list[int], list[int], list[int]]:
+        """Return the first index on the upper and on the lower face, and the shape of the overlap."""
+        lower_start = [max(0, int(step)) for step in offset]
+        upper_start = [start - int(step) for start, step in zip(lower_start, offset, strict=True)]
+        shape = [
+            min(lower - lower_first, upper - upper_first)
+            for lower, upper, lower_first, upper_first in zip(
+                self.lower.heights.shape, self.upper.heights.shape, lower_start, upper_start, strict=True
+            )
+        ]
+        return upper_start, lower_start, shape
+
+    def faces_at(self, offset: NDArray[np.int64]) -> tuple[Any, Any]:
+        """Return the parts of the upper and of the lower face that overlap at an offset."""
+        if self.boundary == "periodic":
+            axes = tuple(range(offset.size))
+            heights = np.roll(self.upper.heights, tuple(map(int, offset)), axes)
+            return type(self.upper)(heights, spacing=self.upper.spacing), replace(self.lower, history=())  # type: ignore[arg-type]
+        *starts, shape = self._find_overlap(offset)
+        faces = []
+        for body, start in zip((self.upper, self.lower), starts, strict=True):
+            index = _slices(start, shape)
+            missing = select_from_mask(body.missing, index)
+            faces.append(type(body)(body.heights[index], spacing=body.spacing, missing=missing))  # type: ignore[arg-type]
+        return faces[0], faces[1]
+
+    def solve_contact(self, offset: NDArray[np.int64], elastic_load: float) -> HalfSpaceCurve:
+        """Solve the contact at an offset under a given sum of the vertical contact forces (mN)."""
+        return half_space(
+            *self.faces_at(offset), [elastic_load], effective_modulus=self.effective_modulus,
+            compliance_share=self.compliance_share, hardness=self.hardness, boundary=self.boundary, tilt=self.tilt,
+            sliding="all", tolerance=self.tolerance,
+        )  # fmt: skip
+
+    @cached_property
+    def _slopes(self) -> tuple[list[Floats], list[Floats]]:
+        """Slopes of the upper and of the lower face along each axis."""
+        upper_slopes, lower_slopes = (
+            grid_slopes(body.heights, body.spacings, periodic=self.boundary == "periodic")
+            for body in (self.upper, self.lower)
+        )
+        return upper_slopes, lower_slopes
+
+    def _find_edges(self, offset: NDArray[np.int64]) -> Floats:
+        """Return 0 at the points of the overlap at which only the upper face ends, 1 where only the lower one ends.
+
+        Elsewhere the values are NaN.
+        """
+        if self.boundary == "periodic":
+            return np.full(self.lower.heights.shape, np.nan)
+        upper_start, lower_start, shape = self._find_overlap(offset)
+        edges = np.full(shape, np.nan)
+        for axis, count in enumerate(shape):
+            line = np.moveaxis(edges, axis, 0)
+            points_before = lower_start[axis] - upper_start[axis]
+            points_after = self.lower.heights.shape[axis] - self.upper.heights.shape[axis] - points_before
+            for end, lower_excess in ((0, points_before), (count - 1, points_after)):
+                if lower_excess != 0:
+                    line[end] = 0.0 if lower_excess > 0 else 1.0
+        return edges
+
+    def _interface_slopes(self, offset: NDArray[np.int64], tilt: Floats) -> list[Floats]:
+        """Return the slopes of the deformed interface along each axis at the points of the overlap.
+
+        An edge of a face that touches the other face is pushed along the normal of the other face.
+        """
+        if self.boundary == "periodic":
+            axes = tuple(range(offset.size))
+            upper_slopes = [np.roll(slope, tuple(map(int, offset)), axes) for slope in self._slopes[0]]
+            lower_slopes = self._slopes[1]
+        else:
+            *starts, shape = self._find_overlap(offset)
+            upper_slopes, lower_slopes = (
+                [slope[_slices(start, shape)] for slope in slopes]
+                for slopes, start in zip(self._slopes, starts, strict=True)
+            )
+        edges = self._find_edges(offset)
+        weight = np.where(np.isnan(edges), self.compliance_share, edges)
+        return [
+            (1 - weight) * lower + weight * (upper + slope)
+            for upper, lower, slope in zip(upper_slopes, lower_slopes, tilt, strict=True)
+        ]
+
+    def solve(
+        self, offsets: NDArray[np.int64], record: SolutionRecord, progress: Callable[[int, int], object] | None = None
+    ) -> list[StepResult]:
+        """Solve the contacts at all offsets, in order. A record may store the steps."""
+        rows: list[StepResult] = []
+        for index, offset in enumerate(offsets):
+            if progress is not None:
+                progress(index, len(offsets))
+            solve_step = partial(self._solve_step, offset, rows[0] if rows else None, rows[-1] if rows else None)
+            rows.append(record.run_step(solve_step, NoSolutionError))
+        if progress is not None:
+            progress(len(offsets), len(offsets))
+        return rows
+
+    def _solve_step(
+        self, offset: NDArray[np.int64], first: StepResult | None, previous: StepResult | None
+    ) -> StepResult:
+        """Find the elastic load at which the normal load has its target, and return the contact there."""
+        upper, lower = self.faces_at(offset)
+        gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
+        first_contact_height = -float((gap if missing is None else gap[~missing]).min())
+        overlap_area = _measured_area(upper, lower)
+        max_load = math.inf if self.hardness is None else self.hardness * overlap_area
+        rows: list[StepResult] = []
+
+        def excess_load(elastic_load: float) -> float:
+            """Return the normal load minus its target."""
+            curve = self.solve_contact(offset, elastic_load)
+            rows.append(self._make_row(curve, offset, first_contact_height, elastic_load))
+            if first is None:
+                return self._normal_load(rows[-1]) - self.load
+            target = self.load + self.stiffness * (float(rows[-1]["height"]) - float(first["height"]))
+            return self._normal_load(rows[-1]) - target
+
+        guess = self.load if previous is None else float(previous["elastic_load"])
+        guess = guess if math.isfinite(guess) else self.load
+        try:
+            status = _find_root(excess_load, guess, self.load, max_load)
+        except NoSolutionError:
+            status = STATUS_NOT_SOLVED
+        row = rows[-1] if rows and status == STATUS_OK else dict.fromkeys((*_NUMBER_NAMES, "elastic_load"), math.nan)
+        return row | {"overlap_area": overlap_area, "status": status}
+
+    def _make_row(
+        self, curve: HalfSpaceCurve, offset: NDArray[np.int64], first_contact_height: float, elastic_load: float
+    ) -> StepResult:
+        """Return the contact sums of a solved contact, and the height of the upper face."""
+        solution = curve.at(0)
+        problem, pressure = solution.problem, solution.on_grid(solution.values)
+        displacement = problem.grids.displacement(pressure, threads=solver_thread_count())
+        slopes = [slope.ravel()[solution.points] for slope in self._interface_slopes(offset, curve.tilt[0])]
+        forces, areas = solution.values * problem.cell_area, solution.share * problem.cell_area
+        is_at_edge = np.isfinite(self._find_edges(offset)).ravel()[solution.points]
+        sums = patch_sums(forces, areas, slopes, solution.patch, ContactModel(direction=self.direction).directions())
+        return {
+            **{name: float(np.squeeze(total)) for name, total in sums.totals("all").items() if name in LOAD_SUM_NAMES},
+            "contact_area": float(areas.sum()),
+            "contact_count": float(curve.contact_count[0]),
+            "load_fraction_at_hardness": float(curve.load_share_at_hardness[0]),
+            "load_fraction_at_edges": float(forces[is_at_edge].sum() / forces.sum()),
+            "height": first_contact_height - float(curve.closure[0]),
+            "elastic_energy": 0.5 * float((pressure * displacement).sum()) * problem.cell_area,
+            "elastic_load": elastic_load,
+        }
+
+    def _normal_load(self, row: StepResult) -> float:
+        return float(compute_load("normal", row, self.law.mu0, self.law.tau0))
+
+    def to_dataset(self, offsets: NDArray[np.int64], rows: list[StepResult]) -> xr.Dataset:
+        """Return the solved steps as a dataset over the displacement."""
+        import xarray as xr
+
+        columns = {name: np.array([float(row[name]) for row in rows]) for name in _NUMBER_NAMES}
+        normal, tangential = (
+            compute_load(load, columns, self.law.mu0, self.law.tau0) for load in ("normal", "tangential")
+        )
+        coefficient, status = tangential / normal, np.array([str(row["status"]) for row in rows], STATUS_DTYPE)
+        status[coefficient < -NEGLIGIBLE_COEFFICIENT] = STATUS_DOWNHILL
+        variables = {
+            "friction_coefficient": np.where(status == STATUS_OK, coefficient, np.nan),
+            "shear_stress": tangential / columns["overlap_area"],
+            "dilation": columns["height"] - columns["height"][0],
+            "contact_area_fraction": columns["contact_area"] / columns["overlap_area"],
+            "normal_load": normal,
+            **{name: columns[name] for name in _COPIED_NAMES},
+        }
+        displacement = "displacement", self.displacements(offsets), _ATTRIBUTES["displacement"]
+        dataset = xr.Dataset(
+            {
+                name: ("displacement", values, _ATTRIBUTES.get(name) or quantity_attributes(name))
+                for name, values in variables.items()
+            }
+            | {"status": ("displacement", status)},
+            {"displacement": displacement},
+        )
+        return dataset.assign_attrs(summarize_curve(dataset))
+
+
+def _slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
+    return tuple(slice(first, first + count) for first, count in zip(start, shape, strict=True))
+
+
+def _measured_area(upper: Profile | Surface, lower: Profile | Surface) -> float:
+    missing = combine_missing_masks(upper, lower)
+    count = lower.heights.size if missing is None else int((~missing).sum())
+    return count * math.prod(lower.spacings)
+
+
+def _find_root(excess_load: Callable[[float], float], guess: float, load: float, max_load: float) -> Status:
+    """Find the elastic load at which a rising function is 0, by secants within a bracket. The last call is the root."""
+    below, above = 0.0, max_load  # elastic loads at which the function is negative and positive
+    trial, last = min(guess, 0.9 * max_load), None
+    for _ in range(MAX_LOAD_TRIALS):
+        excess = excess_load(trial)
+        if abs(excess) <= LOAD_TOLERANCE * load:
+            return STATUS_OK
+        below, above = (trial, above) if excess < 0 else (below, trial)
+        if below > MAX_LOAD_RATIO * load:
+            return STATUS_SELF_LOCKED
+        if above < load / MAX_LOAD_RATIO:
+            return STATUS_NO_CONTACT
+        if below > (1 - LOAD_TOLERANCE) * max_load:
+            return STATUS_NOT_REACHED
+        # Without an earlier trial, the normal load is taken as proportional to the elastic load.
+        slope = (excess + load) / trial if last is None else (excess - last[1]) / (trial - last[0])
+        last = trial, excess
+        step = trial - excess / slope if slope > 0 else (0.0 if excess > 0 else math.inf)
+        step = min(max(step, trial / MAX_LOAD_FACTOR), trial * MAX_LOAD_FACTOR)
+        if not below < step < above:
+            step = (trial + (above if excess < 0 else below)) / 2
+        trial = step
+    return STATUS_NOT_SOLVED
+
+
+def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the peak of a shear curve, its displacement and dilation angle, and the value at the end, as attributes.
+
+    The peak is NaN if the faces lock, and the end is NaN if they slide by themselves there.
+    """
+    names = "peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa"
+    summary: dict[str, Any] = dict.fromkeys((*names, "end"), math.nan)
+    coefficient, status = dataset["friction_coefficient"].values, dataset["status"].values
+    summary["end"] = float(coefficient[-1])
+    lost = [name for name in (STATUS_SELF_LOCKED, STATUS_NOT_REACHED, STATUS_NOT_SOLVED) if (status == name).any()]
+    summary["peak_status"] = lost[0] if lost else STATUS_OK if np.isfinite(coefficient).any() else str(status[0])
+    if summary["peak_status"] == STATUS_OK:
+        index = int(np.nanargmax(coefficient))
+        displacement, dilation = dataset["displacement"].values, dataset["dilation"].values
+        first, last = max(index - 1, 0), min(index + 1, coefficient.size - 1)
+        slope = (dilation[last] - dilation[first]) / (displacement[last] - displacement[first])
+        values = (
+            coefficient[index], displacement[index], math.degrees(math.atan(slope)),
+            np.nanmax(dataset["shear_stress"].values),
+        )  # fmt: skip
+        summary |= {name: float(value) for name, value in zip(names, values, strict=True)}
+    return summary

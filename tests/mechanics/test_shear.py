@@ -1,0 +1,255 @@
+"""Tests of direct shear tests against closed forms: sawtooth, energy balance, perfect fit, mirror symmetry."""
+
+import math
+
+import numpy as np
+import pytest
+from stiction import Profile, Surface, flipped, self_affine_surface, shear_test
+
+ANGLE = math.radians(10)
+FULL_FIT = {"load": "1 MPa", "effective_modulus": "30 GPa"}
+
+
+def create_sawtooth(points_per_tooth, teeth=2):
+    x = np.arange(teeth * points_per_tooth) / points_per_tooth
+    height = np.tan(ANGLE) * 100 * (0.5 - np.abs(x % 1 - 0.5))  # teeth of 100 µm
+    return Profile(height, spacing=100 / points_per_tooth)
+
+
+def create_wavy_profile():
+    x = 2 * np.pi * np.arange(2048) / 2048
+    return Profile(2 * np.cos(x) + 0.5 * np.cos(5 * x + 1) + 0.1 * np.cos(17 * x + 2), spacing=100 / 2048)
+
+
+def create_rough_map(points=64):
+    return self_affine_surface(
+        5, side="lower", hurst_exponent=0.8, rms=6.0, shape=(points, points), spacing=1000 / points,
+        shortest_wavelength=8000 / points,
+    )  # fmt: skip
+
+
+def create_mate(face):
+    """Return the face that fits onto another face, as it would be scanned."""
+    return face.changed(flipped(face).heights, "mate")
+
+
+def shear(face, **options):
+    return shear_test(create_mate(face), face, level="none", **FULL_FIT | options)
+
+
+def integrate_work(test):
+    """Return the work of the tangential load, of dilation and of elastic deformation since the second step, in nJ."""
+    force = (test.shear_stress * test.overlap_area).values[1:]
+    work = np.sum((force[1:] + force[:-1]) / 2 * np.diff(test.displacement.values[1:]))
+    dilation, energy = (float(test[name][-1] - test[name][1]) for name in ("dilation", "elastic_energy"))
+    return work, float(test.normal_load[0]) * dilation, energy
+
+
+# ---- Sawtooth --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("mu0", [0.0, 0.5])
+def test_sawtooth_has_tangent_of_friction_angle_plus_tooth_angle(boundary, mu0):
+    test = shear(create_sawtooth(12800), path="20 um", steps=4, mu0=mu0, boundary=boundary)
+    exact = math.tan(math.atan(mu0) + ANGLE)
+    assert test.friction_coefficient[0] == pytest.approx(mu0, abs=1e-3)
+    np.testing.assert_allclose(test.friction_coefficient[1:], exact, rtol=0.01)
+    np.testing.assert_allclose(test.dilation[1:], math.tan(ANGLE) * test.displacement[1:], rtol=0.01)
+    assert test.attrs["peak_dilation_angle_deg"] == pytest.approx(10, abs=0.1)
+
+
+def test_coarse_sawtooth_has_the_coefficients_of_rounded_tips():
+    test = shear(create_sawtooth(200), path="25 um", steps=5, mu0=0.5, boundary="periodic")
+    assert test.friction_coefficient[[0, 1, 5]].values == pytest.approx([0.500, 0.727, 0.722], abs=1e-3)
+    smooth = shear(create_sawtooth(200), path="5 um", steps=1, mu0=0, boundary="periodic")
+    assert smooth.friction_coefficient[1] == pytest.approx(0.167, abs=1e-3)
+
+
+def test_sawtooth_slides_by_itself_after_its_tips_have_passed():
+    test = shear(create_sawtooth(400), path="60 um", steps=12, mu0=0.05, boundary="periodic")
+    assert test.status.values[-1] == "downhill"
+    assert np.isnan(test.friction_coefficient[-1])
+    assert np.isnan(test.attrs["end"])
+    assert test.shear_stress[-1] < 0
+    assert test.attrs["peak"] > 0.2
+
+
+def test_steep_teeth_lock():
+    x = np.arange(512) / 512
+    steep = Profile(100 * np.abs(x % 0.25 - 0.125), spacing=100 / 512)  # 45 degrees
+    test = shear(steep, path="5 um", steps=2, mu0=1.5, boundary="periodic")
+    assert list(test.status.values) == ["ok", "self-locked", "self-locked"]
+    assert test.attrs["peak_status"] == "self-locked"
+    assert np.isnan(test.attrs["peak"])
+
+
+# ---- Energy ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_work_without_friction_is_dilation_work_plus_elastic_energy_on_profiles(boundary):
+    test = shear(create_wavy_profile(), path="30 um", steps=120, mu0=0, load="10 MPa", boundary=boundary)
+    work, dilation_work, energy = integrate_work(test)
+    assert work > 0
+    assert work == pytest.approx(dilation_work + energy, rel=0.01)
+
+
+@pytest.mark.parametrize("angle", [0, 90, 225])
+def test_work_without_friction_is_dilation_work_plus_elastic_energy_on_maps(angle):
+    test = shear(create_rough_map(), path="300 um", steps=20, mu0=0, direction=angle, boundary="periodic")
+    work, dilation_work, energy = integrate_work(test)
+    assert work == pytest.approx(dilation_work + energy, abs=0.01 * float(test.normal_load[0] * test.dilation.max()))
+
+
+def test_work_balance_includes_an_edge_that_rides_up_the_other_face():
+    x = np.linspace(-1, 1, 401)
+    bowl = Profile(4 * x**2, spacing=0.25)  # the ends of the upper face touch first
+    test = shear(bowl, path="30 um", steps=60, mu0=0)
+    assert test.load_fraction_at_edges[-1] > 0.3
+    work, dilation_work, energy = integrate_work(test)
+    assert work == pytest.approx(dilation_work + energy, rel=0.03)
+
+
+# ---- Perfect fit and symmetry ----------------------------------------------------------------------------------------
+
+
+def test_perfect_fit_is_in_complete_contact_at_the_start():
+    test = shear(create_rough_map(), path="100 um", steps=2, mu0=0.6, tau0="1 MPa", boundary="periodic")
+    assert test.contact_area_fraction[0] == pytest.approx(1.0)
+    assert test.friction_coefficient[0] == pytest.approx(0.6 + 1.0, rel=0.01)  # mu0 plus tau0 over the nominal pressure
+    assert test.dilation[0] == 0
+    assert test.contact_area_fraction[1] < 0.2
+
+
+def test_mirrored_faces_have_the_same_curve_in_the_opposite_direction():
+    face = create_rough_map()
+    mirrored = Surface(face.heights[:, ::-1], spacing=face.spacing)
+    options = {"path": "150 um", "steps": 5, "mu0": 0.6, "hardness": "200 MPa"}
+    forward, backward = shear(face, direction=0, **options), shear(mirrored, direction=180, **options)
+    for name in ("friction_coefficient", "dilation", "contact_area_fraction", "overlap_area"):
+        np.testing.assert_allclose(forward[name], backward[name], rtol=1e-4, atol=1e-6)
+    assert not np.allclose(forward.friction_coefficient, shear(face, direction=180, **options).friction_coefficient)
+
+
+def test_map_of_equal_rows_has_the_path_of_its_profile():
+    """Compare coefficients: on a rigid-like map the rows touch at the same points as the profile."""
+    profile = create_wavy_profile()
+    coarse = Profile(profile.heights[::16], spacing=profile.spacing * 16)
+    surface = Surface(np.tile(coarse.heights, (16, 1)), spacing=coarse.spacing)
+    options = {"path": "20 um", "steps": 5, "mu0": 0.4, "boundary": "periodic"}
+    np.testing.assert_allclose(
+        shear(surface, **options).friction_coefficient, shear(coarse, **options).friction_coefficient, rtol=1e-3
+    )
+
+
+# ---- Loads -----------------------------------------------------------------------------------------------------------
+
+
+def test_normal_load_is_constant_although_friction_has_a_vertical_part():
+    test = shear(create_rough_map(), path="200 um", steps=4, mu0=0.6, tau0="2 MPa", hardness="200 MPa")
+    np.testing.assert_allclose(test.normal_load, 1000.0, rtol=1.1e-4)
+    np.testing.assert_allclose(
+        test.friction_coefficient, test.shear_stress * test.overlap_area / test.normal_load, rtol=1e-12
+    )
+
+
+def test_normal_stiffness_raises_the_load_with_the_dilation():
+    test = shear(create_rough_map(), path="200 um", steps=4, mu0=0.6, normal_stiffness="50 MPa/mm")
+    area = float(test.overlap_area[0])
+    np.testing.assert_allclose(test.normal_load, 1000.0 + 5e-5 * area * test.dilation, rtol=1e-4)
+    assert test.normal_load[-1] > 1.2 * test.normal_load[0]
+
+
+def test_normal_load_vanishes_if_the_stiffness_unloads_contracting_faces():
+    x = 2 * np.pi * np.arange(256) / 256
+    wave = Profile(5 * np.cos(x), spacing=1.0)
+    opposite = create_mate(Profile(-wave.heights, spacing=1.0))  # crests stand on crests at the start
+    test = shear_test(
+        opposite, wave, path="100 um", steps=4, mu0=0.3, normal_stiffness="10 GPa/mm", boundary="periodic",
+        **FULL_FIT,
+    )  # fmt: skip
+    assert test.status.values[-1] == "no-contact"
+    assert np.isnan(test.friction_coefficient[-1])
+
+
+def test_hardness_of_the_teeth_limits_peak_and_dilation():
+    options = {"path": "100 um", "steps": 5, "mu0": 0.6, "boundary": "periodic"}
+    soft, hard = (shear(create_rough_map(), hardness=value, **options) for value in ("20 MPa", "2 GPa"))
+    assert soft.attrs["peak"] < hard.attrs["peak"]
+    assert soft.dilation[-1] < hard.dilation[-1]
+    assert soft.load_fraction_at_hardness[-1] > 0.5
+
+
+def test_free_tilt_takes_the_load_off_the_edges():
+    x = np.linspace(-1, 1, 401)
+    wedge = Profile(20 * np.maximum(x, 0), spacing=0.25)
+    fixed, free = (shear(wedge, path="10 um", steps=2, mu0=0.3, tilt=tilt) for tilt in ("fixed", "free"))
+    assert (free.status == "ok").all()
+    assert not np.allclose(fixed.dilation, free.dilation)
+
+
+# ---- Intervals -------------------------------------------------------------------------------------------------------
+
+
+def test_ranges_of_mu0_and_tau0_give_intervals_by_superposition():
+    options = {"path": "100 um", "steps": 2, "boundary": "periodic"}
+    test = shear(create_rough_map(), mu0="0.5..0.7", tau0="0..1 MPa", **options)
+    ends = [shear(create_rough_map(), mu0=mu0, tau0=tau0, **options) for mu0, tau0 in ((0.5, 0), (0.7, "1 MPa"))]
+    lower, upper = test.friction_coefficient_interval.values
+    assert (lower < test.friction_coefficient).all()
+    assert (upper > test.friction_coefficient).all()
+    assert (lower > ends[0].friction_coefficient - 1e-3).all()
+    assert (upper < ends[1].friction_coefficient + 1e-3).all()
+    assert test.attrs["peak_lower"] < test.attrs["peak"] < test.attrs["peak_upper"]
+    assert test.attrs["end_lower"] < test.attrs["end"] < test.attrs["end_upper"]
+
+
+def test_exact_inputs_have_no_interval():
+    assert "friction_coefficient_interval" not in shear(create_rough_map(), path="100 um", steps=2, mu0=0.6)
+
+
+# ---- Arguments -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"path": "2 mm"}, "path must leave an overlap of at least 16 points along each axis, got 2000 µm"),
+        ({"path": "1 um"}, "path must be at least the distance between two grid points, got 1 µm"),
+        ({"path": 0}, "path must be a finite number above 0 µm, got 0"),
+        ({"steps": 0}, "steps must be a whole number of at least 1, got 0"),
+        ({"mu0": -0.1}, "mu0 must be finite and not negative, got -0.1"),
+        ({"load": "5 s"}, "load must be a force or a pressure with its unit"),
+        ({"load": "2 GPa"}, "load must be below the hardness times the overlap of the faces, 1e\\+06 mN, got '2 GPa'"),
+        ({"normal_stiffness": "5 MPa"}, 'normal_stiffness must be a pressure per length, as in "5 MPa/mm", got'),
+        ({"normal_stiffness": -1}, "normal_stiffness must be at least 0, got -1"),
+        ({"hardness": "1..2 GPa"}, "hardness must be one value; compute both limits of a range separately, got"),
+        ({"tilt": "free", "boundary": "periodic"}, "tilt must be 'fixed' if the faces are periodic, got 'free'"),
+        ({"level": "line"}, "level must be mean, plane or none for maps, got 'line'"),
+        ({"direction": [0, 90]}, "direction must be a single angle"),
+    ],
+)
+def test_shear_test_rejects_impossible_arguments(options, message):
+    face = create_rough_map()
+    arguments = {"path": "100 um", "mu0": 0.5, "hardness": "1 GPa"} | FULL_FIT | options
+    with pytest.raises(ValueError, match=message):
+        shear_test(create_mate(face), face, **arguments)
+
+
+def test_shear_test_rejects_a_profile_on_a_map_and_a_flipped_face():
+    face = create_rough_map()
+    options = {"path": "100 um", "mu0": 0.5} | FULL_FIT
+    with pytest.raises(ValueError, match="upper and lower must both be profiles or both surfaces"):
+        shear_test(face.row(0), face, **options)
+    with pytest.raises(ValueError, match="upper must be the face as it was scanned"):
+        shear_test(flipped(face), face, **options)
+
+
+def test_missing_points_are_not_part_of_the_overlap():
+    face = create_rough_map()
+    missing = np.zeros(face.heights.shape, bool)
+    missing[:8, :8] = True
+    holed = Surface(face.heights, spacing=face.spacing, missing=missing)
+    test = shear_test(create_mate(face), holed, path="100 um", steps=2, mu0=0.5, **FULL_FIT)
+    assert test.overlap_area[0] == pytest.approx((64**2 - 64) * (1000 / 64) ** 2)
