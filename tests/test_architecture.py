@@ -34,3 +34,26 @@ def test_modules_state_their_purpose_in_their_first_line():
     assert [path for path in paths if not ast.get_docstring(ast.parse(path.read_text("utf-8")))] == []
     headers = sorted((ROOT / "cpp/include/stiction").glob("*.hpp"))
     assert [path for path in headers if not path.read_text("utf-8").startswith("// ")] == []
+
+
+MODULES_WITH_THE_FRICTION_LAW = {"mechanics/friction.py", "calibration/fit.py"}
+"""Modules that multiply mu0 or tau0: the friction law, and the linear equations that a calibration solves for both."""
+
+
+def multiplies_strength(node):
+    if not (isinstance(node, ast.BinOp) and isinstance(node.op, (ast.Mult, ast.Div))):
+        return False
+    # A ratio to mu0 or tau0 compares a value with it.
+    operands = (node.left, node.right) if isinstance(node.op, ast.Mult) else (node.left,)
+    names = {getattr(operand, "id", getattr(operand, "attr", None)) for operand in operands}
+    is_conversion_of_units = isinstance(node.left, ast.Constant) or isinstance(node.right, ast.Constant)
+    return bool({"mu0", "tau0"} & names) and not is_conversion_of_units
+
+
+def test_friction_law_alone_multiplies_mu0_and_tau0():
+    sources = {path.relative_to(PACKAGE_FOLDER).as_posix(): path for path in PACKAGE_FOLDER.rglob("*.py")}
+    assert {
+        name
+        for name, path in sources.items()
+        if any(multiplies_strength(node) for node in ast.walk(ast.parse(path.read_text("utf-8"))))
+    } == MODULES_WITH_THE_FRICTION_LAW

@@ -146,7 +146,6 @@ def test_modules_import_neither_the_package_itself_nor_relatively():
 
 MODULES_RESTRICTED_FOR_VIEWS = {
     "companions.contact_forces", "companions.contact_picture", "companions.height_scale", "companions.onset",
-    "evaluate.at_load", "evaluate.budget", "evaluate.ensemble_means", "evaluate.intervals", "evaluate.junction_growth",
     "evaluate.maps", "evaluate.member_means", "evaluate.member_values", "solve.member_solution", "solve.runner",
     "solve.store", "study.members", "summary.nodes",
 }  # fmt: skip

@@ -299,10 +299,10 @@ class ResampledMeans:
         resampled_sums: Any = SimpleNamespace(
             **{name: self.mean_sums(name, amplitude or self.amplitude) for name in _CONTACT_SUM_NAMES}
         )
-        normal_load = friction.compute_load("normal", resampled_sums, mu0, tau0)
+        normal_load = friction.FrictionLaw(mu0, tau0).load("normal", resampled_sums)
         match quantity:
             case "friction":
-                values = friction.compute_load("tangential", resampled_sums, mu0, tau0)
+                values = friction.FrictionLaw(mu0, tau0).load("tangential", resampled_sums)
             case "area":
                 values = resampled_sums.contact_area
             case "stiffness":

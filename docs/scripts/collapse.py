@@ -36,7 +36,7 @@ from stiction import (
     weierstrass_mandelbrot_surface,
 )
 from stiction._core import patches_of
-from stiction.mechanics.friction import compute_load
+from stiction.mechanics.friction import FrictionLaw
 from stiction.mechanics.patches import grid_slopes, patch_sums
 
 DOCS_FOLDER = Path(__file__).parents[1]
@@ -181,7 +181,7 @@ def generate_self_affine_pair(case: dict, repetition: int) -> BodyPair:
 
 
 class LoadSums:
-    """Load sums as attributes, for `compute_load`."""
+    """Load sums as attributes, for `FrictionLaw.load`."""
 
     def __init__(self, columns: dict) -> None:
         vars(self).update(columns)
@@ -291,9 +291,7 @@ def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
         ).total("opposing")
     )
     for name, tau0 in TAU0_BY_LABEL.items():
-        pair_results[f"mu points {name}"] = float(
-            np.mean(compute_load("tangential", point_sums, MU0, tau0) / compute_load("normal", point_sums, MU0, tau0))
-        )
+        pair_results[f"mu points {name}"] = float(np.mean(FrictionLaw(MU0, tau0).coefficient(point_sums)))
     for name, model_options in asperity_models(upper):
         pair_results |= solve_asperities(upper, lower, load, directions, name, model_options, gap_gradient)
     return pair_results

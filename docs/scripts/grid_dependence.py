@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from stiction import Study, run
 from stiction.evaluate.intervals import PowerSums
-from stiction.mechanics.friction import compute_load
+from stiction.mechanics.friction import FrictionLaw
 from stiction.views.style import (
     INCHES_PER_MILLIMETRE,
     MATPLOTLIB_STYLE,
@@ -37,8 +37,8 @@ def compute_grid_results(detection: str) -> dict[str, np.ndarray]:
         )
         dataset = run(study).dataset.isel(amplitude=0, approach=0).transpose("fractal_dimension", "repetition")
         columns["load"].append(dataset["normal_elastic"].values)
-        columns["normal"].append(compute_load("normal", dataset, MU0, 0.0))
-        columns["tangential"].append(compute_load("tangential", dataset, MU0, 0.0))
+        columns["normal"].append(FrictionLaw(MU0, 0.0).load("normal", dataset))
+        columns["tangential"].append(FrictionLaw(MU0, 0.0).load("tangential", dataset))
         columns["area"].append(dataset["contact_area"].values)
         columns["below"].append((dataset["load_below_grid"] / dataset["normal_elastic"].sum("repetition")).values)
     return {name: np.stack(values, axis=1) for name, values in columns.items()}

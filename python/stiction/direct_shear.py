@@ -12,7 +12,7 @@ from stiction._arguments import parse_quantity
 from stiction._checks import check_choice, validate_number, validate_whole_number
 from stiction._errors import ArgumentError
 from stiction._units import loads_to_core_units, quantity, short_repr
-from stiction.mechanics.friction import LOAD_SUM_NAMES, STATUS_OK, FrictionLaw, compute_load, warn_if_tau0_is_large
+from stiction.mechanics.friction import LOAD_SUM_NAMES, STATUS_OK, FrictionLaw, warn_if_tau0_is_large
 from stiction.mechanics.half_space import BoundaryCondition, TiltMode
 from stiction.mechanics.onset import parse_direction
 from stiction.mechanics.shear import ShearBox
@@ -243,9 +243,9 @@ def _add_intervals(test: xr.Dataset, inputs: dict[str, UncertainInput]) -> xr.Da
     if all(value.is_exact for value in inputs.values()):
         return test
     samples = draw_input_samples(inputs)
-    mu0, tau0 = samples["mu0"][:, np.newaxis], samples["tau0"][:, np.newaxis]
+    law = FrictionLaw(samples["mu0"][:, np.newaxis], samples["tau0"][:, np.newaxis])
     sums = {name: test[name].values for name in LOAD_SUM_NAMES}
-    normal, tangential = (compute_load(load, sums, mu0, tau0) for load in ("normal", "tangential"))
+    normal, tangential = (law.load(load, sums) for load in ("normal", "tangential"))
     coefficients = np.divide(tangential, normal, out=np.full_like(normal, np.inf), where=normal > 0)
     is_ok = test["status"].values == STATUS_OK
     intervals = {

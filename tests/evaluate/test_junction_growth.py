@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
-from stiction.calibration.friction_tests import StrengthSamples
+from stiction.mechanics.friction import FrictionLaw
 
 pytestmark = pytest.mark.usefixtures("no_contact_pictures")
 
@@ -176,5 +176,5 @@ def test_pair_function_rejects_invalid_values_of_junction_growth(arguments, term
 @pytest.mark.parametrize("alpha", [0.0, 9.0, 27.0])
 def test_pressure_under_shear_satisfies_the_yield_condition(alpha):
     hardness, mu = np.array([0.5, 2.0]), np.array([0.2, 0.6])
-    pressure = StrengthSamples("all", mu).pressure_under_shear(hardness, alpha)
+    pressure = FrictionLaw(mu, 0.0, alpha).yield_pressure(hardness)
     assert pressure**2 + alpha * (mu * pressure) ** 2 == pytest.approx(hardness**2, rel=1e-12)

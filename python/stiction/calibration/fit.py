@@ -20,13 +20,9 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.calibration.friction_tests import (
-    FrictionTest,
-    StrengthSamples,
-    depends_on_junction_growth,
-    evaluate_test_forces,
-)
+from stiction.calibration.friction_tests import FrictionTest, depends_on_junction_growth, evaluate_test_sums
 from stiction.calibration.growth import find_best_mu0, find_tau0_range
+from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionLaw
 from stiction.mechanics.model import SlidingRule
 from stiction.study.input_distributions import UncertainInput, generate_sobol_points, parse_uncertain_input
 from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit
@@ -123,8 +119,8 @@ class CalibrationProblem:
     ) -> None:
         self.sliding, self.common, self.known, self.outliers = sliding, common, known, outliers
         tests_by_key = {(id(test.result), test.load, test.wait): test for test in tests}
-        forces_by_key = {key: evaluate_test_forces(test, sliding) for key, test in tests_by_key.items()}
-        self._friction = [forces_by_key[id(test.result), test.load, test.wait] for test in tests]
+        sums_by_key = {key: evaluate_test_sums(test, sliding) for key, test in tests_by_key.items()}
+        self._friction = [sums_by_key[id(test.result), test.load, test.wait] for test in tests]
         self.slid = np.array([test.slid for test in tests])
         self.load = np.array([float(test.load) for test in tests])
         self.measured = np.array([float(test.coefficient or 0.0) for test in tests])
@@ -188,9 +184,10 @@ class CalibrationProblem:
                     self.measured[test] if is_measured and equation.area_factor.junction_growth is not None else None,
                 )
                 if key not in cached_factors:
-                    strength_arrays = (self.measured[test], None) if mu0 is None or tau0 is None else (mu0, tau0)
+                    # The area of sliding contacts depends on the ratio of their forces, however it is split.
+                    strengths = (self.measured[test], 0.0) if mu0 is None or tau0 is None else (mu0, tau0)
                     cached_factors[key] = equation.area_factor.area_factor_for_probabilities(
-                        probability, StrengthSamples(self.sliding, *strength_arrays)
+                        probability, FrictionLaw(*strengths)
                     )
                 factor = factor * cached_factors[key]
             if equation.scatter > 0:
@@ -199,8 +196,7 @@ class CalibrationProblem:
                 ).reshape(shape)
             return np.broadcast_to(factor, (len(scores), *grid_shape))
 
-        def collect_attribute(name: str) -> Floats:
-            return np.array([getattr(equation, name) for equation in self._friction])
+        sums = {name: np.array([equation.sums[name] for equation in self._friction]) for name in LOAD_SUM_NAMES}
 
         gain = (
             np.exp(self.common * scores_by_name[GAIN_NUISANCE_NAME])[:, np.newaxis]
@@ -209,9 +205,9 @@ class CalibrationProblem:
         )
         # The measured coefficient is the product of the gain and the true coefficient.
         # Errors refer to the measured coefficient.
-        mu0_coefficient = gain * collect_attribute("rub") - self.measured * collect_attribute("rub_normal")
-        tau0_coefficient = gain * collect_attribute("stick") - self.measured * collect_attribute("stick_normal")
-        right_side = self.measured - gain * collect_attribute("elastic")
+        mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
+        tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
+        right_side = self.measured - gain * sums["tangential_elastic"]
         factors = np.stack([area_factors_of_test(test) for test in range(len(self._friction))], axis=1)
         return (
             mu0_coefficient,
@@ -820,7 +816,7 @@ class CalibrationProblem:
         plans_with_errors = []
         for plan, further_areas_per_load in plans:
             areas_per_load = np.concatenate([np.full(count, area_per_load), further_areas_per_load])
-            errors = relative_error * np.maximum(mu0 + tau0 * areas_per_load, 1e-12)
+            errors = relative_error * np.maximum(FrictionLaw(mu0, tau0).force(1.0, areas_per_load), 1e-12)
             design_matrix = np.stack([1 / errors, areas_per_load / errors], axis=1)
             covariance = np.linalg.inv(design_matrix.T @ design_matrix)
             plans_with_errors.append((plan, math.sqrt(covariance[0, 0]), math.sqrt(covariance[1, 1])))

@@ -1,4 +1,4 @@
-"""Friction tests, and the forces per load that a test has for given mu0 and tau0."""
+"""Friction tests, and their contact sums per load."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from stiction._checks import Floats, validate_number
 from stiction._units import is_pressure, loads_to_core_units, short_repr, to_core_units
 from stiction.evaluate.contact_area import AreaFunction, build_area_functions
 from stiction.evaluate.member_values import interpolate_member_sums
-from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
-from stiction.mechanics.friction import LOAD_SUM_NAMES, ForcesPerLoad, FrictionCurve
+from stiction.mechanics.closed_forms import hertz_sphere
+from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionCurve, FrictionLaw, sums_per_load
 from stiction.mechanics.model import SlidingRule
 from stiction.solve.member_sums import MemberSums
 from stiction.study.elasticity import PairElasticity
@@ -27,9 +27,6 @@ from stiction.study.study import parse_study_of_dataset
 
 if TYPE_CHECKING:
     pass
-
-MIN_RELATIVE_PRESSURE = 1.001  # smallest ratio of the contact pressure in sliding contacts to the nominal pressure
-
 
 VON_MISES_GROWTH_COEFFICIENT = (
     27.0  # value of α for which the shear strength of a body is its hardness divided by √27 (von Mises)
@@ -98,29 +95,14 @@ class Ball:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _FrictionTestForces(ForcesPerLoad):
-    """Normal and tangential forces per load in a friction test, as functions of mu0 and tau0."""
+class _FrictionTestSums:
+    """Contact sums of a friction test, divided by the elastic load."""
 
-    scatter: float = 0.0  # relative standard error of the adhesive sum `stick`
+    sums: Mapping[str, float]
+    scatter: float = 0.0  # relative standard error of the true area
     surfaces: Hashable = None  # key of the surfaces; tests with equal keys share the area error
     hardness: float = math.nan
     area_factor: AreaFactor | None = None
-
-
-@dataclass(frozen=True)
-class StrengthSamples:
-    """Samples of mu0 and tau0 (GPa), or samples of a friction coefficient, that define the strength of an interface."""
-
-    sliding: SlidingRule
-    mu0: Floats
-    # None if `mu0` is the ratio T/F of sliding contacts
-    tau0: Floats | None = None
-
-    def pressure_under_shear(self, hardness: Floats, alpha: Floats | float) -> Floats:
-        """Return the pressure H' (GPa) in plastic contacts under shear, computed from the hardness H (GPa)."""
-        if self.tau0 is None:  # p² + α s² = H² with s = (T/F) p
-            return np.asarray(hardness / np.sqrt(1 + alpha * self.mu0**2))
-        return hardness_under_shear(hardness, self.mu0, self.tau0, alpha)
 
 
 @dataclass(frozen=True)
@@ -148,17 +130,15 @@ class AreaFactor:
         """Junction growth α, or None if contacts do not grow."""
         return None
 
-    def area_factor_for_probabilities(
-        self, columns: Mapping[Any, Floats], strength: StrengthSamples | None = None
-    ) -> Floats:
+    def area_factor_for_probabilities(self, columns: Mapping[Any, Floats], law: FrictionLaw | None = None) -> Floats:
         """Compute the ratio of true area to computed area from cumulative probabilities of nuisance parameters."""
-        return self.area_factor_for_inputs(self.input_values(columns), strength)
+        return self.area_factor_for_inputs(self.input_values(columns), law)
 
-    def area_factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
+    def area_factor_for_inputs(self, samples: Mapping[str, Floats], law: FrictionLaw | None = None) -> Floats:
         """Return the ratio of the true area to the computed area for given values of the inputs.
 
-        If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
-        infinite at seizure.
+        If mu0 and tau0 are given by a law, the true area is the area at the onset of sliding. Their junction growth is
+        that of the test. At seizure the area is infinite, or the nominal area if tau0 is 0.
         """
         raise NotImplementedError
 
@@ -169,8 +149,8 @@ class _BallAreaFactor(AreaFactor):
 
     moduli: UncertainModulus
 
-    def area_factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
-        """Return the true area divided by the true area for the central moduli. The interface strength is ignored."""
+    def area_factor_for_inputs(self, samples: Mapping[str, Floats], law: FrictionLaw | None = None) -> Floats:
+        """Return the true area divided by the true area for the central moduli. The law is ignored."""
         return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
 
 
@@ -204,11 +184,11 @@ class _AreaFactorFromResult(AreaFactor):
         """Junction growth α, or None if contacts do not grow."""
         return self.inputs.estimate("junction_growth")
 
-    def area_factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
+    def area_factor_for_inputs(self, samples: Mapping[str, Floats], law: FrictionLaw | None = None) -> Floats:
         """Return the ratio of the true area to the computed area for given values of the inputs.
 
-        If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
-        infinite at seizure.
+        If mu0 and tau0 are given by a law, the true area is the area at the onset of sliding. Their junction growth is
+        that of the test. At seizure the area is infinite, or the nominal area if tau0 is 0.
         """
         exponent = samples.get("yield_exponent", self.area.yield_exponent)
         modulus = self.inputs.relative_modulus(samples)
@@ -216,21 +196,12 @@ class _AreaFactorFromResult(AreaFactor):
         if self.area.hardness is not None:
             hardness = samples.get("hardness", np.asarray(self.area.hardness))
             hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
-            if self.junction_growth is not None and strength is not None:
-                pressure = strength.pressure_under_shear(
-                    hardness, samples.get("junction_growth", self.inputs.central("junction_growth"))
-                )
-                nominal_pressure = self.load / self.area.nominal_area
-                # keeps the pressure above the nominal pressure, so that the computed area is finite
-                if strength.tau0 is None:
-                    pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * nominal_pressure)
-                is_carried = pressure > nominal_pressure
-                area = self.area(
-                    self.load, hardness=np.where(is_carried, pressure, hardness), modulus=modulus,
-                    yield_exponent=exponent,
-                )  # fmt: skip
-                return np.where(is_carried, area, np.inf) / self.area(self.load)
-        area = self.area(self.load, hardness=hardness, modulus=modulus, yield_exponent=exponent)
+        if self.junction_growth is not None and law is not None:
+            law = replace(law, junction_growth=samples.get("junction_growth", self.inputs.central("junction_growth")))
+            area = self.area.onset(law, self.load, hardness=hardness, modulus=modulus, yield_exponent=exponent).area
+            area = np.where(law.tau0 > 0, area, np.minimum(area, self.area.nominal_area))
+        else:
+            area = self.area(self.load, hardness=hardness, modulus=modulus, yield_exponent=exponent)
         return np.asarray(area / self.area(self.load))
 
 
@@ -338,12 +309,13 @@ class FrictionTest:
         return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))
 
 
-def depends_on_junction_growth(friction: _FrictionTestForces, mu0: float, tau0: float) -> bool:
+def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: float) -> bool:
     """Return whether junction growth with α = 27 (von Mises) would noticeably change the friction coefficient."""
-    if not friction.stick * friction.hardness > MIN_PLASTIC_AREA_RATIO:
+    if not friction.sums["tangential_adhesive"] * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
-    coefficient, coefficient_with_growth = tabor_friction(
-        friction.hardness, mu0, tau0, [0.0, VON_MISES_GROWTH_COEFFICIENT]
+    coefficient = FrictionLaw(mu0, tau0).plastic_coefficient(friction.hardness)
+    coefficient_with_growth = FrictionLaw(mu0, tau0, VON_MISES_GROWTH_COEFFICIENT).plastic_coefficient(
+        friction.hardness
     )
     return not coefficient_with_growth <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * coefficient
 
@@ -357,20 +329,22 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
     return tuple(parse_study_of_dataset(getattr(result, "dataset", result)).contact.sliding_rules())
 
 
-def evaluate_test_forces(test: FrictionTest, sliding: SlidingRule) -> _FrictionTestForces:
-    """Evaluate the forces per load in a friction test for a given sliding rule."""
+def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTestSums:
+    """Evaluate the contact sums per load of a friction test for a given sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("wait requires a result of `pair` with a creep exponent")
     if isinstance(result, Ball):
-        return _FrictionTestForces(stick=result.area_per_load(load), area_factor=test.area_factor)
+        sums = dict.fromkeys(LOAD_SUM_NAMES, 0.0) | {"normal_elastic": 1.0, "tangential_frictional": 1.0}
+        sums["tangential_adhesive"] = result.area_per_load(load)
+        return _FrictionTestSums(sums=sums, area_factor=test.area_factor)
     if isinstance(result, FrictionCurve):
-        return _interpolate_forces_per_load(result, load)
-    return replace(_average_forces_per_load(result, load, sliding), area_factor=test.area_factor)
+        return _interpolate_sums_per_load(result, load)
+    return replace(_average_sums_per_load(result, load, sliding), area_factor=test.area_factor)
 
 
-def _interpolate_forces_per_load(curve: FrictionCurve, load: float) -> _FrictionTestForces:
-    """Interpolate a load curve to a given load, and return the forces per load."""
+def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTestSums:
+    """Interpolate a load curve to a given load, and return the contact sums per load."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         range_text = f"{loads.min():g} to {loads.max():g} mN"
@@ -382,14 +356,14 @@ def _interpolate_forces_per_load(curve: FrictionCurve, load: float) -> _Friction
         values = values.reshape(-1, values.shape[-1])[0] / loads
         return float(np.interp(math.log(load), np.log(loads[order]), values[order]))
 
-    return _FrictionTestForces.from_contact_sums(
-        {name: interpolate_sum(name) for name in LOAD_SUM_NAMES},
+    return _FrictionTestSums(
+        sums=sums_per_load({name: interpolate_sum(name) for name in LOAD_SUM_NAMES}),
         hardness=float(getattr(curve, "hardness", None) or math.nan),
     )
 
 
-def _average_forces_per_load(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestForces:
-    """Average the forces per load over the members and directions of a result at a given load."""
+def _average_sums_per_load(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestSums:
+    """Average the contact sums per load over the members and directions of a result at a given load."""
     dataset = getattr(result, "dataset", result)
     sums = (
         interpolate_member_sums(dataset, np.array([load]))
@@ -414,8 +388,8 @@ def _average_forces_per_load(result: Any, load: float, sliding: SlidingRule) -> 
     )
     means = {name: values[is_reached].mean() for name, values in contact_sums.items()}
     surfaces = dataset.attrs["study"]
-    return _FrictionTestForces.from_contact_sums(
-        means,
+    return _FrictionTestSums(
+        sums=sums_per_load(means),
         scatter=relative_error,
         surfaces=surfaces,
         hardness=float(parse_study_of_dataset(dataset).contact.hardness or math.nan),

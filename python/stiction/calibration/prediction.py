@@ -15,12 +15,11 @@ from stiction.calibration.friction_tests import (
     AreaFactor,
     Ball,
     FrictionTest,
-    StrengthSamples,
     depends_on_junction_growth,
-    evaluate_test_forces,
+    evaluate_test_sums,
 )
 from stiction.evaluate.budget import predict_interval
-from stiction.mechanics.friction import FrictionCurve
+from stiction.mechanics.friction import FrictionCurve, FrictionLaw
 from stiction.solve.member_sums import MemberSums
 from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, InterfaceStrength, ValueWithLimits
 
@@ -78,14 +77,14 @@ class Interface(InterfaceStrength):
         from scipy.special import ndtr
 
         fit, generator = self.fits[0], np.random.default_rng(1)
-        test_forces = evaluate_test_forces(FrictionTest(result, load, coefficient=0.0), fit.sliding)
+        test_sums = evaluate_test_sums(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
         def draw_scores(name: Hashable) -> Floats:
             # If an input also occurs in the tests, its samples from the fit are used.
             return fit.scores[name] if name in fit.scores else generator.standard_normal(len(fit.mu0))
 
-        area_samples = np.exp(test_forces.scatter * draw_scores(test_forces.surfaces))
-        if (area_factor := test_forces.area_factor) is not None:
+        area_samples = np.exp(test_sums.scatter * draw_scores(test_sums.surfaces))
+        if (area_factor := test_sums.area_factor) is not None:
             samples = area_factor.input_values({name: ndtr(draw_scores(name)) for name in area_factor.nuisance_names})
             if "hardness" in samples and area_factor.known["hardness"].describes_same_hardness(
                 self.about.get(HARDNESS_HEADER_ENTRY, "")
@@ -95,7 +94,7 @@ class Interface(InterfaceStrength):
                 samples["junction_growth"] = fit.junction_growth
         growth = None if area_factor is None else area_factor.junction_growth
         depends_on_alpha = growth is not None or depends_on_junction_growth(
-            test_forces, float(np.median(fit.mu0)), float(np.median(fit.tau0))
+            test_sums, float(np.median(fit.mu0)), float(np.median(fit.tau0))
         )
         if depends_on_alpha and self.junction_growth is not None and not self.has_equal_junction_growth(growth):
             test_alpha, result_alpha = (
@@ -108,17 +107,15 @@ class Interface(InterfaceStrength):
             )
 
         def compute_coefficients(mu0: Floats, tau0: Floats) -> Floats:
-            strength = StrengthSamples(fit.sliding, mu0, tau0)
+            law = FrictionLaw(mu0, tau0)
             total_area = (
-                area_samples
-                if area_factor is None
-                else area_samples * area_factor.area_factor_for_inputs(samples, strength)
+                area_samples if area_factor is None else area_samples * area_factor.area_factor_for_inputs(samples, law)
             )
-            values = test_forces.compute_coefficient(mu0, tau0, np.where(tau0 > 0, total_area, 1.0))
+            values = law.coefficient(test_sums.sums, np.where(tau0 > 0, total_area, 1.0))
             return np.where(np.isfinite(values), values, np.inf)
 
         value, lower, upper = self.interval_of(compute_coefficients)
-        has_shared_errors = test_forces.surfaces in fit.scores or (
+        has_shared_errors = test_sums.surfaces in fit.scores or (
             area_factor is not None and bool(fit.scores.keys() & self._list_separate_nuisances(area_factor))
         )
         if isinstance(result, (Ball, FrictionCurve)) or has_shared_errors:

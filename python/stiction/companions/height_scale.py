@@ -19,7 +19,7 @@ from stiction._checks import Floats, check_choice, float_array
 from stiction._errors import ArgumentError
 from stiction._text import format_duration
 from stiction._units import short_repr
-from stiction.evaluate.at_load import at_load, evaluate_members
+from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty
 from stiction.evaluate.member_means import (
     AREA_ABOVE_NOMINAL_STATUS,
@@ -27,6 +27,7 @@ from stiction.evaluate.member_means import (
     find_axes_with_both_directions,
     include_interpolation_error,
 )
+from stiction.evaluate.member_values import evaluate_members
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.solve.companion_study import CompanionStudy

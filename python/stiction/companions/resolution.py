@@ -15,7 +15,7 @@ from stiction._estimate import Estimate
 from stiction._units import exact_quantity_text
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.point import (
-    compute_plastic_adhesive_friction,
+    compute_plastic_friction,
     effective_modulus_at,
     find_contact_status,
     get_study_hardness,
@@ -216,10 +216,10 @@ def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, floa
     The bound on mu_s, with friction at all contacts, is mu0 + tau0/H'. The bound on the area fraction is p/H, where p
     is the nominal pressure.
     """
-    if (adhesive_friction := compute_plastic_adhesive_friction(point, study)) is None:
+    if (plastic_friction := compute_plastic_friction(point, study)) is None:
         return None
     area_fraction = float(point["load"]) / (get_study_hardness(study) * float(point["nominal_area"]))
-    return float(point["mu0"]) + adhesive_friction, area_fraction
+    return plastic_friction, area_fraction
 
 
 @dataclass(frozen=True)

@@ -17,11 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, check_choice, float_array
 from stiction._units import short_repr
 from stiction.evaluate.ensemble_means import average_ensemble
-from stiction.evaluate.junction_growth import apply_junction_growth
 from stiction.evaluate.load_range import find_negligible_load
 from stiction.evaluate.maps import MAP_CELL_DIMENSIONS, choose_mu0_and_tau0
 from stiction.evaluate.member_means import LoadNeighbors, average_members
-from stiction.evaluate.member_values import LoadDefinition, MemberKind, evaluate_members_before_growth
+from stiction.evaluate.member_values import LoadDefinition, MemberKind, evaluate_members
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.quantities import is_requested, quantity_attributes
 from stiction.solve.member_sums import MemberSums
@@ -88,13 +87,11 @@ def at_load(
     if load_definition == "mean":
         point = average_ensemble(result, unique_loads, *strengths, names)
     else:
-        members = evaluate_members_before_growth(result, unique_loads, *strengths, load_definition, member_kind, names)
-        if study.contact.junction_growth:
-            members = apply_junction_growth(members, result, names)
+        members = evaluate_members(result, unique_loads, *strengths, load_definition, member_kind, names)
         neighbors = None
         if load_definition == "elastic" and (bracket := _find_bracketing_loads(result, unique_loads)) is not None:
             computed_loads, (below, above), position = bracket
-            others = evaluate_members(result, computed_loads, *strengths, member_kind, names)
+            others = evaluate_members(result, computed_loads, *strengths, "elastic", member_kind, names)
             neighbors = LoadNeighbors(others.isel(load=below), others.isel(load=above), position)
         point = average_members(study, members, names, neighbors)
         if is_measured:
@@ -108,25 +105,18 @@ def at_load(
     if is_measured and is_requested("load_definition_effect", names):
         # `load_definition_effect` compares the coefficients at equal elastic load and at equal normal load.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
-        members = evaluate_members_before_growth(result, unique_loads, *strengths, other_definition, member_kind, names)
-        if load_definition != "mean" and study.contact.junction_growth:
-            members = apply_junction_growth(members, result, ())
+        # Means of ensembles contain no growth of the contacts.
+        other_result = (
+            result
+            if load_definition != "mean"
+            else result.with_study(study.with_changes({"contact.junction_growth": None}))
+        )
+        members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, names)
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
         coefficient = point["mean_friction"].sel(statistic="mean")
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
         point["load_definition_effect"] = abs(other_coefficient / coefficient - 1).max(other_dims).variable
     return point.assign_attrs(load_definition=load_definition)
-
-
-def evaluate_members(
-    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, member_kind: MemberKind | None = None,
-    names: Collection[str] | None = None,
-) -> xarray.Dataset:  # fmt: skip
-    """Evaluate each member of a result at elastic loads, including junction growth."""
-    members = evaluate_members_before_growth(result, loads, mu0, tau0, "elastic", member_kind, names)
-    if not result.study.contact.junction_growth:
-        return members
-    return apply_junction_growth(members, result, names)
 
 
 def _find_bracketing_loads(

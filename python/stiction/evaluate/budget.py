@@ -29,7 +29,7 @@ from stiction.evaluate.contact_area import build_area_functions, compute_load_ex
 from stiction.evaluate.intervals import ScanPairMean, average_scan_pairs
 from stiction.evaluate.member_values import interpolate_member_sums, member_values
 from stiction.evaluate.response import ContactResponse, InputValues
-from stiction.mechanics.friction import LOAD_SUM_NAMES, ForcesPerLoad
+from stiction.mechanics.friction import LOAD_SUM_NAMES, sums_per_load
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
 from stiction.solve.member_sums import MemberSums
@@ -327,7 +327,7 @@ def _iterate_intervals(
         point = {name: values[position] for name, values in values_by_name.items()}
         response = ContactResponse(
             float(loads[indices["load"]]),
-            ForcesPerLoad.from_contact_sums({name: sums[position] for name, sums in sums_by_name.items()}),
+            sums_per_load({name: sums[position] for name, sums in sums_by_name.items()}),
             areas[indices.get("cut_off", 0)],
             replace(study_inputs, mu0=float(point["mu0"]), tau0=float(point["tau0"])),
             float(stiffness_exponents[indices["load"]]),

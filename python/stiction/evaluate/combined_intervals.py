@@ -20,7 +20,7 @@ from stiction._estimate import Interval
 from stiction.evaluate.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean
 from stiction.evaluate.response import ContactResponse, InputValues
 from stiction.mechanics.brackets import friction_range_for_finer_scans, max_friction_for_finer_scans
-from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT
+from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, FrictionLaw
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES, Z_95, UncertainInput, generate_stratified_points
 from stiction.study.inputs import Inputs
@@ -176,7 +176,7 @@ class CombinedIntervals:
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":
             self.contacts = float(point["contact_count"][0]) * float(point["members"])
-            bracket_inputs = self.mu0, self.tau0 / float(self._central.yield_pressure), self.contacts
+            bracket_inputs = self.mu0, float(self._central.plastic_friction) - self.mu0, self.contacts
             self.finest = friction_range_for_finer_scans(value, *bracket_inputs)
             self.bracket = friction_range_for_finer_scans(value, *bracket_inputs, upper)
         self.standard_errors = self._split_relative_error(*self.sampling, self.value)
@@ -243,7 +243,7 @@ class CombinedIntervals:
             self.inputs[name].quantile(unit_points[:, column]) if name in self.inputs else value
             for column, (name, value) in enumerate((("mu0", self.mu0), ("tau0", self.tau0)))
         )
-        coefficients = np.broadcast_to(self.response.forces.compute_coefficient(mu0, tau0), (NUM_INPUT_SAMPLES,))
+        coefficients = np.broadcast_to(FrictionLaw(mu0, tau0).coefficient(self.response.sums), (NUM_INPUT_SAMPLES,))
         value, lower, upper = self.sampling_estimate.tolist()
         low, high = compute_equal_tailed_interval(coefficients).extended_to((value, value), (lower, upper))
         return value, max(low, 0.0), high
@@ -392,11 +392,13 @@ class CombinedIntervals:
         )
         fractions = samples.probabilities.get(UNRESOLVED_ROUGHNESS_INPUT_NAME)
         if fractions is not None and self.finest is not None:
-            plastic_part = inputs.tau0 / np.where(is_seized, np.inf, values.yield_pressure)
-            lowest = np.minimum(inputs.mu0 + plastic_part, coefficients)
+            plastic_friction = np.where(is_seized, inputs.mu0, values.plastic_friction)
+            lowest = np.minimum(plastic_friction, coefficients)
             highest = np.maximum(
-                max_friction_for_finer_scans(coefficients, inputs.mu0, plastic_part, self.contacts), lowest
-            )
+                max_friction_for_finer_scans(
+                    coefficients, inputs.mu0, plastic_friction - inputs.mu0, self.contacts
+                ), lowest,
+            )  # fmt: skip
             coefficients = lowest + fractions * (highest - lowest)
         coefficients = coefficients * np.exp(
             sum(error * samples.scores[name] for name, error in self.standard_errors.items())

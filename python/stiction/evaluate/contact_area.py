@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats
+from stiction.mechanics.friction import FrictionLaw, OnsetState
 from stiction.mechanics.hardness import yielded_area
 from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
 from stiction.solve.member_sums import MemberSums
+from stiction.study.inputs import Inputs
 
 if TYPE_CHECKING:
     import xarray
@@ -97,6 +99,17 @@ class AreaFunction:
         )
         return np.minimum(area, self.nominal_area)
 
+    def onset(
+        self, law: FrictionLaw, load: ArrayLike, *, hardness: ArrayLike | None = None, modulus: ArrayLike = 1.0,
+        yield_exponent: ArrayLike | None = None,
+    ) -> OnsetState:  # fmt: skip
+        """Return the state of contacts that yield at the onset of sliding. Arguments are as for the area."""
+
+        def area_at_pressure(pressure: Floats) -> Floats:
+            return self(load, hardness=pressure, modulus=modulus, yield_exponent=yield_exponent)
+
+        return law.onset(load, self.hardness if hardness is None else hardness, self.nominal_area, area_at_pressure)
+
 
 @dataclass(frozen=True, eq=False)
 class _SolvedAreas:
@@ -165,6 +178,21 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
         else:  # no member could be computed
             functions.append(AreaFunction(np.ones(1), np.full(1, np.nan), nominal_area, hardness, exponent))
     return functions
+
+
+def compute_area_growth(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
+    """Return the ratio of the true area at the onset of sliding to the true area before shear.
+
+    The ratio has the shape (cells, loads, mu0, tau0), and is infinite at seizure. The pressure at the onset is also
+    applied to contacts that do not oppose the motion, so that the ratio is an upper bound under the sliding rule
+    "opposing".
+    """
+    law = Inputs.from_study(result.study).friction_law(mu0[:, np.newaxis], tau0)
+    loads = loads[:, np.newaxis, np.newaxis]
+    return np.stack([
+        area.onset(law, loads).area / area(loads)
+        for area in result.compute_once(build_area_functions)
+    ])  # fmt: skip
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:

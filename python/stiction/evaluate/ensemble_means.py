@@ -15,7 +15,7 @@ from stiction.evaluate.intervals import INTERVAL_STATISTICS
 from stiction.evaluate.maps import evaluate_ensemble_quantities, find_cell_dimensions
 from stiction.evaluate.member_means import find_axes_with_both_directions
 from stiction.evaluate.member_values import interpolate_member_sums, member_values
-from stiction.mechanics.friction import LOAD_SUM_NAMES, compute_loads
+from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionLaw
 from stiction.mechanics.quantities import (
     COMMON_VALIDITY_QUANTITIES,
     ONSET_QUANTITIES,
@@ -143,8 +143,13 @@ def compute_ensemble_friction(
 
     contact_sums = interpolate_member_sums(result, loads).mean("direction")
     dims = [str(dim) for dim in contact_sums[LOAD_SUM_NAMES[0]].dims if dim != "repetition"]
-    sums = {name: contact_sums[name].transpose("repetition", *dims).values for name in LOAD_SUM_NAMES}
-    member_loads = np.stack(compute_loads(sums, mu0, tau0))  # shape (2, members, ..., mu0, tau0)
+    sums = {
+        name: contact_sums[name].transpose("repetition", *dims).values[..., np.newaxis, np.newaxis]
+        for name in LOAD_SUM_NAMES
+    }
+    law = FrictionLaw(mu0[:, np.newaxis], tau0)
+    # The array has the shape (2, members, ..., mu0, tau0).
+    member_loads = np.stack([law.load("normal", sums), law.load("tangential", sums)])
     load_sums = member_loads.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = np.where(load_sums[0] > 0, load_sums[1] / load_sums[0], np.nan)

@@ -21,7 +21,7 @@ from stiction._units import short_repr
 from stiction.evaluate import intervals
 from stiction.evaluate.contact_area import iterate_pieces_with_true_areas
 from stiction.mechanics import friction
-from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, Validity
+from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, FrictionLaw, Validity
 from stiction.mechanics.quantities import COMMON_VALIDITY_QUANTITIES, QUANTITIES, SUM_QUANTITIES, quantity_attributes
 from stiction.solve.executors import executor_or_thread_pool
 from stiction.solve.member_sums import MemberSums
@@ -334,10 +334,10 @@ class _EnsembleQuantities:
         contact_sums, *quantity_sums = (
             each.apply(operator.itemgetter((*cell, slice(None), selected_members))) for each in sums
         )
-        strengths = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
-        normal = friction.compute_load("normal", contact_sums, *strengths)
+        law = FrictionLaw(self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis])
+        normal = law.load("normal", contact_sums)
         values = (
-            np.broadcast_to(_compute_quantity_values(each, name, *strengths), normal.shape)
+            np.broadcast_to(_compute_quantity_values(each, name, law), normal.shape)
             for name, each in zip(self.names, quantity_sums, strict=True)
         )
         return [array.reshape(-1, *normal.shape[2:]) for array in (normal, *values)]
@@ -461,10 +461,10 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
     return [sums, *map(compute_quantity_sums, names)]
 
 
-def _compute_quantity_values(sums: ContactSums, quantity: str, mu0: Floats, tau0: Floats) -> Floats:
+def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw) -> Floats:
     if not (quantity in _VARIABLES_BY_QUANTITY or QUANTITIES[quantity].weighted):
         return sums.contact_area
-    return friction.compute_load("tangential" if quantity == "friction_coefficient" else "normal", sums, mu0, tau0)
+    return law.load("tangential" if quantity == "friction_coefficient" else "normal", sums)
 
 
 def _average_sums(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, float_array
 from stiction._units import short_repr
-from stiction.evaluate.contact_area import iterate_pieces_with_true_areas
+from stiction.evaluate.contact_area import compute_area_growth, iterate_pieces_with_true_areas
 from stiction.evaluate.intervals import LoadCrossings
-from stiction.evaluate.junction_growth import ADHESIVE_SUMS, apply_junction_growth
 from stiction.evaluate.maps import MOTION_DIMENSIONS, choose_mu0_and_tau0, find_cell_dimensions
 from stiction.mechanics import friction
 from stiction.mechanics.friction import (
@@ -21,8 +20,7 @@ from stiction.mechanics.friction import (
     STATUS_DTYPE,
     STATUSES,
     VALIDITY_RATIOS,
-    compute_load,
-    compute_loads,
+    FrictionLaw,
     validity_ratio,
 )
 from stiction.mechanics.quantities import (
@@ -86,30 +84,25 @@ def member_values(
     result = MemberSums.of(result)
     unique_loads = np.unique(np.atleast_1d(float_array("loads", loads)))
     strengths = choose_mu0_and_tau0(result, mu0, tau0)
-    members = evaluate_members_before_growth(result, unique_loads, *strengths, load_definition, member_kind)
-    if result.study.contact.junction_growth:
-        members = apply_junction_growth(members, result)
+    members = evaluate_members(result, unique_loads, *strengths, load_definition, member_kind)
     if load_definition == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
         sums = interpolate_member_sums(result, unique_loads, LATERAL_SUMS, member_kind=member_kind)
         lateral_sums = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
-        lateral = compute_load("lateral", lateral_sums, strengths[0][:, np.newaxis], strengths[1])
+        lateral = FrictionLaw(strengths[0][:, np.newaxis], strengths[1]).load("lateral", lateral_sums)
         dims = (*sums[LATERAL_SUMS[0]].dims, "mu0", "tau0")
         members = members.assign(lateral_load=(dims, lateral, quantity_attributes("lateral_load")))
     return members
 
 
-def evaluate_members_before_growth(
-    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition,
-    member_kind: MemberKind | None,
-    names: Collection[str] | None = None,
+def evaluate_members(
+    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition = "elastic",
+    member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate each member of a result at given loads, without the effect of junction growth.
-
-    If the contacts of the study grow, the dataset also contains the sums that `apply_junction_growth` requires.
-    """
+    """Evaluate each member of a result at given loads, at the onset of sliding."""
+    growth = compute_area_growth(result, loads, mu0, tau0) if result.study.contact.junction_growth else None
 
     def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
-        return _evaluate_piece(piece, result.study, loads, mu0, tau0, load_definition, names)
+        return _evaluate_piece(piece, result.study, loads, mu0, tau0, load_definition, names, growth)
 
     return _evaluate_pieces(result, member_kind, evaluate_piece)
 
@@ -164,11 +157,12 @@ def _evaluate_pieces(
 
 def _evaluate_piece(
     piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition,
-    names: Collection[str] | None,
+    names: Collection[str] | None, growth: Floats | None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate one piece (group of members) of a result at given loads.
 
-    `names` lists quantities to evaluate besides `_FRICTION_VARIABLES`; None stands for all.
+    `names` lists quantities to evaluate besides `_FRICTION_VARIABLES`; None stands for all. `growth` is the ratio of
+    the area at the onset of sliding to the area before shear, with the shape (cells, loads, mu0, tau0).
     """
     import xarray
 
@@ -181,6 +175,10 @@ def _evaluate_piece(
         are_steps_loads = find_step_dimension(piece) == "load"
         forces = _MemberForces.at_normal_loads(sums_at_steps, loads, mu0, tau0, interpolates_ratio=are_steps_loads)
     status = _determine_member_status(piece, loads, forces)
+    if growth is not None:
+        forces, status = _grow_contacts(forces, status, FrictionLaw(mu0[:, np.newaxis], tau0), growth, *(
+            load_crossings.interpolate(sums_at_steps[f"{name}_adhesive"]) for name in ("normal", "tangential")
+        ))  # fmt: skip
     with np.errstate(divide="ignore", invalid="ignore"):
         coefficient = np.where(status == friction.STATUS_OK, forces.tangential / forces.normal, np.nan)
     dims = (*member_dims, *MOTION_DIMENSIONS, "load", "mu0", "tau0")
@@ -198,11 +196,13 @@ def _evaluate_piece(
     if "pull_off" in piece.variables:
         variables |= _evaluate_pull_off(piece, member_dims, mu0, tau0)
     variables = _replace_sums_by_ratios(variables, piece.coords.get("nominal_area"))
+    if growth is not None:
+        area = np.asarray(variables["contact_area"][1])[..., np.newaxis, np.newaxis]
+        area_at_onset = area * np.where(np.isfinite(growth), growth, np.nan)[:, np.newaxis]
+        variables["contact_area_at_onset"] = (
+            (*member_dims, "load", "mu0", "tau0"), area_at_onset, quantity_attributes("contact_area_at_onset"),
+        )  # fmt: skip
     variables = {name: each for name, each in variables.items() if is_requested(name, requested_names)}
-    if study.contact.junction_growth:
-        for name in ADHESIVE_SUMS:
-            adhesive_sums = load_crossings.interpolate(sums_at_steps[name])
-            variables[name] = dims[:-2], np.broadcast_to(adhesive_sums, forces.tangential.shape[:-2])
     coordinates: dict[str, Any] = {
         str(name): each.variable
         for name, each in piece.coords.items()
@@ -235,7 +235,7 @@ class _MemberForces:
         is_reached, is_below = (
             each[..., None, None, :, None, None] for each in (load_crossings.reached, load_crossings.below)
         )
-        return cls(*compute_loads(contact_sums, mu0, tau0), is_reached, is_below)
+        return cls(*_compute_loads(contact_sums, mu0, tau0), is_reached, is_below)
 
     @classmethod
     def at_normal_loads(
@@ -243,7 +243,7 @@ class _MemberForces:
     ) -> _MemberForces:
         """Interpolate the loads of each step to given normal loads. If the steps are loads, ratios are interpolated."""
         # While values are interpolated, the steps are on the last axis.
-        normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums_at_steps, mu0, tau0))
+        normal, tangential = (np.moveaxis(each, -3, -1) for each in _compute_loads(sums_at_steps, mu0, tau0))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
             positive_normal = np.where(normal > 0, normal, np.nan) if interpolates_ratio else normal
@@ -254,6 +254,35 @@ class _MemberForces:
             crossing.interpolate(normal), crossing.interpolate(tangential), crossing.reached, crossing.below
         )  # fmt: skip
         return cls(*(np.moveaxis(each, -1, -3) for each in arrays))
+
+
+def _compute_loads(sums: Mapping[str, Floats], mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
+    """Compute the normal and tangential loads (mN) from contact sums. Array axes for mu0 and tau0 are appended."""
+    columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in LOAD_SUM_NAMES}
+    law = FrictionLaw(mu0[:, np.newaxis], tau0)
+    return law.load("normal", columns), law.load("tangential", columns)
+
+
+def _grow_contacts(
+    forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, growth: Floats, normal: Floats, tangential: Floats
+) -> tuple[_MemberForces, NDArray[Any]]:
+    """Return the loads and statuses of members whose area grows by a factor before they slide.
+
+    `normal` and `tangential` are the sums that tau0 multiplies, at the loads.
+    """
+    added_area = np.where(law.tau0 > 0, growth - 1, 0.0)[:, np.newaxis, np.newaxis, np.newaxis]
+    with np.errstate(invalid="ignore"):
+        grown = replace(
+            forces,
+            normal=forces.normal + law.force(0.0, added_area * normal[..., np.newaxis, np.newaxis]),
+            tangential=forces.tangential + law.force(0.0, added_area * tangential[..., np.newaxis, np.newaxis]),
+        )
+    has_coefficient = status == friction.STATUS_OK
+    status = np.where(
+        has_coefficient & (grown.normal <= 0), np.array(friction.STATUS_SELF_LOCKED, STATUS_DTYPE), status
+    )
+    status[has_coefficient & np.isinf(added_area)] = friction.STATUS_SEIZURE
+    return grown, status
 
 
 def _compute_opposing_share(
@@ -304,7 +333,7 @@ def _evaluate_pull_off(
         for name in ZERO_LOAD_SUM_QUANTITIES
     }
     direction_axis = len(member_dims) + 1
-    tangential = compute_load("unloaded", zero_load_sums, mu0[:, np.newaxis], tau0).mean(axis=direction_axis)
+    tangential = FrictionLaw(mu0[:, np.newaxis], tau0).load("unloaded", zero_load_sums).mean(axis=direction_axis)
     return {
         "pull_off": piece.variables["pull_off"],
         "share_of_pull_off_bounds": (member_dims, is_bound, quantity_attributes("share_of_pull_off_bounds")),

@@ -11,10 +11,10 @@ import numpy as np
 
 from stiction._estimate import Estimate, Interval
 from stiction.evaluate.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
-from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.mechanics.quantities import QUANTITIES
+from stiction.study.inputs import Inputs
 
 if TYPE_CHECKING:
     import xarray
@@ -244,13 +244,13 @@ def get_study_hardness(study: Study) -> float:
     return math.nan if hardness is None else float(hardness)
 
 
-def compute_plastic_adhesive_friction(point: xarray.Dataset, study: Study) -> float | None:
-    """Return tau0/H', the adhesive part of the friction coefficient for fully plastic contacts.
+def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | None:
+    """Return the friction coefficient if all contacts yield and friction acts at all of them.
 
     The value is NaN at seizure, or None without a hardness.
     """
     hardness = get_study_hardness(study)
     if math.isnan(hardness) or not study.uses_half_space:
         return None
-    mu0, tau0, growth = float(point["mu0"]), float(point["tau0"]), study.contact.junction_growth or 0.0
-    return tau0 / float(hardness_under_shear(hardness, mu0, tau0, growth))
+    law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))
+    return float(law.plastic_coefficient(hardness))

@@ -6,6 +6,7 @@ the true area is an `AreaFunction`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.evaluate.contact_area import AreaFunction
-from stiction.mechanics.friction import ForcesPerLoad, FrictionLaw
+from stiction.mechanics.friction import FrictionLaw
 
 UNLOADING_STIFFNESS_EXPONENT, LOADING_STIFFNESS_EXPONENT = 0.55, -0.4
 """Exponents of the stiffness as powers of the area that yielding adds, fitted to solutions at other hardnesses.
@@ -51,6 +52,11 @@ class InputValues:
     yield_exponent: Any = np.nan
     junction_growth: Any = 0.0
 
+    @property
+    def law(self) -> FrictionLaw:
+        """Law of friction of the contacts."""
+        return FrictionLaw(self.mu0, self.tau0, self.junction_growth)
+
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseValues:
@@ -64,14 +70,14 @@ class ResponseValues:
         True area before shear.
     area_at_onset : array, µm²
         True area at the onset of sliding; infinite at seizure.
-    yield_pressure : array, GPa
-        Largest pressure at the onset of sliding: the hardness H, or H' if contacts grow. NaN at seizure.
+    plastic_friction : array
+        Friction coefficient if all contacts yield. NaN for elastic bodies, and at seizure.
     """
 
     friction_coefficient: Floats
     area: Floats
     area_at_onset: Floats
-    yield_pressure: Floats
+    plastic_friction: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,8 +87,8 @@ class ContactResponse:
     Attributes
     ----------
     load : float, mN
-    forces : ForcesPerLoad
-        Forces at the central inputs, before contacts grow.
+    sums : mapping of str to float
+        Contact sums, divided by the elastic load, at the central inputs and before contacts grow.
     area : AreaFunction
     central : InputValues
         Central values of all inputs.
@@ -91,7 +97,7 @@ class ContactResponse:
     """
 
     load: float
-    forces: ForcesPerLoad
+    sums: Mapping[str, float]
     area: AreaFunction
     central: InputValues
     stiffness_exponent: float = 1.0
@@ -107,25 +113,22 @@ class ContactResponse:
         """Return all quantities for the given inputs, whose area before shear may be known already."""
         area = self.area_before_shear(inputs) if area_before_shear is None else area_before_shear
         central_area = self.area(self.load)
-        yield_pressure, area_at_onset = np.asarray(inputs.hardness), area
+        law, yield_pressure, area_at_onset = inputs.law, np.asarray(inputs.hardness), area
         if np.any(inputs.junction_growth) and self.area.hardness is not None:
-            law = FrictionLaw(inputs.mu0, inputs.tau0, inputs.junction_growth)
-            yield_pressure = law.yield_pressure(inputs.hardness)
-            is_carried = yield_pressure > self.load / self.area.nominal_area  # False at seizure, where H' is NaN
-            grown_area = self.area(
-                self.load, hardness=np.where(is_carried, yield_pressure, inputs.hardness),
-                modulus=inputs.modulus * inputs.height_factor, yield_exponent=inputs.yield_exponent,
+            onset = self.area.onset(
+                law, self.load, hardness=inputs.hardness, modulus=inputs.modulus * inputs.height_factor,
+                yield_exponent=inputs.yield_exponent,
             )  # fmt: skip
-            area_at_onset = np.where(is_carried, grown_area, np.inf)
+            yield_pressure, area_at_onset = onset.yield_pressure, onset.area
         # Without τ0, friction does not depend on the area.
         is_seized = np.isinf(area_at_onset) & (np.asarray(inputs.tau0) > 0)
         sliding_area = np.where(np.isinf(area_at_onset), area, area_at_onset)
-        coefficient = self.forces.compute_coefficient(inputs.mu0, inputs.tau0, sliding_area / central_area)
+        coefficient = law.coefficient(self.sums, sliding_area / central_area)
         return ResponseValues(
             friction_coefficient=np.where(is_seized, np.inf, coefficient),
             area=area,
             area_at_onset=area_at_onset,
-            yield_pressure=yield_pressure,
+            plastic_friction=law.force(1.0, 1.0 / yield_pressure),
         )
 
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, Floats]:

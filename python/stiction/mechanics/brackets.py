@@ -168,10 +168,10 @@ def add_finer_scan_bounds(result: xr.Dataset, hardness: float, parameters: tuple
         ),
     }  # fmt: skip
     if parameters is not None:
-        mu0, tau0 = parameters
-        plastic_friction = np.full(loads.size, FrictionLaw(mu0, tau0).plastic_coefficient(hardness))
+        law = FrictionLaw(*parameters)
+        plastic_friction = np.full(loads.size, law.plastic_coefficient(hardness))
         friction = result.friction_coefficient.sel(sliding="all").transpose(*dimensions[:2]).values
-        friction_bounds = _stack_bounds(plastic_friction, friction + tau0 * (largest_area - area) / loads)
+        friction_bounds = _stack_bounds(plastic_friction, friction + law.force(0.0, largest_area - area) / loads)
         variables["plastic_friction_coefficient"] = (
             dimensions[1:2],
             plastic_friction,

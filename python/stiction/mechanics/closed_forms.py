@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, float_array, unwrap_scalar
 from stiction._units import short_repr
-from stiction.mechanics.friction import solve_yield_condition, validate_friction_parameter, warn_if_tau0_is_large
+from stiction.mechanics.friction import FrictionLaw, validate_friction_parameter, warn_if_tau0_is_large
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import SlidingRule
 
@@ -753,7 +753,7 @@ def slope_friction(
     if not ((theta >= 0) & (theta < np.pi / 2)).all():
         raise ValueError(f"slope_angle must be at least 0 and below pi/2 rad, got {short_repr(slope_angle)}")
     if mean_pressure is not None:
-        mu = mu + tau / validate_positive_arguments(mean_pressure=mean_pressure)[0]
+        mu = FrictionLaw(mu, tau).force(1.0, 1.0 / validate_positive_arguments(mean_pressure=mean_pressure)[0])
     elif (tau > 0).any():
         raise ValueError("mean_pressure must be given if tau0 is not 0")
     is_locked: NDArray[np.bool_] = mu * np.tan(theta) >= 1
@@ -806,7 +806,8 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
     parameters = {"mu0": mu0, "tau0": tau0, "alpha": alpha}
     mu, tau, alpha_value = (validate_friction_parameter(name, value) for name, value in parameters.items())
     plastic_hardness = validate_positive_arguments(hardness=hardness)[0]
-    return np.where(alpha_value == 0, plastic_hardness, solve_yield_condition(plastic_hardness, mu, tau, alpha_value))
+    pressure = FrictionLaw(mu, tau, alpha_value).yield_pressure(plastic_hardness)
+    return np.where(alpha_value == 0, plastic_hardness, pressure)
 
 
 @reject_overflow
@@ -843,12 +844,8 @@ def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: 
     >>> tabor_friction(0.625, mu0=0.2, tau0=0.05, alpha=[0, 9, 27]).round(3)
     array([0.28 , 0.309, 0.375])
     """
-    ratio = validate_friction_parameter("tau0", tau0) / validate_positive_arguments(hardness=hardness)[0]
-    mu, alpha_value = validate_friction_parameter("mu0", mu0), validate_friction_parameter("alpha", alpha)
-    remaining_fraction = 1 - alpha_value * ratio**2
-    with np.errstate(invalid="ignore", divide="ignore"):
-        ratio_after_growth = (mu + ratio * np.sqrt(1 + alpha_value * (mu**2 - ratio**2))) / remaining_fraction
-    return np.where(remaining_fraction > 0, ratio_after_growth, np.nan)
+    pressure = hardness_under_shear(hardness, mu0, tau0, alpha)
+    return np.asarray(FrictionLaw(float_array("mu0", mu0), float_array("tau0", tau0)).force(1.0, 1.0 / pressure))
 
 
 @reject_overflow
@@ -944,7 +941,7 @@ def gentle_friction(
     if not isinstance(unwrap_scalar(order), int) or order not in (1, 2):
         raise ValueError(f"order must be 1 or 2, got {short_repr(order)}")
     warn_if_tau0_is_large(tau, float(np.min(modulus, initial=np.inf)))
-    m = mu + factor * tau / (modulus * gradient)
+    m = FrictionLaw(mu, tau).force(1.0, factor / (modulus * gradient))
     ratio_factor = ratio / (1 + ratio**2)
     mean_opposing_slope = slope * ratio_factor / np.sqrt(2 * np.pi)
     mean_secant, mean_cosine = np.ones(()), np.ones(())

@@ -69,9 +69,27 @@ class FrictionLaw:
     tau0: Any
     junction_growth: Any = 0.0
 
+    def contributions(self, force: Any, area: Any) -> tuple[Any, Any]:
+        """Return the friction forces (mN) due to mu0 and to tau0 of contacts with given forces (mN) and areas (µm²)."""
+        return self.mu0 * force, self.tau0 * area
+
     def force(self, force: Any, area: Any) -> Any:
         """Return the friction force (mN) of contacts with the given forces (mN) and true areas (µm²)."""
-        return self.mu0 * force + self.tau0 * area
+        frictional, adhesive = self.contributions(force, area)
+        return frictional + adhesive
+
+    def load(self, name: str, sums: Any, area: Any = 1.0) -> Floats:
+        """Compute the "normal", "tangential", "lateral" or "unloaded" load (mN) from contact sums.
+
+        The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums.
+        """
+        elastic, *strength_sums = (_get_sum(sums, f"{name}_{part}") for part in _LOAD_CONTRIBUTIONS)
+        frictional, adhesive = self.contributions(*strength_sums)
+        return np.asarray(elastic + frictional + adhesive * area)
+
+    def coefficient(self, sums: Any, area: Any = 1.0) -> Floats:
+        """Compute the friction coefficient from contact sums, with arguments as for `load`."""
+        return np.asarray(self.load("tangential", sums, area) / self.load("normal", sums, area))
 
     def yield_pressure(self, hardness: Any) -> Any:
         """Return the pressure (GPa) of yielding contacts at the onset of sliding; NaN at seizure.
@@ -85,6 +103,41 @@ class FrictionLaw:
     def plastic_coefficient(self, hardness: Any) -> Any:
         """Return the friction coefficient if all contacts yield; NaN at seizure."""
         return self.mu0 + self.tau0 / self.yield_pressure(hardness)
+
+    def bulk_strength_ratio(self, hardness: Any) -> Any:
+        """Return tau0 over the shear strength H/√α of bodies with a hardness (GPa)."""
+        return self.tau0 * np.sqrt(self.junction_growth) / hardness
+
+    def onset(self, load: Any, hardness: Any, nominal_area: float, area: Callable[[Any], Floats]) -> OnsetState:
+        """Return the state of contacts at the onset of sliding.
+
+        Parameters
+        ----------
+        load : float or array, mN
+        hardness : float or array, GPa
+        nominal_area : float, µm²
+        area : callable
+            Function from the largest pressure (GPa) to the true area (µm²) at this load.
+        """
+        pressure = self.yield_pressure(hardness)
+        is_carried = pressure > load / nominal_area  # False at seizure, where the pressure is NaN
+        return OnsetState(pressure, np.where(is_carried, area(np.where(is_carried, pressure, hardness)), np.inf))
+
+
+@dataclass(frozen=True)
+class OnsetState:
+    """State of contacts at the onset of sliding.
+
+    Attributes
+    ----------
+    yield_pressure : float or array, GPa
+        Largest pressure: the hardness H, or H' if contacts grow. NaN at seizure.
+    area : array, µm²
+        True area; infinite at seizure, which includes junctions that cannot carry the load on the nominal area.
+    """
+
+    yield_pressure: Any
+    area: Floats
 
 
 def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
@@ -223,46 +276,9 @@ def _get_sum(sums: Any, name: str) -> Any:
     return sums[name] if isinstance(sums, Mapping) else getattr(sums, name)
 
 
-def compute_load(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Floats:
-    """Compute the "normal", "tangential" or "lateral" load (mN) from contact sums.
-
-    The sums are given as a mapping or as attributes.
-    """
-    elastic, frictional, adhesive = (_get_sum(sums, f"{load}_{part}") for part in _LOAD_CONTRIBUTIONS)
-    return np.asarray(elastic + mu0 * frictional + tau0 * adhesive)
-
-
-def compute_loads(sums: Any, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-    """Compute the normal and tangential loads (mN) from contact sums. Array axes for mu0 and tau0 are appended."""
-    columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in LOAD_SUM_NAMES}
-    mu0 = mu0[:, np.newaxis]
-    return compute_load("normal", columns, mu0, tau0), compute_load("tangential", columns, mu0, tau0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class ForcesPerLoad:
-    """Normal and tangential forces per unit elastic load, expressed as linear functions of mu0 and tau0."""
-
-    elastic: float = 0.0
-    rub: float = 1.0
-    stick: float
-    rub_normal: float = 0.0
-    stick_normal: float = 0.0
-
-    @classmethod
-    def from_contact_sums(cls, contact_sums: Mapping[str, Any], **more: Any) -> Self:
-        """Create the linear functions from the six mean contact sums, which are divided by the elastic load."""
-        sums_per_load = {name: float(contact_sums[name] / contact_sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
-        return cls(
-            elastic=sums_per_load["tangential_elastic"], rub=sums_per_load["tangential_frictional"],
-            stick=sums_per_load["tangential_adhesive"], rub_normal=sums_per_load["normal_frictional"],
-            stick_normal=sums_per_load["normal_adhesive"], **more,
-        )  # fmt: skip
-
-    def compute_coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
-        """Compute the friction coefficient for a true area that is `area` times the computed true area."""
-        tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
-        return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
+def sums_per_load(sums: Mapping[str, Any]) -> dict[str, float]:
+    """Divide the six contact sums that determine the loads by the elastic load."""
+    return {name: float(sums[name] / sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
 
 
 class FrictionCurve(PlotReprMixin):
@@ -279,11 +295,11 @@ class FrictionCurve(PlotReprMixin):
 
         The shape is the broadcast shape of mu0 and tau0, followed by (k,) for k steps or by (m, k) for m directions.
         """
-        return compute_load("normal", self, *self._broadcast_parameters(mu0, tau0))
+        return self._broadcast_law(mu0, tau0).load("normal", self)
 
     def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """Return the tangential load F_T (mN) at which sliding starts. Shape and arguments are as for `normal_load`."""
-        return compute_load("tangential", self, *self._broadcast_parameters(mu0, tau0))
+        return self._broadcast_law(mu0, tau0).load("tangential", self)
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """Return F_T / F_N, or NaN where the status is not "ok". Shape and arguments are as for `normal_load`.
@@ -291,8 +307,8 @@ class FrictionCurve(PlotReprMixin):
         With sliding="all", the ratio is negative if the slopes push the upper body in the direction of motion more
         strongly than friction holds it. The results of `pair` then have the status "downhill" and no coefficient.
         """
-        parameters = self._broadcast_parameters(mu0, tau0)
-        normal_load, tangential_load = (compute_load(load, self, *parameters) for load in ("normal", "tangential"))
+        law = self._broadcast_law(mu0, tau0)
+        normal_load, tangential_load = law.load("normal", self), law.load("tangential", self)
         is_ok = statuses_of_approaches(self.contact_count, normal_load) == STATUS_OK
         coefficient: Floats = np.divide(
             tangential_load, normal_load, out=np.full(normal_load.shape, np.nan), where=is_ok
@@ -301,7 +317,7 @@ class FrictionCurve(PlotReprMixin):
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
         """Return "ok", "self-locked" (F_N <= 0) or "no-contact". Shape and arguments are as for `normal_load`."""
-        normal_load = compute_load("normal", self, *self._broadcast_parameters(mu0, tau0))
+        normal_load = self._broadcast_law(mu0, tau0).load("normal", self)
         return statuses_of_approaches(self.contact_count, normal_load)
 
     def plot(self, ax: Axes | None = None, *, mu0: ArrayLike | None = None, tau0: ArrayLike = 0.0) -> Axes:
@@ -317,13 +333,13 @@ class FrictionCurve(PlotReprMixin):
             axes_or_new_axes(ax), self.normal_elastic, coefficient, mu0=mu0, tau0=tau0, direction=direction
         )
 
-    def _broadcast_parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
+    def _broadcast_law(self, mu0: ArrayLike, tau0: ArrayLike) -> FrictionLaw:
         strengths = validate_friction_parameter("tau0", tau0)
         warn_if_tau0_is_large(strengths, self.effective_modulus)
         parameters = np.broadcast_arrays(validate_friction_parameter("mu0", mu0), strengths)
         # The array axes of mu0 and tau0 precede the array axes of the sums (steps, or directions and steps).
         index = (..., *([np.newaxis] * self.tangential_elastic.ndim))
-        return parameters[0][index], parameters[1][index]
+        return FrictionLaw(parameters[0][index], parameters[1][index])
 
 
 def choose_statuses(

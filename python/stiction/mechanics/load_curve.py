@@ -17,7 +17,7 @@ from stiction._checks import Floats, float_array, make_read_only, validate_fract
 from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
 from stiction.mechanics.contact import Contacts, contacts
-from stiction.mechanics.friction import ContactSums, FrictionCurve, SurfaceValidity, Validity, compute_load
+from stiction.mechanics.friction import ContactSums, FrictionCurve, SurfaceValidity, Validity
 from stiction.mechanics.mindlin import AsperityTangentialProblem
 from stiction.mechanics.model import (
     ContactModel,
@@ -193,7 +193,7 @@ class SurfaceLoadCurve(LoadCurve):
 
         Shape and arguments are the same as for `normal_load`. Negative values point to the right.
         """
-        return compute_load("lateral", self, *self._broadcast_parameters(mu0, tau0))
+        return self._broadcast_law(mu0, tau0).load("lateral", self)
 
 
 @overload

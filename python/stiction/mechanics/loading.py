@@ -168,7 +168,7 @@ def find_approaches_at_loads(
     """Return the smallest approach that supports each load, and "ok" or the reason why the approach is NaN."""
 
     def normal_load(sums: ContactSums) -> Floats:
-        return friction.compute_load("normal", sums, mu0, tau0)
+        return friction.FrictionLaw(mu0, tau0).load("normal", sums)
 
     approaches = np.zeros(1)
     contact_sums = bodies.press(approaches, model)

@@ -94,12 +94,13 @@ class AsperityTangentialProblem:
         ratio = compliance_ratio(poisson, compliance_share, transverse_load_fraction(contacts.axes, relative_angle))
         self.spring_stiffness = punch_stiffness(contacts.axes, float(model.effective_modulus)) / ratio
         self.load, self.area = load, area
-        self.frictional, self.adhesive = mu0 * load, tau0 * area
+        law = FrictionLaw(mu0, tau0)
+        self.frictional, self.adhesive = law.contributions(load, area)
         self.points: NDArray[Any] = np.arange(load.size)
         self.size = load.size
         self.bound = (self.frictional + self.adhesive) / area
         self.normal_load = float(load.sum())
-        self.sliding_load = float(FrictionLaw(mu0, tau0).force(load.sum(), area.sum()))
+        self.sliding_load = float(law.force(load.sum(), area.sum()))
         self.stiffness = float(self.spring_stiffness.sum())
         # displacement at which each contact slides completely
         self.sliding_displacement = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring_stiffness
@@ -197,9 +198,11 @@ class HalfSpaceTangentialProblem:
         self.pressure = contact_solution.values
         area_factor = np.sqrt(1 + sum(slope[self.points] ** 2 for slope in problem.interface_slopes))
         self.area = contact_solution.share * self.cell_area * area_factor
-        self.bound = mu0 * self.pressure + tau0 * self.area / self.cell_area
+        law = FrictionLaw(mu0, tau0)
+        frictional, adhesive = law.contributions(self.pressure, self.area)
+        self.bound = frictional + adhesive / self.cell_area
         self.normal_load = float(self.pressure.sum() * self.cell_area)
-        self.sliding_load = float(FrictionLaw(mu0, tau0).force(self.normal_load, self.area.sum()))
+        self.sliding_load = float(law.force(self.normal_load, self.area.sum()))
         bound_on_grid = self._spread_over_grid(self.bound)
         self.mean_bound = float(bound_on_grid.mean())
         self.tolerance = validate_number("tolerance", tolerance, above=0, below=1)

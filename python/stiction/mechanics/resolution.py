@@ -15,7 +15,7 @@ from stiction._checks import Floats, check_instance, float_array, validate_numbe
 from stiction._units import short_repr
 from stiction.mechanics import brackets
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.mechanics.friction import LOAD_SUM_NAMES, compute_load, validate_friction_parameter
+from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionLaw, validate_friction_parameter
 from stiction.mechanics.half_space import BoundaryCondition, half_space, solve_together_or_separately
 from stiction.mechanics.model import DEFAULT_EFFECTIVE_MODULUS, Direction, SlidingRule, check_pair, modulus_or_default
 from stiction.mechanics.quantities import quantity_attributes
@@ -227,7 +227,7 @@ def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) ->
 
     check_instance("result", result, xr.Dataset, "an xarray.Dataset of resolution")
     mu, tau = _validate_strengths(mu0, tau0)
-    normal_load, tangential_load = (compute_load(load, result, mu, tau) for load in ("normal", "tangential"))
+    normal_load, tangential_load = (FrictionLaw(mu, tau).load(load, result) for load in ("normal", "tangential"))
     mu_s = np.divide(tangential_load, normal_load, out=np.full_like(normal_load, np.nan), where=normal_load > 0)
     coefficients = result.normal_elastic.copy(data=mu_s)
     coefficients.attrs = {"units": "1", "long_name": "coefficient of static friction", "mu0": mu, "tau0_GPa": tau}

@@ -28,7 +28,6 @@ from stiction.mechanics.friction import (
     STATUS_SELF_LOCKED,
     FrictionLaw,
     Status,
-    compute_load,
 )
 from stiction.mechanics.half_space import BoundaryCondition, HalfSpaceCurve, TiltMode, half_space
 from stiction.mechanics.half_space_problem import solver_thread_count
@@ -289,16 +288,14 @@ class ShearBox:
         }
 
     def _normal_load(self, row: StepResult) -> float:
-        return float(compute_load("normal", row, self.law.mu0, self.law.tau0))
+        return float(self.law.load("normal", row))
 
     def to_dataset(self, offsets: NDArray[np.int64], rows: list[StepResult]) -> xr.Dataset:
         """Return the solved steps as a dataset over the displacement."""
         import xarray as xr
 
         columns = {name: np.array([float(row[name]) for row in rows]) for name in _NUMBER_NAMES}
-        normal, tangential = (
-            compute_load(load, columns, self.law.mu0, self.law.tau0) for load in ("normal", "tangential")
-        )
+        normal, tangential = (self.law.load(load, columns) for load in ("normal", "tangential"))
         coefficient, status = tangential / normal, np.array([str(row["status"]) for row in rows], STATUS_DTYPE)
         status[coefficient < -NEGLIGIBLE_COEFFICIENT] = STATUS_DOWNHILL
         variables = {

@@ -7,11 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
+from typing import Any
 
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats
 from stiction._units import exact_quantity_text
+from stiction.mechanics.friction import FrictionLaw
 from stiction.mechanics.materials import Material, material, softest_material
 from stiction.study.input_distributions import INPUT_KINDS, InputValue, UncertainInput, parse_input_value
 from stiction.study.interfaces import InterfaceSettings, InterfaceStrength
@@ -104,6 +106,11 @@ class Inputs:
     def strength(self) -> InterfaceStrength | None:
         """Joint distribution of mu0 and tau0, or None without an interface, or if its file is missing or changed."""
         return None if self.interface is None else self.interface.load()
+
+    def friction_law(self, mu0: Any, tau0: Any) -> FrictionLaw:
+        """Return the law of friction for given mu0 and tau0 (GPa), with the central junction growth."""
+        growth = self.entries.get("junction_growth")
+        return FrictionLaw(mu0, tau0, 0.0 if growth is None else growth.central)
 
     def central(self, name: str) -> float:
         """Return the value with which contacts are computed (GPa or 1)."""

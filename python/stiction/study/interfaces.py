@@ -26,6 +26,7 @@ from stiction._checks import Floats, check_callable, check_choice, check_instanc
 from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes, replace_file_atomically
 from stiction._text import printable_path, printable_text
 from stiction._units import exact_quantity_text, short_repr
+from stiction.mechanics.friction import FrictionLaw
 from stiction.mechanics.model import SlidingRule
 from stiction.study.input_distributions import (
     FrictionCoefficientEntry,
@@ -209,7 +210,7 @@ class InterfaceStrength:
         area_per_load = self.fits[0].area_per_load
         if not np.isfinite(area_per_load).all():
             return self.at(self.area_per_load)
-        return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
+        return self.interval_of(lambda mu0, tau0: FrictionLaw(mu0, tau0).force(1.0, area_per_load))
 
     @property
     def mu0(self) -> ValueWithLimits:
@@ -235,12 +236,12 @@ class InterfaceStrength:
         fit = self.fits[0]
         area_per_load = fit.area_per_load
         are_both_fitted = np.isfinite(area_per_load).all() and np.ptp(fit.mu0) > 0 and np.ptp(fit.tau0) > 0
-        zeros = np.zeros(fit.mu0.size)
+        zeros, sum_of_strengths = np.zeros(fit.mu0.size), FrictionLaw(fit.mu0, fit.tau0).force(1.0, area_per_load)
         strengths = []
         if are_both_fitted and compute_credible_interval(fit.mu0, 0.0)[1] == 0:
-            strengths.append((zeros, fit.tau0 + fit.mu0 / area_per_load))
+            strengths.append((zeros, sum_of_strengths / area_per_load))
         if are_both_fitted and compute_credible_interval(fit.tau0, 0.0)[1] == 0:
-            strengths.append((fit.mu0 + fit.tau0 * area_per_load, zeros))
+            strengths.append((sum_of_strengths, zeros))
         return tuple(strengths)
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
@@ -261,7 +262,7 @@ class InterfaceStrength:
         area_per_load = validate_number("area_per_load", area_per_load)
         if area_per_load < 0:
             raise ValueError(f"area_per_load must be at least 0, got {area_per_load:g}")
-        return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
+        return self.interval_of(lambda mu0, tau0: FrictionLaw(mu0, tau0).force(1.0, area_per_load))
 
     @property
     def excluded(self) -> tuple[SlidingRule, ...]:

@@ -26,7 +26,6 @@ from stiction.evaluate.point import (
     mean_over_directions,
 )
 from stiction.mechanics import friction
-from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS, softest_material
 from stiction.study.input_distributions import UncertainInput
@@ -510,10 +509,10 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
         growth = Inputs.from_study(study).estimate("junction_growth")
-        coefficient, coefficient_with_growth = tabor_friction(
-            float(hardness), mu0, tau0, [0.0, VON_MISES_GROWTH_COEFFICIENT]
+        coefficient, coefficient_with_growth = (
+            friction.FrictionLaw(mu0, tau0, alpha).plastic_coefficient(float(hardness))
+            for alpha in (0.0, VON_MISES_GROWTH_COEFFICIENT)
         )
-        shear_strength = float(hardness) * VON_MISES_GROWTH_COEFFICIENT**-0.5
         interface = find_interface(study)
         if (
             interface is not None
@@ -538,8 +537,10 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat
                 if math.isfinite(coefficient_with_growth)
                 else "without limit (seizure)"
             )
+            shear_strength = float(hardness) * VON_MISES_GROWTH_COEFFICIENT**-0.5
+            strength_ratio = friction.FrictionLaw(mu0, tau0, VON_MISES_GROWTH_COEFFICIENT).bulk_strength_ratio(hardness)
             text = (
-                f"τ0 is {format_percent(tau0 / shear_strength)} of the shear strength of the softer body, "
+                f"τ0 is {format_percent(float(strength_ratio))} of the shear strength of the softer body, "
                 f"{format_with_unit(shear_strength, 'GPa')}; junction growth, which is taken as 0, would raise the "
                 f"friction of a ductile body {increase_text}"
             )
@@ -553,7 +554,7 @@ def _find_seizure_caveats(
     point: xarray.Dataset, hardness: float, tau0: float, growth: UncertainInput
 ) -> Iterator[Caveat]:
     """Yield a caveat if some input samples lead to seizure, or if the interface is nearly as strong as the bulk."""
-    shear_strength = hardness * growth.high**-0.5 if growth.high else math.inf
+    strength_ratio = float(friction.FrictionLaw(0.0, tau0, growth.high).bulk_strength_ratio(hardness))
     seizing_fraction = mean_over_directions(point, "fraction_seizing")
     if seizing_fraction > 0:
         text = (
@@ -566,10 +567,9 @@ def _find_seizure_caveats(
             "measure the hardness and τ0, or reduce the load",
             "fault" if seizing_fraction > MAX_SEIZING_FRACTION else "caution",
         )
-    elif tau0 > NEARLY_BULK_STRENGTH_RATIO * shear_strength:
+    elif strength_ratio > NEARLY_BULK_STRENGTH_RATIO:
         text = (
-            f"the interface is nearly as strong as the bulk: τ0 is {tau0 / shear_strength:.2f} of H/√α "
-            f"at α = {growth.high:g}"
+            f"the interface is nearly as strong as the bulk: τ0 is {strength_ratio:.2f} of H/√α at α = {growth.high:g}"
         )
         yield Caveat(
             text, "friction rises without limit as this ratio approaches 1; measure the hardness and τ0", "caution"

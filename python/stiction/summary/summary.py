@@ -21,7 +21,7 @@ from stiction.evaluate.point import (
     CELL_DIMENSIONS,
     UNKNOWN_INTERVAL,
     SlidingRuleCoefficient,
-    compute_plastic_adhesive_friction,
+    compute_plastic_friction,
     effective_modulus_at,
     find_contact_status,
     find_statistic_indices,
@@ -41,6 +41,7 @@ from stiction.evaluate.point import (
 from stiction.evaluate.pull_off import PullOffValues, find_pull_off_values
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_range_for_finer_scans
+from stiction.mechanics.friction import FrictionLaw
 from stiction.solve.alternative_preparations import ALTERNATIVE_CONDITIONS, AlternativeName
 from stiction.summary.assessment import (
     ASPERITY_CHECKS,
@@ -603,10 +604,10 @@ def _compute_friction_contributions(
         return None
     load = float(point["load"])
     area_name = "contact_area_at_onset" if "contact_area_at_onset" in point else "contact_area"
-    mu0, adhesive_part = float(point["mu0"]), float(point["tau0"]) * mean_over_directions(point, area_name) / load
-    if "contact_load" in point:
-        mu0 *= mean_over_directions(point, "contact_load") / load
-    return mu0, adhesive_part, rule.value - mu0 - adhesive_part
+    contact_load = mean_over_directions(point, "contact_load") if "contact_load" in point else load
+    law = FrictionLaw(float(point["mu0"]), float(point["tau0"]))
+    parts = law.contributions(contact_load / load, mean_over_directions(point, area_name) / load)
+    return *parts, rule.value - sum(parts)
 
 
 def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
@@ -632,7 +633,8 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
     contributions = _compute_friction_contributions(point, rule)
     if contributions is None or not study.is_measured or study.is_gap or study.contact.adheres:
         return None
-    return rule.value - contributions[0] - (compute_plastic_adhesive_friction(point, study) or 0.0)
+    plastic_friction = compute_plastic_friction(point, study)
+    return rule.value - (contributions[0] if plastic_friction is None else plastic_friction)
 
 
 def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
@@ -655,9 +657,9 @@ def _find_bounds_for_finer_scans(
     has_bracket = study.is_measured and study.uses_half_space and not study.contact.adheres
     if hardness is None or not has_bracket or all_rub.rule != "all" or not math.isfinite(all_rub.value):
         return None
-    mu0, adhesive_friction = float(point["mu0"]), compute_plastic_adhesive_friction(point, study)
-    if adhesive_friction is None or math.isnan(adhesive_friction):
+    mu0, plastic_friction = float(point["mu0"]), compute_plastic_friction(point, study)
+    if plastic_friction is None or math.isnan(plastic_friction):
         return None
     upper = all_rub.upper if math.isfinite(all_rub.upper) else None
     num_contacts = mean_over_directions(point, "contact_count") * mean_over_directions(point, "members")
-    return friction_range_for_finer_scans(all_rub.value, mu0, adhesive_friction, num_contacts, upper)
+    return friction_range_for_finer_scans(all_rub.value, mu0, plastic_friction - mu0, num_contacts, upper)
