@@ -51,9 +51,7 @@ def test_container_with_several_arrays_is_rejected_with_their_names_unless_one_i
 
 @pytest.mark.parametrize("suffix", CONTAINERS)
 @pytest.mark.parametrize("name", ["mask", "valid_mask", "x", "branch_indexes", "labels"])
-def test_only_array_of_a_container_is_not_read_without_being_chosen_if_its_name_denotes_no_heights(
-    tmp_path, suffix, name
-):
+def test_array_whose_name_denotes_no_heights_is_not_read_unless_it_is_chosen(tmp_path, suffix, name):
     pytest.importorskip("SurfaceTopography")
     path = write_arrays(tmp_path / f"map.{suffix}", **{name: HEIGHTS})
     assert f"contains the channels 0 ({name}); choose one" in error_message(path, spacing="1 um")

@@ -424,8 +424,15 @@ def test_first_number_with_fewer_decimals_than_the_others_adds_a_caveat(tmp_path
     with pytest.warns(FormatWarning, match="first-number"):
         read_measurement(path, **options)
     assert not read_with_interpretation(path, **options, accept="first-number").caveats
-    path.write_text("0.5\n" + "".join(f"{z:g}\n" for z in LINE_HEIGHTS))
+    path.write_text("0.4\n" + "".join(f"{z:g}\n" for z in LINE_HEIGHTS))
     assert not read_with_interpretation(path, **options).caveats
+
+
+@pytest.mark.parametrize("first_number", ["0.5000", "0.0005", "500.0000"])
+def test_first_number_that_equals_the_given_spacing_in_any_unit_adds_a_caveat(tmp_path, first_number):
+    path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
+    path.write_text(f"{first_number}\n" + "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS))
+    assert "first-number" in [caveat.name for caveat in read_with_interpretation(path, **options).caveats]
 
 
 def test_words_in_a_line_of_data_are_rejected_with_an_error_that_states_the_line_number(tmp_path):

@@ -178,6 +178,7 @@ def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, coded = _convert_heights(raw, options)
     dx, steps, spacing_caveats = _profile_spacing(raw, _position_unit(raw, options), given)
+    caveats += _find_spacing_as_first_number(raw, given)
     if dx < 0:
         heights, dx = heights[::-1], -dx
         steps.append("reversed, because its positions decreased")
@@ -484,6 +485,17 @@ def _profile_spacing(
             )
         history_entry += f", declared as {declared[0]:g} µm"
     return mean_spacing, [history_entry], caveats
+
+
+def _find_spacing_as_first_number(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
+    """Return a caveat if the first of the heights without positions equals the given spacing in any unit of length."""
+    if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
+        return []
+    first = float(raw.heights[0])
+    if not any(math.isclose(first * factor, given, rel_tol=1e-9) for factor in LENGTH_UNITS.values()):
+        return []
+    text = f"the first number, {first:g}, equals the given spacing"
+    return [FileCaveat("first-number", text, "delete it if it is the spacing instead of a height, or accept it")]
 
 
 def _declared_spacing(raw: RawHeights) -> tuple[float, float] | None:

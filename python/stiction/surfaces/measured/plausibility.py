@@ -176,6 +176,7 @@ READER_CAVEAT_NAMES = (
     "spacing",
     "points",
     "scale",
+    "wrapped",
 )
 """Names of the caveats that the file readers add to the caveats of the checks."""
 

@@ -188,6 +188,9 @@ class ColumnTable:
     area: bool = False
     source: HeightProvenance = HeightProvenance()
     places: tuple[int, ...] | None = None  # column numbers in the file, if columns were skipped
+    # numbers of rows, and first line numbers (counted from 1), of the blocks that empty lines separate in a text
+    block_lengths: tuple[int, ...] = ()
+    block_lines: tuple[int, ...] = ()
     caveats: tuple[FileCaveat, ...] = ()
     word_columns: tuple[WordColumn, ...] = ()  # columns that contain words; their values are NaN
 

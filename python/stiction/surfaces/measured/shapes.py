@@ -15,6 +15,11 @@ from stiction._checks import Floats
 from stiction._text import printable_text
 from stiction.surfaces.measured.grid import to_grid
 from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN, unit_in_column_name
+from stiction.surfaces.measured.matrix_checks import (
+    find_wrapped_profile_caveat,
+    reject_other_tables,
+    reject_separate_blocks,
+)
 from stiction.surfaces.measured.raw import (
     ColumnTable,
     FileCaveat,
@@ -198,7 +203,12 @@ def _read_profile_columns(table: ColumnTable, *places: int) -> RawHeights:
         filled_rows = np.flatnonzero(~np.isnan(heights))
         end = int(filled_rows[-1]) + 1 if filled_rows.size and table.values.shape[1] > 1 else heights.size
         heights, history = _remove_leading_count(heights[:end], table.values.shape[1])
+        first_block = int(bool(history) and table.block_lengths[:1] == (1,))
+        reject_separate_blocks(table.block_lengths[first_block:], table.block_lines[first_block:])
         caveats = () if history else _find_first_number_caveat(table)
+        if table.declared.points not in (None, heights.size):
+            text = f"its header declares {table.declared.points} points, but {heights.size} heights are read"
+            caveats += (FileCaveat("points", text, "remove what is not a height, or accept it"),)
         return replace(raw, heights=heights, history=history, caveats=(*raw.caveats, *caveats))
     positions = table.values[:, places[0]]
     # these rows lie below the end of the shorter of two adjacent tables in the file
@@ -433,9 +443,14 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
 
 
 def _read_matrix(table: ColumnTable) -> RawHeights:
-    """Return a matrix of heights. Raises `FormatError` if the first row or column contains positions."""
+    """Return a matrix of heights. Raises `FormatError` if the table contains anything else, such as positions."""
+    reject_separate_blocks(table.block_lengths, table.block_lines)
+    reject_other_tables(table.values, _column_numbers(table))
+    is_declared_map = table.area or table.declared.size is not None or table.declared.spacings is not None
+    caveats = () if is_declared_map else find_wrapped_profile_caveat(table.values)
     table, history = _remove_position_column(table)
     raw = _to_raw_heights(table, table.values, _common_unit(table, _column_units(table)), history=history)
+    raw = replace(raw, caveats=(*raw.caveats, *caveats))
     if (spacings := table.declared.spacings) is None:
         return raw
     spacing = tuple(stated.to_micrometres() for stated in spacings)
@@ -536,6 +551,7 @@ def _is_labelled_matrix(table: ColumnTable) -> bool:
 
 
 def _read_labelled_matrix(table: ColumnTable) -> RawHeights:
+    reject_separate_blocks(table.block_lengths, table.block_lines)
     x, y = table.values[0, 1:], table.values[1:, 0]
     dx, dy = (float(value[-1] - value[0]) / (value.size - 1) for value in (x, y))
     heights = table.values[1:, 1:][:: 1 if dy > 0 else -1, :: 1 if dx > 0 else -1]

@@ -91,8 +91,11 @@ def _to_table(
             f"{text.describe_line(block.short)} has fewer cells than the lines above it, and the columns have no "
             "names; all lines of a matrix must have the same number of cells"
         )
+    block_starts = np.flatnonzero(np.diff(block.lines, prepend=block.lines[0] - 2) > 1)
     return ColumnTable(
         block.values,
+        block_lengths=tuple(np.diff(block_starts, append=block.lines.size).tolist()),
+        block_lines=tuple((block.lines[block_starts] + 1).tolist()),
         names=column_heads.names,
         units=column_heads.units or (None,) * width,
         digits=block.column_last_digit_values,

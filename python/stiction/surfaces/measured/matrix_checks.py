@@ -1,0 +1,170 @@
+"""Checks that a table without column names is a matrix of heights, and not points, statistics, blocks or a profile.
+
+A matrix of heights has columns of one kind, in rows that follow each other. Tables of another kind are recognised by
+their numbers alone, because nothing else in the file distinguishes them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.surfaces.measured.raw import FileCaveat, FormatError
+
+MIN_GRID_POINTS = 9  # minimum number of points of a grid whose coordinates are two columns of a table
+MAX_NODES_PER_GRID_POINT = 2  # maximum number of nodes of such a grid per point
+MAX_POINT_COLUMNS = 12  # maximum number of columns of a list of points with colours, intensities and normals
+MIN_POINT_ROWS = 12  # minimum number of rows in which the columns of such a list are compared
+MAX_STATISTIC_LINES = 6  # maximum number of rows or columns with statistics at a side of a matrix
+# Largest deviation of a statistic from its computed value, relative to the standard deviation of the heights. Printed
+# means of a line of heights deviate less, heights of a surface deviate more.
+MAX_STATISTIC_DEVIATION = 2e-3
+MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per line of a profile that is written in lines
+MIN_WRAPPED_LINES = 8  # minimum number of lines of such a profile
+# A profile continues from line to line if the mean square difference between the end of a line and the start of the
+# next is at most this multiple of that between neighbours in a line, or this fraction of that in a column.
+MAX_WRAP_DIFFERENCE, MAX_WRAP_DIFFERENCE_OVER_COLUMN = 1.7, 0.25
+MIN_COLUMN_DIFFERENCE = 2.0  # minimum mean square difference between neighbours in a column, relative to a line
+
+_STATISTICS: tuple[tuple[str, Callable[..., Floats]], ...] = (
+    ("means", np.mean), ("standard deviations", np.std),
+    ("sample standard deviations", lambda x, axis: np.std(x, axis, ddof=1)),
+    ("sums", np.sum), ("medians", np.median), ("maxima", np.max), ("minima", np.min), ("ranges", np.ptp),
+    ("mean square roots", lambda x, axis: np.sqrt(np.mean(x**2, axis))),
+    ("mean deviations", lambda x, axis: np.mean(np.abs(x - np.mean(x, axis, keepdims=True)), axis)),
+)  # fmt: skip
+
+
+def reject_other_tables(values: Floats, column_numbers: Sequence[int]) -> None:
+    """Raise `FormatError` if a table of at least three columns contains points or statistics."""
+    if min(values.shape) < 3 and values.shape[1] != 3:
+        return
+    count = values.shape[1]
+    if (places := find_grid_columns(values)) is not None:
+        x, y, *others = (*places, *(place for place in range(count) if place not in places and place > places[0]))
+        z = column_numbers[others[0]]
+        raise FormatError(
+            f"has {count} columns without names, and columns {column_numbers[x]} and {column_numbers[y]} are the "
+            f"coordinates of a grid; choose x, y and z (--columns {column_numbers[x]},{column_numbers[y]},{z})"
+        )
+    if (description := _describe_unlike_columns(values, column_numbers)) is not None:
+        raise FormatError(
+            f"has {count} columns without names, and {description}, unlike the heights of a map; choose the columns "
+            "of x, y and z (--columns 0,1,2), or of positions and heights"
+        )
+    if (description := _find_statistics(values)) is not None:
+        raise FormatError(f"has {description}; leave only heights in the file")
+
+
+def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -> None:
+    """Raise `FormatError` if empty lines separate blocks of rows. An empty line after each row has no meaning."""
+    if len(lengths) < 2 or max(lengths) == 1:
+        return
+    shown = [f"{length} from line {line}" for length, line in zip(lengths, first_lines, strict=True)][:4]
+    more = " and others" if len(lengths) > len(shown) else ""
+    raise FormatError(
+        f"has {len(lengths)} blocks of rows with empty lines between them ({', '.join(shown)}{more}), "
+        "which may be other scans, statistics or missing points; keep one block, without empty lines"
+    )
+
+
+def find_grid_columns(values: Floats) -> tuple[int, int] | None:
+    """Return the two neighbouring columns that are the coordinates of the points of a grid, or None.
+
+    A column of row numbers may precede these columns. The points are different, and fill at least half of the grid.
+    """
+    rows, count = values.shape
+    if count < 3 or rows < MIN_GRID_POINTS:
+        return None
+    is_numbered = count > 3 and np.array_equal(values[:, 0], values[0, 0] + np.arange(rows))
+    for first in (0, 1) if is_numbered else (0,):
+        x, y = values[:, first], values[:, first + 1]
+        if not (np.isfinite(x).all() and np.isfinite(y).all()):
+            continue
+        (x_positions, x_index), (y_positions, y_index) = (np.unique(item, return_inverse=True) for item in (x, y))
+        nodes = x_positions.size * y_positions.size
+        if min(x_positions.size, y_positions.size) < 2 or max(x_positions.size, y_positions.size) == rows:
+            continue
+        is_grid = (
+            nodes <= MAX_NODES_PER_GRID_POINT * rows and np.unique(x_index * y_positions.size + y_index).size == rows
+        )
+        is_in_lines = any((np.diff(item) >= 0).all() or (np.diff(item) <= 0).all() for item in (x, y))
+        if is_grid and (is_in_lines or nodes == rows):
+            return first, first + 1
+    return None
+
+
+def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> str | None:
+    """Describe a column of another kind than the others in a narrow table: whole numbers, a constant, or normals."""
+    rows, count = values.shape
+    if count > MAX_POINT_COLUMNS or rows < max(MIN_POINT_ROWS, 3 * count) or np.isnan(values).any():
+        return None
+    is_whole = values == np.round(values)
+    whole_columns = np.flatnonzero(is_whole.all(axis=0) & (values != 0).any(axis=0))
+    if whole_columns.size and (is_whole.mean(axis=0) < 0.5).any():
+        return f"column {column_numbers[int(whole_columns[0])]} has only whole numbers"
+    is_constant = np.ptp(values, axis=0) == 0
+    inner_constants = np.flatnonzero(
+        is_constant & (values[0] != values.min()) & (values[0] != values.max()) & (values[0] != 0)
+    )
+    if inner_constants.size and not is_constant.all():
+        return f"column {column_numbers[int(inner_constants[0])]} has only equal numbers"
+    for place in range(count - 2):
+        if np.allclose((values[:, place : place + 3] ** 2).sum(axis=1), 1.0, atol=0.02):
+            return f"columns {column_numbers[place]} to {column_numbers[place + 2]} are unit vectors"
+    return None
+
+
+def _find_statistics(values: Floats) -> str | None:
+    """Describe rows or columns at a side of a matrix that are statistics of the other rows or columns, or None."""
+    for axis, kind in ((0, "row"), (1, "column")):
+        lines = values if axis == 0 else values.T
+        for side, ordered in (("last", lines), ("first", lines[::-1])):
+            # columns in which a line is compared with statistics of the others; the full comparison is rarely needed
+            sample = np.linspace(0, lines.shape[1] - 1, min(8, lines.shape[1])).astype(int)
+            for count in range(1, min(MAX_STATISTIC_LINES, lines.shape[0] - 4) + 1):
+                name = _name_of_statistic(ordered[:, sample], count)
+                if name is not None and _name_of_statistic(ordered, count) == name:
+                    return f"{name} in its {side} {kind}s" if count > 1 else f"{name} in its {side} {kind}"
+    return None
+
+
+def _name_of_statistic(lines: Floats, count: int) -> str | None:
+    """Return the statistic that one of the last `count` lines contains for each column of the lines above, or None."""
+    heights, last = lines[:-count], lines[-1]
+    if not np.isfinite(lines).all():
+        return None
+    tolerance = MAX_STATISTIC_DEVIATION * float(heights.std())
+    # lines that are all equal, or of equal heights, agree with their own statistics
+    if min(float(np.median(np.ptp(heights, axis=0))), float(np.ptp(last))) <= 50 * tolerance:
+        return None
+    for name, statistic in _STATISTICS:
+        if np.abs(statistic(heights, axis=0) - last).max() <= tolerance:
+            return name
+    return None
+
+
+def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
+    """Return a caveat if heights continue from the end of each line to the next line, like one long profile.
+
+    In a matrix, the end of a row is far from the start of the next row, but close to it in a profile.
+    """
+    lines, count = values.shape
+    if count > MAX_WRAPPED_COLUMNS or lines < MIN_WRAPPED_LINES or count < 3:
+        return ()
+    with np.errstate(all="ignore"):
+        along, across, wrap = (
+            float(np.nanmean(difference**2)) if np.isfinite(difference).any() else np.nan
+            for difference in (np.diff(values, axis=1), np.diff(values, axis=0), values[1:, 0] - values[:-1, -1])
+        )
+    max_wrap = max(MAX_WRAP_DIFFERENCE * along, MAX_WRAP_DIFFERENCE_OVER_COLUMN * across)
+    if not (wrap <= max_wrap and across > 0 and across >= MIN_COLUMN_DIFFERENCE * along):
+        return ()
+    return (
+        FileCaveat(
+            "wrapped", f"heights continue from the end of each line to the next, like a profile in lines of {count}",
+            "if it is a profile, write one height per line; otherwise accept it",
+        ),
+    )  # fmt: skip

@@ -1,0 +1,183 @@
+"""Tables of numbers without column names that are not a matrix of heights."""
+
+import numpy as np
+import pytest
+from stiction import FormatError, FormatWarning, read_measurement, read_surface
+from stiction.surfaces.measured.reading import read_with_interpretation
+
+OPTIONS = {"unit": "um", "spacing": "0.5 um"}
+
+
+def create_map(rows, columns, seed=3):
+    """Return a smooth random map of the given shape."""
+    rng = np.random.default_rng(seed)
+    heights = rng.normal(size=(rows + 6, columns + 6))
+    for axis in (0, 1):
+        heights = sum(np.roll(heights, shift, axis) for shift in range(-3, 4))
+    return np.round(heights[3:-3, 3:-3] / 7, 4)
+
+
+HEIGHTS = create_map(15, 20)
+X, Y = (item.ravel() * 0.5 for item in np.meshgrid(np.arange(20), np.arange(15)))
+NUMBERS = np.arange(HEIGHTS.size)
+NORMALS = np.column_stack([0.6 * np.sin(X), 0.6 * np.cos(X), 0.8 + 0 * X])
+COLUMNS_BESIDE_XYZ = {
+    "colours": np.column_stack([NUMBERS % 256, 0 * NUMBERS + 90, 0 * NUMBERS]),
+    "one whole intensity": (NUMBERS % 100)[:, None],
+    "intensity below one": (np.sqrt(NUMBERS % 97) / 10)[:, None],
+    "normals": NORMALS,
+    "colours and normals": np.column_stack([NUMBERS % 256, NUMBERS % 7, NUMBERS % 9, NORMALS]),
+}
+
+
+def to_text(columns, separator=" "):
+    return "".join(separator.join(f"{value:.6g}" for value in row) + "\n" for row in np.asarray(columns))
+
+
+def error_message(path, **options):
+    with pytest.raises(FormatError) as caught:
+        read_measurement(path, **options)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("separator", [" ", ",", ";", "\t"])
+@pytest.mark.parametrize("kind", COLUMNS_BESIDE_XYZ)
+def test_points_with_further_columns_are_rejected_unless_x_y_and_z_are_chosen(tmp_path, kind, separator):
+    path = tmp_path / "a.txt"
+    path.write_text(to_text(np.column_stack([X, Y, HEIGHTS.ravel(), COLUMNS_BESIDE_XYZ[kind]]), separator))
+    assert "columns 0 and 1 are the coordinates of a grid; choose x, y and z (--columns 0,1,2)" in error_message(
+        path, **OPTIONS
+    )
+    surface = read_surface_of_columns(path, (0, 1, 2))
+    assert np.allclose(surface.heights, HEIGHTS, atol=1e-5)
+
+
+def read_surface_of_columns(path, columns):
+    surface = read_measurement(path, **OPTIONS, columns=columns)
+    assert surface.spacings == pytest.approx((0.5, 0.5))
+    return surface
+
+
+def test_points_with_row_numbers_are_rejected_with_the_columns_to_choose(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text(to_text(np.column_stack([NUMBERS + 1, X, Y, HEIGHTS.ravel()])))
+    assert "(--columns 1,2,3)" in error_message(path, **OPTIONS)
+    assert np.allclose(read_surface_of_columns(path, (1, 2, 3)).heights, HEIGHTS, atol=1e-5)
+
+
+def test_array_of_points_on_a_grid_is_not_read_as_a_map_of_three_columns(tmp_path):
+    path = tmp_path / "a.npy"
+    np.save(path, np.column_stack([X, Y, HEIGHTS.ravel()]))
+    assert "choose x, y and z (--columns 0,1,2)" in error_message(path, **OPTIONS)
+    assert np.array_equal(read_surface_of_columns(path, (0, 1, 2)).heights, HEIGHTS)
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [("colours", "column 3 has only whole numbers"), ("normals", "columns 3 to 5 are unit vectors")],
+)
+def test_points_that_are_not_on_a_grid_are_recognised_by_columns_unlike_heights(tmp_path, kind, message):
+    rng, path = np.random.default_rng(1), tmp_path / "a.txt"
+    scattered = rng.uniform(0, 9, (NUMBERS.size, 2))
+    normals = NORMALS + 0
+    normals[:, 2] = np.sqrt(1 - (normals[:, :2] ** 2).sum(axis=1)) * np.where(NUMBERS % 5, 1, -1)
+    others = normals if kind == "normals" else COLUMNS_BESIDE_XYZ[kind]
+    path.write_text(to_text(np.column_stack([scattered, HEIGHTS.ravel(), others])))
+    assert message in error_message(path, **OPTIONS)
+
+
+@pytest.mark.parametrize("decimals", [0, 1, 4])
+@pytest.mark.parametrize("shape", [(300, 6), (12, 40), (30, 4)])
+def test_map_of_rounded_heights_is_read(tmp_path, decimals, shape):
+    path, heights = tmp_path / "a.csv", np.round(20 * create_map(*shape) / 5, decimals)
+    path.write_text(to_text(heights, ","))
+    with np.errstate(all="ignore"):
+        assert np.array_equal(read_surface(path, **OPTIONS, accept=("whole-numbers", "tall")).heights, heights)
+
+
+# ---- Blocks and statistics ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rows_below", [1, 3, 15])
+def test_block_below_an_empty_line_is_not_read_as_rows_of_a_map(tmp_path, rows_below):
+    path = tmp_path / "a.txt"
+    path.write_text(to_text(HEIGHTS) + "\n" + to_text(2 * create_map(rows_below, 20, seed=8)))
+    message = error_message(path, **OPTIONS)
+    assert f"has 2 blocks of rows with empty lines between them (15 from line 1, {rows_below} from line 17)" in message
+
+
+@pytest.mark.parametrize("numbers_below", [1, 3, 150])
+def test_numbers_below_an_empty_line_are_not_read_as_heights_of_a_profile(tmp_path, numbers_below):
+    path, line = tmp_path / "a.txt", HEIGHTS.ravel()[:150, None]
+    path.write_text(to_text(line) + "\n" + to_text(line[:numbers_below] / 2))
+    assert f"150 from line 1, {numbers_below} from line 152" in error_message(path, **OPTIONS)
+
+
+def test_empty_lines_between_all_rows_are_ignored(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text(to_text(HEIGHTS).replace("\n", "\n\n"))
+    assert np.allclose(read_surface(path, **OPTIONS).heights, HEIGHTS)
+
+
+def test_count_above_an_empty_line_is_removed(tmp_path):
+    path, line = tmp_path / "a.txt", HEIGHTS.ravel()[:, None]
+    path.write_text(f"{line.size}\n\n{to_text(line)}")
+    assert np.allclose(read_measurement(path, **OPTIONS).heights, line[:, 0])
+
+
+STATISTICS = {
+    "means": lambda z, axis: z.mean(axis),
+    "standard deviations": lambda z, axis: z.std(axis),
+    "maxima": lambda z, axis: z.max(axis),
+    "ranges": lambda z, axis: np.ptp(z, axis),
+    "sums": lambda z, axis: z.sum(axis),
+}
+
+
+@pytest.mark.parametrize("side", ["last row", "first row", "last column", "first column"])
+@pytest.mark.parametrize("kind", STATISTICS)
+def test_statistics_at_a_side_of_a_matrix_are_not_read_as_heights(tmp_path, kind, side):
+    axis = 0 if side.endswith("row") else 1
+    lines = [HEIGHTS, np.expand_dims(STATISTICS[kind](HEIGHTS, axis), axis)]
+    path = tmp_path / "a.csv"
+    path.write_text(to_text(np.round(np.concatenate(lines if side[:4] == "last" else lines[::-1], axis=axis), 4), ","))
+    assert f"has {kind} in its {side}; leave only heights" in error_message(path, **OPTIONS)
+
+
+def test_several_rows_of_statistics_are_not_read_as_heights(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(to_text(np.vstack([HEIGHTS, *(statistic(HEIGHTS, 0) for statistic in STATISTICS.values())]), ","))
+    assert "in its last rows; leave only heights" in error_message(path, **OPTIONS)
+
+
+@pytest.mark.parametrize("heights", [np.tile(HEIGHTS[0], (12, 1)), np.pad(HEIGHTS, 2), np.eye(12), np.zeros((9, 9))])
+def test_maps_that_agree_with_their_own_statistics_are_read(tmp_path, heights):
+    path = tmp_path / "a.csv"
+    path.write_text(to_text(heights, ","))
+    assert np.array_equal(read_surface(path, **OPTIONS).heights, heights)
+
+
+# ---- Profiles in lines ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("per_line", [4, 5, 8, 10, 12, 16, 20])
+def test_profile_in_lines_of_several_heights_adds_a_caveat(tmp_path, per_line):
+    path, profile = tmp_path / "a.txt", np.cumsum(np.random.default_rng(4).normal(size=240)) / 50
+    path.write_text(to_text(profile.reshape(-1, per_line)))
+    assert [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats][:1] == ["wrapped"]
+    with pytest.warns(FormatWarning, match=f"like a profile in lines of {per_line}"):
+        read_measurement(path, **OPTIONS)
+
+
+@pytest.mark.parametrize("shape", [(15, 20), (60, 5), (30, 30), (10, 8)])
+@pytest.mark.parametrize("step", [1, 4, 12])
+def test_map_of_few_columns_has_no_caveat_about_lines_of_a_profile(tmp_path, shape, step):
+    path = tmp_path / "a.txt"
+    path.write_text(to_text(create_map(step * shape[0], shape[1])[::step]))
+    assert not read_with_interpretation(path, unit="nm", spacing="0.5 um").caveats
+
+
+def test_profile_with_another_number_of_points_than_its_header_declares_has_a_caveat(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("Number of points: 300\nspacing: 0.5 um\nz (um)\n" + to_text(HEIGHTS.ravel()[:299, None]))
+    assert "declares 300 points, but 299 heights are read" in str(read_with_interpretation(path).caveats[0])
