@@ -7,6 +7,7 @@ from stiction import (
     approach_at_load,
     area_map,
     friction_map,
+    half_space,
     pair,
     press,
     run,
@@ -118,6 +119,78 @@ def test_stiffnesses_per_area_have_one_unit(areal_study_and_dataset):
     np.testing.assert_allclose(values["stiffness_per_area"], stiffness_per_area, rtol=1e-12)
     names = ("stiffness_per_area", "unloading_stiffness_per_area", "closure_stiffness")
     assert {values[name].attrs["units"] for name in names if name in values} == {"MPa/mm"}
+
+
+@pytest.fixture(scope="module")
+def result_of_yielding_maps():
+    upper, lower = (
+        self_affine_surface(
+            6, hurst_exponent=0.8, rms=0.03, shape=(64, 64), spacing=0.1, shortest_wavelength=0.6, side=side
+        )
+        for side in ("upper", "lower")
+    )
+    options = {"young": "100 GPa,70 GPa", "poisson": "0.3,0.35", "hardness": "2 GPa", "cutoff": "none", "onset": 2}
+    return pair(upper, lower, load=["20 MPa", "60 MPa"], mu0=0.2, tau0="50 MPa", shifts=4, **options)
+
+
+def get_means(values, name):
+    return values[name].sel(statistic="mean").values.ravel()
+
+
+def test_stiffness_of_closure_is_the_derivative_of_the_mean_closure(result_of_yielding_maps):
+    """Compare with direct solutions at computed loads, and with finite differences at all loads."""
+    result = result_of_yielding_maps
+    steps = result.study.contact.loading_steps()
+    contact = result.study.contact.solver_arguments()
+    for index in (1, 2):
+        loads = steps[index] * np.array([0.998, 1.002])
+        closures = np.mean(
+            [half_space(*load_bodies(result.study).member(m, 0.0).pair, loads, **contact).closure for m in range(4)], 0
+        )
+        expected_stiffness = 1e6 * np.diff(loads)[0] / result.nominal_area / np.diff(closures)[0]
+        stiffness = get_means(result.at(steps[index]), "closure_stiffness")
+        assert stiffness == pytest.approx(expected_stiffness, rel=0.01)
+    loads = np.geomspace(1.001 * steps[0], 0.999 * steps[-1], 20)
+    for load in loads:
+        values = result.at(load * np.array([0.9995, 1.0, 1.0005]))
+        closure = get_means(values, "closure")
+        difference = 1e6 * 1e-3 * load / result.nominal_area / (closure[2] - closure[0])
+        assert get_means(values, "closure_stiffness")[1] == pytest.approx(difference, rel=0.01)
+
+
+def test_tangential_stiffness_per_area_is_that_of_the_onset_without_bending(result_of_yielding_maps):
+    """Subtract the mean tangential displacement from that of distant points, as for the closure."""
+    result = result_of_yielding_maps
+    contact = result.study.contact
+    for load in contact.loading_steps()[1:3]:
+        compliances = []
+        for member in range(4):
+            curve = half_space(
+                *load_bodies(result.study).member(member, 0.0).pair, [load], **contact.solver_arguments()
+            )
+            onset = curve.onset(0, mu0=0.2, tau0=0.05, steps=[0.002], poisson=contact.poisson)
+            ratio = curve.unloading_stiffness[0] / onset.stiffness
+            bending = 1 / curve.unloading_stiffness[0] - 1 / (
+                curve.unloading_closure_stiffness[0] * result.nominal_area
+            )
+            displacement = onset.displacement[0] - ratio * bending * onset.tangential_load[0]
+            compliances.append(displacement / onset.tangential_load[0] * result.nominal_area)
+        stiffness = get_means(result.at(load), "tangential_stiffness_per_area")
+        assert stiffness == pytest.approx(1e6 / np.mean(compliances), rel=0.01)
+
+
+def test_tangential_stiffness_of_grooves_is_the_normal_stiffness_and_of_spheres_mindlins(
+    areal_study_and_dataset, profile_study_and_dataset, tmp_path
+):
+    _, spheres = profile_study_and_dataset
+    values = at_load(spheres, spheres["load"].values[3:5])
+    ratio = get_means(values, "tangential_stiffness_per_area") / get_means(values, "unloading_closure_stiffness")
+    np.testing.assert_allclose(ratio, 2 * (1 - 0.3) / (2 - 0.3), rtol=1e-9)
+    study = create_study_from_files(tmp_path, "lines", spacing=write_profiles(tmp_path), members=4, load="0.05 mN")
+    values = at_load(run(study), [0.05, 0.07])
+    np.testing.assert_allclose(
+        get_means(values, "tangential_stiffness_per_area"), get_means(values, "closure_stiffness"), rtol=1e-9
+    )
 
 
 def test_intervals_of_generated_results_are_computed_after_averaging_directions():
@@ -260,8 +333,10 @@ def compute_interpolation_errors(seed, *, points, longest_wavelength, shifts, ha
     rows = []
     for name in INTERPOLATED_QUANTITIES:
         dims = [dim for dim in interpolated[name].dims if dim != "statistic"]
-        values = members[name].transpose("repetition", *dims).values
-        mean, _, upper = np.log(intervals.average_independent_values(values))
+        sign = -1 if "stiffness" in name else 1  # The mean of a stiffness is the inverse of the mean compliance.
+        values = members[name].transpose("repetition", *dims).values ** sign
+        mean, *limits = sign * np.log(intervals.average_independent_values(values))
+        upper = np.maximum(*limits)
         estimate = np.log(interpolated[name].transpose(*dims, "statistic").values)
         np.testing.assert_allclose(estimate[..., 0], mean)
         error = np.sqrt(np.maximum((estimate[..., 2] - mean) ** 2 - (upper - mean) ** 2, 0))

@@ -361,6 +361,13 @@ def test_contact_stiffness_agrees_with_a_dense_matrix_calculation(shape, boundar
     assert curve.unloading_stiffness[0] == pytest.approx(
         uniform_pressure.sum() * np.prod(spacing), rel=STIFFNESS_TOLERANCE
     )
+    if boundary == "periodic":
+        assert curve.unloading_closure_stiffness[0] == pytest.approx(curve.unloading_stiffness[0], rel=1e-9)
+    else:  # The closure does not include the mean displacement of the nominal area.
+        mean_displacement = (matrix[:, contact_indices] @ uniform_pressure).mean()
+        assert curve.unloading_closure_stiffness[0] == pytest.approx(
+            uniform_pressure.sum() * np.prod(spacing) / (1 - mean_displacement), rel=10 * STIFFNESS_TOLERANCE
+        )
     if hardness is None:
         assert curve.stiffness[0] == curve.unloading_stiffness[0]
     else:

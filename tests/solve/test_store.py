@@ -27,6 +27,7 @@ from stiction.solve.runner import compute_missing_blocks
 from stiction.solve.store import BLOCKS_FOLDER, STUDY_FILE, BlockFile, ExportError, StoreError, export
 from stiction.study.study import parse_study
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, rewrite_variable, with_repetitions
+from support.studies_of_files import create_study_from_files, write_maps
 
 pytestmark = pytest.mark.usefixtures("write_blocks_of_four_members")
 
@@ -83,6 +84,21 @@ def test_stored_result_equals_the_computed_dataset(tmp_path, uninterrupted_datas
     info = store.info(path)
     assert (info.study, info.finished) == (TINY_STUDY, 22)
     assert info.size == sum(file.stat().st_size for file in (path / BLOCKS_FOLDER).iterdir())
+
+
+def test_result_without_a_quantity_of_newer_versions_can_be_read(tmp_path):
+    study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), members=2)
+    expected = run(study, store=tmp_path / "r").dataset
+    file = find_block_file(tmp_path / "r", 0)
+    content = file.read_bytes()
+    image = io.BytesIO(content)
+    with h5py.File(image, "r+") as block:
+        del block["unloading_closure_stiffness"]
+    replace_block_content(file, image.getvalue())
+    dataset = store.open_stored_result(tmp_path / "r").dataset()
+    assert np.isnan(dataset["unloading_closure_stiffness"]).all()
+    for name in set(expected.data_vars) - {"unloading_closure_stiffness"}:
+        assert dataset[name].identical(expected[name]), name
 
 
 def test_two_runs_write_blocks_with_equal_checksums(tmp_path, folder_copy):

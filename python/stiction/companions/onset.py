@@ -24,6 +24,7 @@ from stiction.companions.contact_picture import MAX_PICTURE_SIDE_POINTS
 from stiction.evaluate.member_means import MemberDependence
 from stiction.evaluate.point import read_estimate
 from stiction.mechanics.half_space import HalfSpaceCurve
+from stiction.mechanics.onset import DEFAULT_POISSON_RATIO
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, quantity_attributes
 from stiction.solve.executors import wrap_to_use_idle_threads
@@ -49,7 +50,6 @@ ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95,
 """Fractions of the sliding load at which the curve is evaluated."""
 
 TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions; it causes errors of about 1e-7 in displacements
-DEFAULT_POISSON_RATIO = 0.3  # default Poisson's ratio of both bodies
 _CURVE_TITLES = {
     "tangential_load": "tangential load",
     "displacement": "displacement",

@@ -69,12 +69,15 @@ def compute_quantity_ratios(response: ContactResponse, inputs: InputValues) -> d
         "stiffness_per_area": loading,
         "unloading_stiffness": unloading,
         "unloading_stiffness_per_area": unloading,
+        "unloading_closure_stiffness": unloading,
+        "tangential_stiffness_per_area": unloading,
     }
 
 
 COMBINED_QUANTITIES = (
     "contact_area", "contact_area_fraction", "contact_area_at_onset", "mean_pressure", "normal_stiffness",
     "closure_stiffness", "stiffness_per_area", "unloading_stiffness", "unloading_stiffness_per_area",
+    "unloading_closure_stiffness", "tangential_stiffness_per_area",
 )  # fmt: skip
 """Quantities of a contact besides friction whose intervals include the uncertain inputs."""
 

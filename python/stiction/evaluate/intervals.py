@@ -129,6 +129,43 @@ class LoadCrossings:
             interpolated = interpolated * self.scale[1]
         return np.where(reached, interpolated, np.nan)
 
+    @property
+    def loads(self) -> Floats:
+        """The given loads. The crossings must have been found with `interpolates_ratio`."""
+        assert self.scale is not None, "the crossings were found with interpolates_ratio"
+        return self.scale[1]
+
+    def interpolate_with_slopes(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
+        """Interpolate increasing values and their derivatives with respect to the logarithm of the load, as cubics.
+
+        The arrays have the shape (..., k), and the results have the shape (..., l). The crossings must have been found
+        with `interpolates_ratio`. Between two loading steps, slopes are limited so that the cubic increases (Fritsch &
+        Carlson 1980). Where a slope at one of these steps is unknown, the slope of the chord replaces it in the values,
+        and the derivative is NaN.
+        """
+        assert self.scale is not None, "the crossings were found with interpolates_ratio"
+        curve = self.scale[0]
+        below, above = self._get_bracketing_values(curve)
+        before, after = self._get_bracketing_values(values)
+        slope_before, slope_after = self._get_bracketing_values(slopes)
+        t = self.fraction
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log_ratio = np.log(above / below)
+            chord = (after - before) / log_ratio
+            limited_before, limited_after = (
+                np.clip(np.where(np.isfinite(slope), slope, chord), 0.0, 3 * np.maximum(chord, 0.0))
+                for slope in (slope_before, slope_after)
+            )
+            bend = (1 - t) * (limited_before - chord) - t * (limited_after - chord)
+            value = before + t * (after - before) + t * (1 - t) * log_ratio * bend
+            slope = chord + (1 - t) * (1 - 3 * t) * (limited_before - chord) - t * (2 - 3 * t) * (limited_after - chord)
+            slope = np.where(np.isfinite(slope_before) & np.isfinite(slope_after), slope, np.nan)
+        is_at_step = t == 1
+        return (
+            np.where(self.reached, np.where(is_at_step, after, value), np.nan),
+            np.where(self.reached, np.where(is_at_step, slope_after, slope), np.nan),
+        )
+
     def slope(self, values: Floats, over: Floats) -> Floats:
         """Return the slope of one quantity with respect to another at each crossing, with shape (..., l)."""
         index = np.maximum(self.index, 1)

@@ -15,7 +15,7 @@ from stiction._checks import Floats
 from stiction.evaluate import intervals
 from stiction.mechanics import friction
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, STATUS_DTYPE, STATUSES
-from stiction.mechanics.quantities import QUANTITIES, is_requested, quantity_attributes
+from stiction.mechanics.quantities import QUANTITIES, STIFFNESS_QUANTITIES, is_requested, quantity_attributes
 from stiction.solve.contact_statistics import compute_sample_quantiles
 from stiction.study.study import Study
 
@@ -157,11 +157,30 @@ def _average_quantities(
         if (is_load and not is_requested(name, names)) or values.dtype.kind != "f" or "repetition" not in values.dims:
             continue
         dims = [str(dim) for dim in values.dims if dim != "repetition"]
-        means = average(dims, partial(_get_values, name=name, dims=("repetition", *dims)))
+        get_values = partial(_get_values, name=name, dims=("repetition", *dims))
+        means = average(dims, get_values)
+        if name in STIFFNESS_QUANTITIES:
+            means = _average_compliances(partial(average, dims), get_values, means)
         limit = QUANTITIES[name].bounds[1]
         means = np.where(means > limit, np.maximum(limit, means[..., :1]), means)
         variables[name] = (*dims, "statistic"), means, values.attrs
     return variables
+
+
+def _average_compliances(
+    average: Callable[[Callable[[xarray.Dataset], Floats]], Floats],
+    get_stiffnesses: Callable[[xarray.Dataset], Floats],
+    mean_stiffnesses: Floats,
+) -> Floats:
+    """Return the inverse of the mean compliances, which is the derivative of the load by the mean displacement.
+
+    Where the mean compliance is not above 0, because contacts disappear as the load grows, the mean stiffness remains.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        compliance, lower, upper = np.moveaxis(average(lambda members: 1 / get_stiffnesses(members)), -1, 0)
+        limits = [1 / compliance, 1 / upper, np.where(lower > 0, 1 / lower, np.where(np.isnan(lower), np.nan, np.inf))]
+    is_positive = (compliance > 0) & (mean_stiffnesses[..., 0] > 0)
+    return np.where(is_positive[..., np.newaxis], np.stack(limits, axis=-1), mean_stiffnesses)
 
 
 def _get_values(members: xarray.Dataset, name: str, dims: Sequence[str]) -> Floats:

@@ -23,6 +23,9 @@ from stiction.mechanics.friction import (
     FrictionLaw,
     validity_ratio,
 )
+from stiction.mechanics.law import HertzCylinder
+from stiction.mechanics.mindlin import compliance_ratio
+from stiction.mechanics.onset import DEFAULT_POISSON_RATIO
 from stiction.mechanics.quantities import (
     DISTRIBUTION_QUANTITIES,
     GAP_QUANTITIES,
@@ -189,12 +192,21 @@ def _evaluate_piece(
         "status": (dims, status, quantity_attributes("status")),
     }
     requested_names = None if names is None else {*_FRICTION_VARIABLES, *names}
+    if requested_names is not None and "tangential_stiffness_per_area" in requested_names:
+        requested_names.add("unloading_closure_stiffness")
     if load_definition == "elastic":
         variables |= _compute_opposing_share(piece, member_dims, contact_sums)
     variables |= _interpolate_quantities(piece, member_dims, load_crossings, requested_names)
     variables |= {name: piece.variables[name] for name in GAP_QUANTITIES if name in piece.variables}
     if "pull_off" in piece.variables:
         variables |= _evaluate_pull_off(piece, member_dims, mu0, tau0)
+    if "unloading_closure_stiffness" in variables:
+        dims_of_stiffness, stiffness = variables["unloading_closure_stiffness"][:2]
+        variables["tangential_stiffness_per_area"] = (
+            dims_of_stiffness,
+            stiffness * find_tangential_stiffness_ratio(study),
+            quantity_attributes("tangential_stiffness_per_area"),
+        )
     variables = _replace_sums_by_ratios(variables, piece.coords.get("nominal_area"))
     if growth is not None:
         area = np.asarray(variables["contact_area"][1])[..., np.newaxis, np.newaxis]
@@ -319,7 +331,70 @@ def _interpolate_quantities(
                 _to_float_array(stored_values, (*value_dims, step_dimension)), are_sums=are_sums
             )
             variables[name] = (*value_dims, "load"), interpolated, stored_values.attrs
+    if step_dimension == "load" and "pull_off" not in piece:
+        _interpolate_by_stiffness(piece, member_dims, load_crossings, variables)
     return variables
+
+
+def find_tangential_stiffness_ratio(study: Study) -> float:
+    """Return the initial tangential stiffness of a pair divided by its normal stiffness during unloading, E*_t/E*.
+
+    The ratio is 1 for grooves, which deform in plane strain. For isotropic surfaces, it is that of Mindlin (1949), for
+    the Poisson's ratios of both bodies.
+    """
+    contact: Any = study.contact
+    poisson = contact.poisson or DEFAULT_POISSON_RATIO
+    transverse_fraction = 1.0 if has_grooves(study) else 0.5
+    return float(1 / compliance_ratio(poisson, getattr(contact, "compliance_share", 0.5), transverse_fraction))
+
+
+def has_grooves(study: Study) -> bool:
+    """Return whether the pair presses lines across grooves. Other contact laws take profiles as isotropic surfaces."""
+    if study.is_areal:
+        return False
+    contact: Any = study.contact
+    return study.uses_half_space or isinstance(contact.contact_model().law, HertzCylinder)
+
+
+_DISPLACEMENTS = {
+    "closure": ("closure_stiffness", "unloading_closure_stiffness"),
+    "approach": ("normal_stiffness", "unloading_stiffness"),
+}
+"""Displacements, each with the stiffnesses that are its derivatives during loading and unloading."""
+
+
+def _interpolate_by_stiffness(
+    piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, variables: dict[str, Any]
+) -> None:
+    """Replace interpolated displacements and stiffnesses by values that are derivatives of each other.
+
+    Between two computed loads, a displacement is the cubic in the logarithm of the load with the stored values and
+    stiffnesses. The loading stiffness is its derivative. The unloading stiffness keeps its interpolated ratio to the
+    loading stiffness.
+    """
+    steps = piece["load"].values
+    for name, stiffness_names in _DISPLACEMENTS.items():
+        if any(each not in piece.variables for each in (name, stiffness_names[0])):
+            continue
+        per_area = STIFFNESS_PER_AREA_FACTOR / float(piece["nominal_area"]) if name == "closure" else 1.0
+        stored = {
+            each: _to_float_array(piece.variables[each], (*member_dims, "load"))
+            for each in (name, *stiffness_names)
+            if each in piece.variables
+        }
+        loading = stored[stiffness_names[0]]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            displacement, slope = load_crossings.interpolate_with_slopes(stored[name], per_area * steps / loading)
+            stiffness = per_area * load_crossings.loads / slope
+            values = {name: displacement, stiffness_names[0]: stiffness}
+            if stiffness_names[1] in stored:
+                ratio = load_crossings.interpolate(stored[stiffness_names[1]] / loading, are_sums=False)
+                values[stiffness_names[1]] = ratio * stiffness
+        for each, array in values.items():
+            if each in variables:
+                dims, interpolated, attributes = variables[each]
+                is_between_steps = np.isfinite(array) & (load_crossings.fraction != 1)
+                variables[each] = dims, np.where(is_between_steps, array, interpolated), attributes
 
 
 def _evaluate_pull_off(

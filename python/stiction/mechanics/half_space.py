@@ -271,6 +271,15 @@ class HalfSpaceCurve(FrictionCurve):
         """
         return make_read_only(np.array([solution.closure_stiffness for solution in self._contact_solutions]))
 
+    @cached_property
+    def unloading_closure_stiffness(self) -> Floats:
+        """Derivative dp/dc (GPa/µm, shape (k,)) of nominal pressure with respect to closure during unloading.
+
+        Yielded points respond elastically as well. A tangential load starts to move the contact elastically, too: the
+        initial tangential stiffness per nominal area is this stiffness times E*_t/E*.
+        """
+        return make_read_only(np.array([solution.unloading_closure_stiffness for solution in self._contact_solutions]))
+
     @property
     def tilt(self) -> Floats:
         """Tilt of the upper surface: slopes along y and x with shape (k, 2), or along x with shape (k, 1) for profiles.

@@ -220,9 +220,7 @@ class ContactSolution:
 
         In contrast to `stiffness`, yielded points respond too, because they unload elastically.
         """
-        return (
-            self.stiffness if self.below_hardness.all() else self._compute_stiffness(np.ones_like(self.below_hardness))
-        )
+        return self.stiffness if self.below_hardness.all() else self._compute_stiffness(self._all_points)
 
     @cached_property
     def closure_stiffness(self) -> float:
@@ -231,22 +229,30 @@ class ContactSolution:
         The closure is the decrease of the mean gap: the approach minus the mean displacement of the surface. The
         stiffness is infinite at full contact, and NaN if all points have yielded.
         """
-        problem = self.problem
-        if not self.below_hardness.any():
-            return np.nan
-        if problem.periodic and problem.missing is None:
-            return self.stiffness / problem.area
-        # Both terms are per 1 GPa of nominal pressure. By reciprocity, the mean displacement due to these pressures is
-        # the mean of the displacement due to a uniform pressure, weighted with these pressures (sum: 1 GPa).
-        pressures_of_unit_sum, approach_of_unit_sum = self._linear_response
-        approach = approach_of_unit_sum * problem.area / problem.cell_area
-        mean_displacement = float((pressures_of_unit_sum * problem.uniform_pressure_displacement).sum())
-        closure = approach - mean_displacement
-        return 1 / closure if closure > 0 else np.inf
+        return self._compute_closure_stiffness(self.below_hardness)
+
+    @cached_property
+    def unloading_closure_stiffness(self) -> float:
+        """Derivative dp/dc (GPa/µm) as `closure_stiffness`, if all contact points respond elastically."""
+        if self.below_hardness.all():
+            return self.closure_stiffness
+        return self._compute_closure_stiffness(self._all_points)
+
+    @cached_property
+    def _all_points(self) -> NDArray[np.bool_]:
+        return np.ones_like(self.below_hardness)
 
     @cached_property
     def _linear_response(self) -> tuple[Floats, float]:
         return self._compute_response(self.below_hardness)
+
+    @cached_property
+    def _unloading_response(self) -> tuple[Floats, float]:
+        return self._compute_response(self._all_points)
+
+    def _get_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
+        """Return the response of the points below the hardness, or of all points, which is computed only once."""
+        return self._linear_response if free_mask is self.below_hardness else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
         """Return the pressures (sum: 1 GPa) that displace all free points equally, and this displacement (µm)."""
@@ -258,10 +264,22 @@ class ContactSolution:
         problem = self.problem
         if not (problem.has_finite_approach and free_mask.any()):
             return np.nan
-        compliance = (self._linear_response if free_mask is self.below_hardness else self._compute_response(free_mask))[
-            1
-        ]
+        compliance = self._get_response(free_mask)[1]
         return problem.cell_area / compliance if compliance > 0 else np.inf
+
+    def _compute_closure_stiffness(self, free_mask: NDArray[np.bool_]) -> float:
+        problem = self.problem
+        if not free_mask.any():
+            return np.nan
+        if problem.periodic and problem.missing is None:
+            return self._compute_stiffness(free_mask) / problem.area
+        # Both terms are per 1 GPa of nominal pressure. By reciprocity, the mean displacement due to these pressures is
+        # the mean of the displacement due to a uniform pressure, weighted with these pressures (sum: 1 GPa).
+        pressures_of_unit_sum, approach_of_unit_sum = self._get_response(free_mask)
+        approach = approach_of_unit_sum * problem.area / problem.cell_area
+        mean_displacement = float((pressures_of_unit_sum * problem.uniform_pressure_displacement).sum())
+        closure = approach - mean_displacement
+        return 1 / closure if closure > 0 else np.inf
 
 
 # maximum ratio of the gap to the length; at this ratio, slopes are far too large for the model

@@ -323,6 +323,7 @@ def compute_onset(
     )  # fmt: skip
 
 
+DEFAULT_POISSON_RATIO = 0.3  # Poisson's ratio of both bodies if a study has none
 MIN_RELATIVE_STRENGTH = 1e-9
 """Smallest mu0, or smallest ratio of tau0 to the modulus, for an onset. Smaller strengths are lost in round-off."""
 

@@ -71,6 +71,7 @@ class ResultQuantity:
     # name of the quantity that is the fraction of members for which only a lower bound is known
     bound_fraction: str = ""
     stored: frozenset[QuantitySource] = frozenset()
+    is_optional: bool = False  # True if results of earlier versions lack the quantity, which is then NaN
     shown: frozenset[OutputView] = frozenset()
 
     @property
@@ -262,6 +263,12 @@ QUANTITIES: dict[str, ResultQuantity] = {
         proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS,
         shown=_DEFAULT_VIEWS,
     ),
+    "unloading_closure_stiffness": _statistic_quantity(
+        STIFFNESS_PER_AREA_UNIT, "derivative of the nominal pressure with respect to the closure while unloading",
+        "stiffness of closure while unloading", proportional=True,
+        proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS, is_optional=True,
+        shown=_CSV_VIEW,
+    ),
     "contact_load": ResultQuantity(
         unit="mN", words="load on the contacts: normal load plus attraction", brief="contact load",
         kind="sum", along=_STEP_AXIS, proportional=True, stored=frozenset({"adhesion"}),
@@ -305,6 +312,10 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "unloading_stiffness_per_area": ResultQuantity(
         unit=STIFFNESS_PER_AREA_UNIT, words="normal stiffness per area while unloading (ultrasonic)", kind="ratio",
         along=_STEP_AXIS, numerator="unloading_stiffness", shown=_VERBOSE_VIEWS,
+    ),
+    "tangential_stiffness_per_area": ResultQuantity(
+        unit=STIFFNESS_PER_AREA_UNIT, words="initial tangential stiffness per area", kind="statistic",
+        along=_STEP_AXIS, shown=_VERBOSE_VIEWS,
     ),
     "share_opposing": ResultQuantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on contacts that oppose the motion",
@@ -568,6 +579,11 @@ STIFFNESS_PER_AREA_QUANTITIES = select_quantity_names(
     lambda each: each.kind == "ratio" and each.unit == STIFFNESS_PER_AREA_UNIT
 )
 """Stiffnesses divided by the nominal area."""
+
+STIFFNESS_QUANTITIES = select_quantity_names(
+    lambda each: each.unit in ("mN/um", STIFFNESS_PER_AREA_UNIT) and each.along == _STEP_AXIS
+)
+"""Stiffnesses at a load. Their mean is the inverse of the mean compliance: the derivative of a mean displacement."""
 
 UNCERTAINTY_QUANTITIES = select_quantity_names(lambda each: each.kind == "uncertainty" and each.is_directed)
 """Uncertainties of the mean over all directions."""

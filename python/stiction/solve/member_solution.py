@@ -20,8 +20,10 @@ from stiction.mechanics.candidates import candidates
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import STATUS_OK, STATUSES
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_at_zero_load, solve_together_or_separately
+from stiction.mechanics.law import HertzCylinder, parse_contact_law
 from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.loading import SurfacePair, find_approaches_at_loads
+from stiction.mechanics.mindlin import punch_stiffness
 from stiction.mechanics.model import ContactModel, ShearDirection
 from stiction.mechanics.quantities import (
     ADHESION_QUANTITIES,
@@ -73,7 +75,10 @@ The distance exceeds the tolerance of `find_approaches_at_loads`.
 
 
 NUM_UNLOADING_MEMBERS, NUM_UNLOADING_CUT_OFFS = 4, 2
-"""Numbers of members and of cutoffs per member for which the unloading stiffness of plastic bodies is computed."""
+"""Numbers of members and of cutoffs per member for which the unloading stiffness of plastic bodies is computed.
+
+It is computed for all pairs of lines, whose stiffness differs more between members and takes less time to compute.
+"""
 
 NUM_ELASTIC_MAP_MEMBERS, NUM_ELASTIC_LARGE_MAP_MEMBERS, NUM_ELASTIC_PROFILE_MEMBERS = 4, 2, 16
 """Numbers of members for which the elastic area is also computed if the bodies yield: maps, large maps and profiles."""
@@ -207,6 +212,9 @@ def _solve_half_space(
         values["closure_stiffness"][load_indices] = curve.closure_stiffness * STIFFNESS_PER_AREA_FACTOR
         if computes_unloading or curve.hardness is None:
             values["unloading_stiffness"][load_indices] = curve.unloading_stiffness
+            values["unloading_closure_stiffness"][load_indices] = (
+                curve.unloading_closure_stiffness * STIFFNESS_PER_AREA_FACTOR
+            )
         values["error"][load_indices] = curve.error
         for index, load in enumerate(load_indices):
             load_solution = curve.at(index)
@@ -287,13 +295,19 @@ def _solve_asperities(
                 values[name][rule][..., solved_loads] = np.concatenate(
                     [np.atleast_2d(interpolate_at_jump(name, curve)) for curve in curves]
                 )
+    is_cylinder = isinstance(parse_contact_law(first_model.law), HertzCylinder)
     normal = curves[0].normal_elastic
     stiffness = (normal[upper_index] - normal[lower_index]) / (approaches[upper_index] - approaches[lower_index])
     values["approach"][solved_loads] = values["closure"][solved_loads] = approach[solved_loads]
     values["normal_stiffness"][solved_loads] = stiffness
     values["closure_stiffness"][solved_loads] = stiffness / np.prod(upper.extent) * STIFFNESS_PER_AREA_FACTOR
     for load in solved_loads:
-        table = tabulate_asperity_contacts(list_contacts(float(approach[load]), model=first_model), upper)
+        asperity_contacts = list_contacts(float(approach[load]), model=first_model)
+        values["unloading_closure_stiffness"][load] = values["closure_stiffness"][load] if is_cylinder else (
+            punch_stiffness(asperity_contacts.axes, float(first_model.effective_modulus)).sum()
+            / np.prod(upper.extent) * STIFFNESS_PER_AREA_FACTOR
+        )  # fmt: skip
+        table = tabulate_asperity_contacts(asperity_contacts, upper)
         for name, value in (table.compute_statistics() | compute_steep_contact_load_fraction(table, slopes)).items():
             values[name][load] = value
 
@@ -622,7 +636,8 @@ def _solve_measured_member(
     study: Study, index: int, arrays: ArraysByName, record: SolutionRecord | None
 ) -> Iterator[tuple[int, ArraysByName]]:
     """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
-    computes_unloading = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
+    is_early = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
+    computes_unloading = is_early or not study.is_areal
     computes_elastic_area = index in find_elastic_members(study)
     for cell_index, wavelength in enumerate(study.surfaces.cell_coordinates()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))

@@ -301,7 +301,7 @@ class StoredResult:
         numbers = np.arange(block.first, block.last + 1)
         shapes = {name: spec.shape for name, spec in variable_specs(self.study, numbers, names).items()}
         with self._convert_read_errors(block), _open_netcdf(self._read_block_bytes(block)) as file:
-            return {name: _read_variable(file, name, shapes.get(name, numbers.shape)) for name in names}
+            return {name: _read_member_array(file, name, shapes.get(name, numbers.shape)) for name in names}
 
     def _read_block_bytes(self, block: BlockFile) -> bytes:
         return read_file_bytes(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
@@ -815,7 +815,9 @@ def decode_members(content: bytes) -> BlockFileContent:
         check_values("repetition", numbers, dtype=int, bounds=(0, np.iinfo(np.int64).max))
         if numbers.ndim != 1 or np.unique(numbers).size < numbers.size:
             raise DamagedFileError("has repeated values of repetition")
-        arrays = {name: _read_variable(file, name, spec.shape) for name, spec in variable_specs(study, numbers).items()}
+        arrays = {
+            name: _read_member_array(file, name, spec.shape) for name, spec in variable_specs(study, numbers).items()
+        }
         check_member_arrays(study, arrays)
         arrays = {name: values.astype(QUANTITIES[name].dtype, copy=False) for name, values in arrays.items()}
         bodies = BodyAttributes()
@@ -902,6 +904,13 @@ def _parse_stored_study(text: str) -> Study:
         return parse_study(text, "its study")
     except ValueError as error:
         raise DamagedFileError(f"contains a study that cannot be read: {error}") from None
+
+
+def _read_member_array(file: h5py.File, name: str, shape: tuple[int, ...]) -> NDArray[Any]:
+    """Return a variable of a block. A quantity that the version of the block did not compute yet is NaN."""
+    if name in QUANTITIES and QUANTITIES[name].is_optional and name not in file:
+        return np.full(shape, np.nan)
+    return _read_variable(file, name, shape)
 
 
 def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
