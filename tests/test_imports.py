@@ -194,7 +194,7 @@ def test_options_help_and_version_load_no_numeric_packages():
         ) <= (DEPENDENCIES_OF_HELP)
 
 
-MODULES_WITH_PAIR_OPTIONS = {"pair", "characterise", "calibrate", "table"}
+MODULES_WITH_PAIR_OPTIONS = {"pair", "shear", "characterise", "calibrate", "table"}
 """Modules of commands with options that are declared in `study.pair_options`, which needs NumPy."""
 
 

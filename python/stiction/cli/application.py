@@ -106,6 +106,7 @@ _PRINTED_WARNINGS: set[str] = set()
 COMMANDS_BY_GROUP: dict[str, dict[str, tuple[str, str]]] = {
     "Measured surfaces": {
         "pair": ("pair", "Static friction of two measured surfaces at given loads."),
+        "shear": ("shear", "Direct shear test of two faces that fit, such as a rock joint."),
         "characterise": ("characterise", "Roughness, spectrum and Hurst exponent of a measured surface."),
         "calibrate": ("calibrate", "Fit mu0 and tau0 to measured friction."),
         "interfaces": ("calibrate", "List measured shear strengths of interfaces, with sources."),

@@ -44,12 +44,13 @@ if TYPE_CHECKING:
 MIN_OVERLAP_POINTS = 16
 """Minimum number of points, along each axis, in which the faces must overlap at the end of the path."""
 
-LOAD_TOLERANCE = 1e-4
+NORMAL_LOAD_TOLERANCE = 1e-4
 """Accepted deviation of the normal load from its target, as a fraction of the initial load."""
 
 MAX_LOAD_TRIALS = 40  # maximum number of contacts that are solved for one step
 MAX_LOAD_FACTOR = 4.0  # maximum factor between the elastic loads of two consecutive trials
-MAX_LOAD_RATIO = 1e4  # ratio of the elastic load to the target at which the faces count as locked or as separated
+MAX_ELASTIC_LOAD_RATIO = 100.0  # ratio of the elastic load to the target of the normal load at which the faces lock
+MIN_ELASTIC_LOAD_RATIO = 1e-4  # ratio of the elastic load to the initial load at which the faces count as separated
 
 _NUMBER_NAMES = (
     *LOAD_SUM_NAMES, "contact_area", "overlap_area", "contact_count", "load_fraction_at_hardness",
@@ -247,19 +248,19 @@ class ShearBox:
         max_load = math.inf if self.hardness is None else self.hardness * overlap_area
         rows: list[StepResult] = []
 
-        def excess_load(elastic_load: float) -> float:
-            """Return the normal load minus its target."""
+        def compare_load(elastic_load: float) -> tuple[float, float]:
+            """Return the normal load minus its target, and the target."""
             curve = self.solve_contact(offset, elastic_load)
             rows.append(self._make_row(curve, offset, first_contact_height, elastic_load))
             if first is None:
-                return self._normal_load(rows[-1]) - self.load
+                return self._normal_load(rows[-1]) - self.load, self.load
             target = self.load + self.stiffness * (float(rows[-1]["height"]) - float(first["height"]))
-            return self._normal_load(rows[-1]) - target
+            return self._normal_load(rows[-1]) - target, target
 
         guess = self.load if previous is None else float(previous["elastic_load"])
         guess = guess if math.isfinite(guess) else self.load
         try:
-            status = _find_root(excess_load, guess, self.load, max_load)
+            status = _find_root(compare_load, guess, self.load, max_load)
         except NoSolutionError:
             status = STATUS_NOT_SOLVED
         row = rows[-1] if rows and status == STATUS_OK else dict.fromkeys((*_NUMBER_NAMES, "elastic_load"), math.nan)
@@ -289,6 +290,32 @@ class ShearBox:
 
     def _normal_load(self, row: StepResult) -> float:
         return float(self.law.load("normal", row))
+
+    def solve_peak_pressure(
+        self, test: xr.Dataset, offsets: NDArray[np.int64], rows: list[StepResult], record: SolutionRecord
+    ) -> xr.DataArray | None:
+        """Return the contact pressure at the peak on the grid of the overlap, or None if the test has no peak."""
+        import xarray as xr
+
+        if test.attrs["peak_status"] != STATUS_OK:
+            return None
+        index = int(np.nanargmax(test["friction_coefficient"].values))
+
+        def solve_pressure() -> StepResult:
+            return {
+                "pressure": self.solve_contact(offsets[index], float(rows[index]["elastic_load"])).contact(0).pressure
+            }
+
+        pressure = record.run_step(solve_pressure, NoSolutionError)["pressure"]
+        starts = self._find_overlap(offsets[index])[1] if self.boundary == "free" else [0] * pressure.ndim
+        coordinates = {
+            axis: (axis, (start + np.arange(count)) * step, {"units": "um", "long_name": "position on the lower face"})
+            for axis, start, count, step in zip(
+                ("y", "x")[-pressure.ndim :], starts, pressure.shape, self.lower.spacings, strict=True
+            )
+        }
+        attributes = {"units": "GPa", "long_name": "contact pressure at the peak"}
+        return xr.DataArray(pressure, coordinates, tuple(coordinates), attrs=attributes)
 
     def to_dataset(self, offsets: NDArray[np.int64], rows: list[StepResult]) -> xr.Dataset:
         """Return the solved steps as a dataset over the displacement."""
@@ -328,23 +355,25 @@ def _measured_area(upper: Profile | Surface, lower: Profile | Surface) -> float:
     return count * math.prod(lower.spacings)
 
 
-def _find_root(excess_load: Callable[[float], float], guess: float, load: float, max_load: float) -> Status:
+def _find_root(
+    compare_load: Callable[[float], tuple[float, float]], guess: float, load: float, max_load: float
+) -> Status:
     """Find the elastic load at which a rising function is 0, by secants within a bracket. The last call is the root."""
     below, above = 0.0, max_load  # elastic loads at which the function is negative and positive
     trial, last = min(guess, 0.9 * max_load), None
     for _ in range(MAX_LOAD_TRIALS):
-        excess = excess_load(trial)
-        if abs(excess) <= LOAD_TOLERANCE * load:
+        excess, target = compare_load(trial)
+        if abs(excess) <= NORMAL_LOAD_TOLERANCE * load:
             return STATUS_OK
         below, above = (trial, above) if excess < 0 else (below, trial)
-        if below > MAX_LOAD_RATIO * load:
+        if excess < 0 and trial > MAX_ELASTIC_LOAD_RATIO * max(target, load):
             return STATUS_SELF_LOCKED
-        if above < load / MAX_LOAD_RATIO:
+        if excess > 0 and trial < MIN_ELASTIC_LOAD_RATIO * load:
             return STATUS_NO_CONTACT
-        if below > (1 - LOAD_TOLERANCE) * max_load:
+        if below > (1 - NORMAL_LOAD_TOLERANCE) * max_load:
             return STATUS_NOT_REACHED
         # Without an earlier trial, the normal load is taken as proportional to the elastic load.
-        slope = (excess + load) / trial if last is None else (excess - last[1]) / (trial - last[0])
+        slope = (excess + target) / trial if last is None else (excess - last[1]) / (trial - last[0])
         last = trial, excess
         step = trial - excess / slope if slope > 0 else (0.0 if excess > 0 else math.inf)
         step = min(max(step, trial / MAX_LOAD_FACTOR), trial * MAX_LOAD_FACTOR)

@@ -60,21 +60,11 @@ class MembersInProgress:
     @cached_property
     def _key(self) -> str:
         """Checksum of everything that determines the bits of a member."""
-        import scipy
-
-        inputs = (
-            self._study.to_toml(), __version__, sorted(_core.build().items()), np.__version__, scipy.__version__,
-            platform.node(), platform.machine(),
-        )  # fmt: skip
-        return hashlib.sha256(repr(inputs).encode()).hexdigest()[:16]
+        return compute_steps_key(self._study.to_toml())
 
     def add(self, member: int) -> SolutionRecord:
         """Return a new record of a member whose computation starts."""
-        record = (
-            SolutionRecord()
-            if self._folder is None
-            else _StoredRecord(self._folder / IN_PROGRESS_FOLDER / f"{member:07d}-{self._key}")
-        )
+        record = SolutionRecord() if self._folder is None else stored_record(self._folder, member, self._key)
         self._records[member] = record
         return record
 
@@ -96,6 +86,22 @@ class MembersInProgress:
             _estimate_finished_fraction(record.counter.count / max(expected, 1.0))
             for record in list(self._records.values())
         )
+
+
+def compute_steps_key(inputs: str) -> str:
+    """Return a checksum of the inputs, the software and the machine, which determine the bits of a computation."""
+    import scipy
+
+    all_inputs = (
+        inputs, __version__, sorted(_core.build().items()), np.__version__, scipy.__version__, platform.node(),
+        platform.machine(),
+    )  # fmt: skip
+    return hashlib.sha256(repr(all_inputs).encode()).hexdigest()[:16]
+
+
+def stored_record(folder: Path, member: int, key: str) -> SolutionRecord:
+    """Return a record that stores the steps of a member in a result folder, and reads the steps found there."""
+    return _StoredRecord(folder / IN_PROGRESS_FOLDER / f"{member:07d}-{key}")
 
 
 def _estimate_finished_fraction(iteration_ratio: float) -> float:

@@ -1,0 +1,134 @@
+"""Command `stiction shear`: direct shear test of two faces that fit."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from stiction._text import printable_path
+from stiction.cli.application import command, print_output, report_interruption, show_status
+from stiction.cli.options import JsonOption, load_measurement, option
+from stiction.cli.pair_options import pair_argument, pair_option, read_given_options
+
+if TYPE_CHECKING:
+    from stiction.surfaces.profile import Profile
+    from stiction.surfaces.surface import Surface
+
+CSV_FILE_NAME, FIGURE_FILE_NAME = "shear.csv", "shear.png"
+
+_output_option = functools.partial(option, panel="Output")
+
+
+@command(
+    "shear",
+    "stiction shear upper.csv lower.csv --path '2 mm' --load '1 MPa' \\",
+    "    --mu0 0.6 --young '30 GPa' --poisson 0.25 --hardness '150 MPa'",
+    "stiction shear upper.npy lower.npy --unit um --spacing '0.5 mm' \\",
+    "    --path '5 mm' --load '1 MPa' --normal-stiffness '5 MPa/mm' \\",
+    "    --direction 180 --mu0 0.5..0.7 --young '30 GPa' --poisson 0.25",
+)
+def shear(
+    context: typer.Context,
+    upper: Annotated[str, pair_argument("upper")],
+    lower: Annotated[str, pair_argument("lower")],
+    *,
+    path: Annotated[str, option("--path LENGTH", 'Displacement of UPPER at the end, "2 mm".', False)],
+    load: Annotated[str, option(
+        "--load PRESSURE", 'Normal stress on the overlap at the start, "1 MPa", or a force.', False,
+    )],
+    mu0: Annotated[str, option("--mu0 NUMBER", 'Molecular friction coefficient, "0.6", or "0.5..0.7".', False)],
+    tau0: Annotated[str, option("--tau0 PRESSURE", 'Adhesive shear strength, "0 MPa", or "0..1 MPa".')] = "0 MPa",
+    steps: Annotated[int, option("--steps N", "Number of displacements, at most one per grid point.", minimum=1)] = 40,
+    direction: Annotated[
+        float, option("--direction DEGREES", "Direction of the motion of UPPER, from +x towards +y.")
+    ] = 0.0,
+    normal_stiffness: Annotated[str | None, option(
+        "--normal-stiffness STIFFNESS", 'Increase of the normal stress per dilation, "5 MPa/mm".', "constant load",
+    )] = None,
+    young: Annotated[str | None, pair_option("young")] = None,
+    poisson: Annotated[str | None, pair_option("poisson")] = None,
+    effective_modulus: Annotated[str | None, pair_option("effective_modulus")] = None,
+    hardness: Annotated[str | None, option(
+        "--hardness PRESSURE", 'Largest contact pressure, the strength of the asperities, "150 MPa".', "none",
+    )] = None,
+    tilt: Annotated[str, option(
+        "--tilt fixed|free", "Orientation of UPPER: fixed, or tilted until the load is centred.",
+    )] = "fixed",
+    level: Annotated[str | None, option(
+        "--level FORM", "Trend to subtract from each face: none, mean, plane (maps) or line (profiles).",
+        "plane or line",
+    )] = None,
+    unit: Annotated[list[str] | None, pair_option("unit")] = None,
+    spacing: Annotated[list[str] | None, pair_option("spacing")] = None,
+    missing: Annotated[str | None, pair_option("missing")] = None,
+    missing_value: Annotated[list[str] | None, pair_option("missing_value")] = None,
+    outliers: Annotated[str | None, pair_option("outliers")] = None,
+    crop: Annotated[list[str] | None, pair_option("crop")] = None,
+    channel: Annotated[list[str] | None, pair_option("channel")] = None,
+    columns: Annotated[list[str] | None, pair_option("columns")] = None,
+    accept: Annotated[list[str] | None, pair_option("accept")] = None,
+    output: Annotated[Path, _output_option("--output -o DIR", "Directory for the results.")] = Path("shear"),
+    replace: Annotated[bool, _output_option("--replace", "Overwrite another shear test.")] = False,
+    verbose: Annotated[bool, _output_option("--verbose -v", "Show all displacements.")] = False,
+    as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Compute a direct shear test of two faces that fit, such as a rock joint.
+
+    Heights increase outward from the material in both files. UPPER is flipped as by pair, and starts at the same corner
+    as LOWER. It moves along one direction at constant load, or with --normal-stiffness at constant stiffness. The same
+    command resumes an interrupted test.
+    """
+    from stiction.cli.execution import check_output_directory
+    from stiction.cli.result_output import choose_message_printer
+    from stiction.direct_shear import TEST_FILE_NAME, shear_test
+    from stiction.study.pair_options import READING_OPTION_NAMES
+    from stiction.views.figures.shear import shear_figure
+    from stiction.views.files import check_all_replaceable, replace_text_file
+    from stiction.views.json_record import record_json
+    from stiction.views.shear import FIRST_CSV_TITLE, list_caveats, shear_csv, shear_text, shear_values
+    from stiction.views.style import FIGURE_FILE_SIGNATURES, save_figure
+
+    check_output_directory(output)
+    signatures = {CSV_FILE_NAME: FIRST_CSV_TITLE.encode(), FIGURE_FILE_NAME: FIGURE_FILE_SIGNATURES[".png"]}
+    check_all_replaceable(output, signatures)
+    reading_options = {
+        name: value for name, value in read_given_options(context).items() if name in READING_OPTION_NAMES
+    }
+    faces = [_load_face(Path(file), index, reading_options) for index, file in enumerate((upper, lower))]
+    tilt_choice: Any = tilt
+    level_choice: Any = level
+    try:
+        test = shear_test(
+            *faces, path=path, load=load, mu0=mu0, tau0=tau0, steps=steps, direction=direction,
+            normal_stiffness=normal_stiffness, young=young, poisson=poisson, effective_modulus=effective_modulus,
+            hardness=hardness, tilt=tilt_choice, level=level_choice, directory=output, replace=replace,
+            progress=lambda done, total: show_status(f"{done} of {total} displacements"),
+        )  # fmt: skip
+    except KeyboardInterrupt:
+        raise report_interruption("; run the same command again to resume from the stored displacements") from None
+    if as_json:
+        attributes = {name: value for name, value in test.attrs.items() if name != "key"}
+        print_output(
+            record_json("shear", shear_values(test), kind="shear", inputs=attributes, caveats=list_caveats(test))
+        )
+    else:
+        print_output(shear_text(test, verbose=verbose))
+    replace_text_file(output / CSV_FILE_NAME, shear_csv(test), signatures[CSV_FILE_NAME])
+    show_status("drawing")
+    save_figure(shear_figure(test), output / FIGURE_FILE_NAME)
+    names = CSV_FILE_NAME, FIGURE_FILE_NAME, TEST_FILE_NAME
+    choose_message_printer(as_json)(f"wrote {printable_path(output / names[0])}, {names[1]} and {names[2]}")
+
+
+def _load_face(file: Path, index: int, options: dict[str, Any]) -> Profile | Surface:
+    """Load a face. An option that is given twice applies to the upper and to the lower face."""
+    texts = {}
+    for name, value in options.items():
+        values = [value] if isinstance(value, str) else list(value)
+        if len(values) > 2:
+            raise ValueError(f"--{name.replace('_', '-')} must be given at most twice, got {len(values)} values")
+        texts[name] = str(values[min(index, len(values) - 1)])
+    return load_measurement(file, texts).body

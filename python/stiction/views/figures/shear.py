@@ -1,0 +1,76 @@
+"""Figure of a direct shear test: shear stress and dilation over the displacement, and the contacts at the peak."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stiction._number_format import choose_prefixed_unit, format_with_unit
+from stiction.views.style import (
+    AREA_COLOUR,
+    FORCE_COLOUR,
+    MATPLOTLIB_STYLE,
+    OPPOSING_COLOUR,
+    SLIP_COLOUR_MAP,
+    new_figure,
+)
+
+MARKER_AREA = 2.0  # area of the marker of a contact point (points²)
+
+
+def shear_figure(test: xarray.Dataset) -> Figure:
+    """Draw a figure, 80 mm wide, of a dataset that `shear_test` returned."""
+    with mpl.rc_context(MATPLOTLIB_STYLE):
+        has_contacts = "peak_pressure" in test
+        figure = new_figure(140 if has_contacts else 80)
+        panels = figure.subplots(3 if has_contacts else 2, 1, height_ratios=[1, 0.8, 1.4][: 3 if has_contacts else 2])
+        factor, unit = choose_prefixed_unit(float(test["displacement"][-1]), "um")
+        displacement = test["displacement"].values / factor
+        _draw_stress(panels[0], test, displacement)
+        dilation_factor, dilation_unit = choose_prefixed_unit(float(np.nanmax(np.abs(test["dilation"]))), "um")
+        panels[1].plot(displacement, test["dilation"] / dilation_factor, color=AREA_COLOUR, linewidth=1)
+        panels[1].set(ylabel=f"dilation ({dilation_unit})", xlabel=f"displacement ({unit})")
+        panels[1].sharex(panels[0])
+        panels[0].set_xlim(0, displacement[-1])
+        panels[0].tick_params(labelbottom=False)
+        if has_contacts:
+            for axes in panels[:2]:
+                axes.axvline(test.attrs["peak_displacement_um"] / factor, color="0.6", linewidth=0.5, linestyle=":")
+            _draw_contacts(panels[2], test["peak_pressure"])
+            panels[2].set_title(f"contacts at the peak, {format_with_unit(test.attrs['peak_displacement_um'], 'um')}")
+        return figure
+
+
+def _draw_stress(axes: Axes, test: xarray.Dataset, displacement: np.ndarray) -> None:
+    largest = float(np.nanmax(np.abs(test["shear_stress"])))
+    factor, unit = choose_prefixed_unit(largest, "GPa")
+    if "shear_stress_interval" in test:
+        lower, upper = test["shear_stress_interval"].values / factor
+        axes.fill_between(displacement, lower, upper, color=OPPOSING_COLOUR, alpha=0.2, linewidth=0)
+    axes.plot(displacement, test["shear_stress"] / factor, color=OPPOSING_COLOUR, linewidth=1, label="shear stress")
+    normal_stress = test["normal_load"] / test["overlap_area"] / factor
+    axes.plot(displacement, normal_stress, color=FORCE_COLOUR, linewidth=0.7, linestyle="--", label="normal stress")
+    axes.axhline(0, color="0.7", linewidth=0.4)
+    axes.set_ylabel(f"stress ({unit})")
+    axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    axes.legend(loc="best")
+
+
+def _draw_contacts(axes: Axes, pressure: xarray.DataArray) -> None:
+    factor, unit = choose_prefixed_unit(float(pressure["x"][-1]), "um")
+    x, megapascals = pressure["x"].values / factor, 1e3 * pressure.values
+    if pressure.ndim == 1:
+        axes.fill_between(x, megapascals, color=OPPOSING_COLOUR, linewidth=0.6, step="mid")
+        axes.set(xlabel=f"position on the lower face ({unit})", ylabel="pressure (MPa)", ylim=(0, None))
+        return
+    y = pressure["y"].values / factor
+    rows, columns = np.nonzero(megapascals > 0)
+    # Markers are larger than grid points, because single points would not be visible.
+    image = axes.scatter(
+        x[columns], y[rows], c=megapascals[rows, columns], s=MARKER_AREA, linewidth=0, cmap=SLIP_COLOUR_MAP, vmin=0
+    )
+    axes.figure.colorbar(image, ax=axes, label="pressure (MPa)", pad=0.03)
+    axes.set(xlabel=f"$x$ ({unit})", ylabel=f"$y$ ({unit})", xlim=x[[0, -1]], ylim=y[[0, -1]], aspect="equal")

@@ -1,0 +1,210 @@
+"""Direct shear tests as terminal text, CSV and JSON values."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._estimate import Estimate
+from stiction._number_format import choose_prefixed_unit, format_percent, format_significant, format_with_unit
+from stiction.mechanics.friction import (
+    STATUS_DOWNHILL,
+    STATUS_NO_CONTACT,
+    STATUS_NOT_REACHED,
+    STATUS_NOT_SOLVED,
+    STATUS_OK,
+    STATUS_SELF_LOCKED,
+)
+from stiction.views.layout import format_table, wrap_text
+from stiction.views.spreadsheet import frame_to_csv
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+MAX_PRINTED_DISPLACEMENTS = 13
+MAX_EDGE_LOAD_FRACTION = 0.2  # maximum fraction of the load at the edges of the faces without a caveat
+MAX_HARDNESS_LOAD_FRACTION = 0.5  # maximum fraction of the load at the hardness without a caveat
+FIRST_CSV_TITLE = "displacement (um)"
+
+_CSV_COLUMNS = {
+    "friction_coefficient": ("mu", 1.0), "shear_stress": ("shear stress (MPa)", 1e3),
+    "dilation": ("dilation (um)", 1.0),
+    "contact_area_fraction": ("contact area over overlap", 1.0), "normal_load": ("normal load (mN)", 1.0),
+    "overlap_area": ("overlap (um2)", 1.0), "load_fraction_at_hardness": ("load fraction at the hardness", 1.0),
+    "load_fraction_at_edges": ("load fraction at the edges", 1.0),
+}  # fmt: skip
+_STATUS_TEXTS: dict[str, str] = {
+    STATUS_DOWNHILL: "slides by itself", STATUS_SELF_LOCKED: "locks", STATUS_NO_CONTACT: "no contact",
+    STATUS_NOT_REACHED: "load not reached", STATUS_NOT_SOLVED: "no solution",
+}  # fmt: skip
+_NO_PEAK_REASONS: dict[str, str] = {
+    STATUS_SELF_LOCKED: "the faces lock: no tangential load moves them before the asperities fail",
+    STATUS_NOT_REACHED: "the asperities cannot carry the load",
+    STATUS_NOT_SOLVED: "the contact has no solution",
+}
+
+
+def curve_estimate(test: xarray.Dataset, name: str, index: int) -> Estimate:
+    """Return a quantity of a shear test at one displacement, with the interval due to ranges of mu0 and tau0."""
+    limits = [math.nan, math.nan]
+    if f"{name}_interval" in test:
+        limits = test[f"{name}_interval"].isel(displacement=index).values.tolist()
+    values = test[name]
+    return Estimate(
+        float(values[index]), *limits, name=name, unit=values.attrs["units"],
+        kind="combined" if np.isfinite(limits).all() else "", status=str(test["status"].values[index]),
+    )  # fmt: skip
+
+
+def headline_estimates(test: xarray.Dataset) -> dict[str, Estimate]:
+    """Return the peak coefficient, its displacement and dilation angle, the peak stress, and the value at the end."""
+    attributes = test.attrs
+    return {
+        name: Estimate(
+            float(attributes[attribute]), float(attributes.get(f"{attribute}_lower", math.nan)),
+            float(attributes.get(f"{attribute}_upper", math.nan)), name=name, unit=unit,
+            kind="combined" if f"{attribute}_lower" in attributes else "", status=str(status),
+        )
+        for name, attribute, unit, status in (
+            ("peak_friction_coefficient", "peak", "1", attributes["peak_status"]),
+            ("displacement_at_peak", "peak_displacement_um", "um", attributes["peak_status"]),
+            ("dilation_angle_at_peak", "peak_dilation_angle_deg", "deg", attributes["peak_status"]),
+            ("peak_shear_stress", "peak_shear_stress_GPa", "GPa", attributes["peak_status"]),
+            ("end_friction_coefficient", "end", "1", test["status"].values[-1]),
+        )
+    }  # fmt: skip
+
+
+def shear_values(test: xarray.Dataset) -> list[dict[str, Any]]:
+    """Return the JSON values of a shear test: those of the headline, and those at each displacement."""
+    return [
+        *(estimate.to_record() for estimate in headline_estimates(test).values()),
+        *(
+            curve_estimate(test, name, index).to_record({"displacement": displacement})
+            for index, displacement in enumerate(test["displacement"].values.tolist())
+            for name in ("friction_coefficient", "shear_stress", "dilation", "contact_area_fraction", "normal_load")
+        ),
+    ]
+
+
+def list_caveats(test: xarray.Dataset) -> list[str]:
+    """Return sentences on what limits a shear test."""
+    status, displacement = test["status"].values, test["displacement"].values
+    caveats = []
+    if (reason := _NO_PEAK_REASONS.get(str(test.attrs["peak_status"]))) is not None:
+        first = displacement[int(np.argmax(status == test.attrs["peak_status"]))]
+        caveats.append(f"There is no peak: at a displacement of {format_with_unit(first, 'um')}, {reason}.")
+    elif test.attrs["peak_status"] == STATUS_OK:
+        peak = int(np.nanargmax(test["friction_coefficient"].values))
+        if peak == displacement.size - 1:
+            caveats.append("The coefficient is largest at the end of the path: choose a longer path.")
+        if peak == 1:
+            caveats.append(
+                "The peak is at the first displacement, so the true peak may be higher and earlier: use more steps, or "
+                "a finer scan."
+            )
+        at_hardness = float(test["load_fraction_at_hardness"][peak])
+        if math.isnan(float(test.attrs["hardness_GPa"])):
+            caveats.append(
+                "Without a hardness, the asperities cannot fail, so the peak is an upper limit: give the strength of "
+                "the asperities as the hardness."
+            )
+        elif at_hardness > MAX_HARDNESS_LOAD_FRACTION:
+            caveats.append(
+                f"At the peak, {format_percent(at_hardness)} of the load is on asperities at their strength. They are "
+                "flattened; breakage, gouge and wear are not included."
+            )
+    edge_fraction = float(np.nanmax(test["load_fraction_at_edges"].values))
+    if edge_fraction > MAX_EDGE_LOAD_FRACTION:
+        caveats.append(
+            f"Up to {format_percent(edge_fraction)} of the load is at the edges of the faces: a free tilt takes the "
+            "load off the edges, a shorter path keeps them apart."
+        )
+    for name, words in ((STATUS_DOWNHILL, "slide by themselves"), (STATUS_NO_CONTACT, "lose contact")):
+        if (status == name).any():
+            first = displacement[int(np.argmax(status == name))]
+            caveats.append(f"From a displacement of {format_with_unit(first, 'um')} on, the faces {words}.")
+    return caveats
+
+
+def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
+    """Format the peak and the end of a shear test, its caveats, and a table over the displacement."""
+    values, end = headline_estimates(test), float(test["displacement"][-1])
+    lines = []
+    if values["peak_friction_coefficient"].status == STATUS_OK:
+        lines.append(
+            f"peak: μ = {values['peak_friction_coefficient'].text()} at "
+            f"{format_with_unit(values['displacement_at_peak'].value, 'um')}, dilation angle "
+            f"{values['dilation_angle_at_peak'].value:.0f}°"
+        )
+    end_status = values["end_friction_coefficient"].status
+    end_text = (
+        f"μ = {values['end_friction_coefficient'].text()}"
+        if end_status == STATUS_OK
+        else _STATUS_TEXTS[end_status]
+    )  # fmt: skip
+    dilation = float(test["dilation"][-1])
+    rise = "" if math.isnan(dilation) else f", dilation {format_with_unit(dilation, 'um')}"
+    lines.append(f"end:  {end_text} at {format_with_unit(end, 'um')}{rise}")
+    lines += ["", _curve_table(test, verbose=verbose)]
+    caveats = list_caveats(test)
+    if caveats:
+        lines += ["", *(wrap_text(f"- {caveat}", hanging_indent="  ") for caveat in caveats)]
+    return "\n".join(lines)
+
+
+def _curve_table(test: xarray.Dataset, *, verbose: bool) -> str:
+    count = test.sizes["displacement"]
+    indices = np.arange(count)
+    if count > MAX_PRINTED_DISPLACEMENTS and not verbose:
+        indices = np.unique(np.rint(np.linspace(0, count - 1, MAX_PRINTED_DISPLACEMENTS - 1)).astype(int))
+        if test.attrs["peak_status"] == STATUS_OK:
+            indices = np.union1d(indices, [int(np.nanargmax(test["friction_coefficient"].values))])
+    columns = [
+        _column(test, "displacement", float(test["displacement"][-1])),
+        _column(test, "dilation", float(np.nanmax(np.abs(test["dilation"].values)))),
+        _column(test, "shear_stress", float(np.nanmax(np.abs(test["shear_stress"].values)))),
+    ]
+    if test.attrs["normal_stiffness_GPa_per_um"] > 0:
+        normal_stress = (test["normal_load"] / test["overlap_area"]).assign_attrs(units="GPa")
+        columns.append(_column({"normal_stress": normal_stress}, "normal_stress", float(normal_stress.max())))
+    (title, displacements), *others = columns
+    rows = [[title.replace("displacement", "u"), "μ", "contact", *(title for title, _ in others)]]
+    for index in map(int, indices):
+        status, contact = str(test["status"].values[index]), float(test["contact_area_fraction"][index])
+        coefficient = curve_estimate(test, "friction_coefficient", index).text()
+        rows.append(
+            [
+                displacements[index], coefficient if status == STATUS_OK else _STATUS_TEXTS[status],
+                "none" if math.isnan(contact) else format_percent(contact), *(numbers[index] for _, numbers in others),
+            ]
+        )  # fmt: skip
+    return format_table(rows)
+
+
+def _column(test: Any, name: str, largest: float) -> tuple[str, list[str]]:
+    """Return the title and the numbers of a column, all in the unit that suits the largest number."""
+    factor, unit = choose_prefixed_unit(largest, test[name].attrs["units"])
+    numbers = [format_significant(value / factor, 3) for value in test[name].values]
+    return f"{name.replace('_', ' ')} ({unit})", numbers
+
+
+def shear_csv(test: xarray.Dataset) -> str:
+    """Return a shear test as CSV, with one row for each displacement and the units in the header."""
+    return frame_to_csv(_shear_frame(test))
+
+
+def _shear_frame(test: xarray.Dataset) -> pandas.DataFrame:
+    import pandas as pd
+
+    columns: dict[str, Any] = {FIRST_CSV_TITLE: test["displacement"].values}
+    for name, (title, factor) in _CSV_COLUMNS.items():
+        columns[title] = test[name].values * factor
+        if f"{name}_interval" in test:
+            for end, values in zip(("lower", "upper"), test[f"{name}_interval"].values, strict=True):
+                columns[f"{title}: {end}"] = values * factor
+    columns["status"] = test["status"].values
+    return pd.DataFrame(columns)

@@ -1,0 +1,201 @@
+"""Tests of `stiction shear` and of stored shear tests: output files, resumption, messages."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray
+from stiction import Profile, Surface, flipped, self_affine_surface, shear_test
+from stiction.solve import members_in_progress
+from stiction.views.shear import list_caveats, shear_text
+from support.command import assert_rejected, call_stiction, check_stiction
+
+SHAPE = (48, 48)
+OPTIONS = ("--unit", "um", "--spacing", "50 um", "--load", "1 MPa", "--young", "30 GPa", "--poisson", 0.25)
+CONDITIONS = {"load": "1 MPa", "young": "30 GPa", "poisson": 0.25}
+
+
+def create_faces():
+    lower = self_affine_surface(4, hurst_exponent=0.8, rms=20.0, shape=SHAPE, spacing=50.0, shortest_wavelength=300.0)
+    return Surface(flipped(lower).heights, spacing=lower.spacing), lower
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for name, face in zip(("upper.npy", "lower.npy"), create_faces(), strict=True):
+        np.save(tmp_path / name, face.heights)
+    return tmp_path
+
+
+def run_shear(folder, *options, **settings):
+    return check_stiction("shear", "upper.npy", "lower.npy", *OPTIONS, *options, cwd=folder, columns=80, **settings)
+
+
+# ---- Output ----------------------------------------------------------------------------------------------------------
+
+
+def test_shear_command_prints_peak_and_table_and_writes_three_files(folder):
+    completed = run_shear(folder, "--path", "0.5 mm", "--mu0", "0.5..0.7", "--hardness", "150 MPa", "--steps", 5)
+    lines = completed.stdout.splitlines()
+    assert lines[0].startswith("peak: μ = ")
+    assert lines[1].startswith("end:  μ = ")
+    assert lines[1].endswith("µm")
+    assert max(map(len, lines)) <= 80
+    assert sum(line.startswith(("0 ", "100 ", "200 ", "300 ", "400 ", "500 ")) for line in lines) == 6
+    test = shear_test(*create_faces(), path="0.5 mm", steps=5, mu0="0.5..0.7", hardness="150 MPa", **CONDITIONS)
+    table = np.genfromtxt(folder / "shear/shear.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+    np.testing.assert_allclose(table["mu"], test.friction_coefficient, rtol=1e-6)
+    np.testing.assert_allclose(table["shear_stress_MPa"], 1e3 * test.shear_stress, rtol=1e-6)
+    assert (table["mu_lower"] < table["mu"]).all()
+    stored = xarray.load_dataset(folder / "shear/shear.nc", engine="h5netcdf")
+    xarray.testing.assert_allclose(stored.drop_attrs(), test.drop_attrs())
+    assert (folder / "shear/shear.png").read_bytes()[1:4] == b"PNG"
+
+
+def test_shear_command_prints_json_with_peak_and_curve(folder):
+    completed = run_shear(folder, "--path", "0.5 mm", "--mu0", 0.6, "--steps", 5, "--json", without_figures=True)
+    record = json.loads(completed.stdout)
+    assert (record["command"], record["kind"]) == ("shear", "shear")
+    peak, displacement, *_ = record["values"]
+    assert (peak["name"], peak["kind"], peak["lower"]) == ("peak_friction_coefficient", "", None)
+    curve = [value for value in record["values"] if value["name"] == "friction_coefficient"]
+    assert [value["at"]["displacement"] for value in curve] == [0, 100, 200, 300, 400, 500]
+    assert max(value["value"] for value in curve) == peak["value"]
+    assert displacement["value"] in (100, 200, 300, 400, 500)
+    assert any("upper limit" in caveat for caveat in record["caveats"])
+
+
+def test_shear_command_accepts_profiles_in_the_opposite_direction(tmp_path):
+    _, lower = create_faces()
+    for name, heights in (("upper.csv", -lower.heights[3]), ("lower.csv", lower.heights[3])):
+        x = 0.05 * np.arange(heights.size)
+        np.savetxt(tmp_path / name, np.c_[x, heights / 1e3], delimiter=",", header="x (mm),z (mm)", comments="")
+    completed = check_stiction(
+        "shear", "upper.csv", "lower.csv", "--path", "0.5 mm", "--direction", 180, "--mu0", 0.6, *OPTIONS[4:],
+        cwd=tmp_path, without_figures=True,
+    )  # fmt: skip
+    assert "peak: μ = " in completed.stdout
+    assert "u (" in completed.stdout
+
+
+def test_table_names_displacements_at_which_the_face_slides_by_itself():
+    x = np.arange(256) / 256
+    tooth = Profile(10 * np.abs((2 * x) % 1 - 0.5), spacing=100 / 256)
+    upper = Profile(-tooth.heights, spacing=tooth.spacing)
+    test = shear_test(
+        upper, tooth, path="40 um", steps=8, mu0=0.05, load="1 MPa", effective_modulus="30 GPa", boundary="periodic"
+    )
+    assert "slides by itself" in shear_text(test)
+    assert any("the faces slide by themselves" in caveat for caveat in list_caveats(test))
+
+
+# ---- Storage ---------------------------------------------------------------------------------------------------------
+
+
+class Interruption:
+    """Progress function that raises `KeyboardInterrupt` at a step."""
+
+    def __init__(self, step):
+        self.step, self.calls = step, []
+
+    def __call__(self, done, total):
+        self.calls.append(done)
+        if done == self.step:
+            raise KeyboardInterrupt
+
+
+def count_solved_contacts(monkeypatch):
+    from stiction.mechanics import shear
+
+    calls = []
+    solve = shear.half_space
+    monkeypatch.setattr(shear, "half_space", lambda *bodies, **options: calls.append(1) or solve(*bodies, **options))
+    return calls
+
+
+def test_interrupted_test_is_resumed_with_the_same_bits(tmp_path, monkeypatch):
+    monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
+    options = {"path": "0.5 mm", "steps": 10, "mu0": 0.6, "hardness": "200 MPa"} | CONDITIONS
+    whole = shear_test(*create_faces(), **options)
+    with pytest.raises(KeyboardInterrupt):
+        shear_test(*create_faces(), directory=tmp_path / "test", progress=Interruption(7), **options)
+    calls = count_solved_contacts(monkeypatch)
+    resumed = shear_test(*create_faces(), directory=tmp_path / "test", **options)
+    assert 0 < len(calls) < 16
+    xarray.testing.assert_identical(resumed.drop_attrs(), whole.drop_attrs())
+    assert [path.name for path in (tmp_path / "test").iterdir()] == ["shear.nc"]
+    calls.clear()
+    opened = shear_test(*create_faces(), directory=tmp_path / "test", **options)
+    assert not calls
+    np.testing.assert_array_equal(opened.friction_coefficient, whole.friction_coefficient)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{"mu0": 0.5}, {"path": "0.4 mm"}, {"load": "2 MPa"}, {"hardness": "1 GPa"}, {"direction": 180}, {"tilt": "free"}],
+)
+def test_directory_with_another_test_is_rejected_unless_it_is_replaced(tmp_path, changed):
+    options = {"path": "0.5 mm", "steps": 2, "mu0": 0.6, "directory": tmp_path / "test"} | CONDITIONS
+    shear_test(*create_faces(), **options)
+    with pytest.raises(ValueError, match="contains another shear test; choose another directory"):
+        shear_test(*create_faces(), **options | changed)
+    replaced = shear_test(*create_faces(), **options | changed, replace=True)
+    assert replaced.attrs["key"] == shear_test(*create_faces(), **options | changed).attrs["key"]
+
+
+# ---- Messages --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--path", "5 mm"), "path must leave an overlap of at least 16 points along each axis, got 5000 µm"),
+        (("--path", "2 s"), "path"),
+        (("--path", "0.5 mm", "--normal-stiffness", "5 GPa"), "--normal-stiffness must be a pressure per length"),
+        (("--path", "0.5 mm", "--hardness", "1..2 GPa"), "--hardness must be one value"),
+        (("--path", "0.5 mm", "--tilt", "loose"), "tilt must be one of 'fixed', 'free', got 'loose'"),
+        (("--path", "0.5 mm", "--mu0", "-1"), "--mu0 must be finite and from 0 to 1e+06, got '-1'"),
+        (("--path", "0.5 mm", "--output", "lower.npy"), "lower.npy must be a directory"),
+    ],
+)  # fmt: skip
+def test_shear_command_rejects_bad_options_with_one_line(folder, options, message):
+    options = options if "--mu0" in options else (*options, "--mu0", 0.6)
+    assert_rejected(call_stiction("shear", "upper.npy", "lower.npy", *OPTIONS, *options, cwd=folder), message)
+
+
+def test_shear_command_rejects_a_directory_with_another_test(folder):
+    for mu0 in (0.6, 0.5):
+        completed = call_stiction(
+            "shear", "upper.npy", "lower.npy", *OPTIONS, "--path", "0.2 mm", "--steps", 1, "--mu0", mu0, cwd=folder,
+            without_figures=True,
+        )  # fmt: skip
+    assert_rejected(completed, "shear contains another shear test;", "or overwrite the test with --replace")
+
+
+# ---- Caveats ---------------------------------------------------------------------------------------------------------
+
+
+def test_caveats_name_missing_strength_and_load_at_edges():
+    x = np.linspace(-1, 1, 201)
+    bowl = Profile(40 * x**2, spacing=5.0)
+    upper = Profile(-bowl.heights, spacing=5.0)
+    text = " ".join(list_caveats(shear_test(upper, bowl, path="0.2 mm", steps=4, mu0=0.4, **CONDITIONS)))
+    for words in ("at the edges of the faces", "The peak is at the first displacement", "Without a hardness"):
+        assert words in text
+
+
+def test_caveat_names_a_coefficient_that_rises_until_the_end():
+    x = np.linspace(0, 1, 201)
+    ramp, pin = Profile(40 * x**2, spacing=5.0), Profile(40 * np.exp(-((10 * x - 2) ** 2)), spacing=5.0)
+    test = shear_test(pin, ramp, path="0.3 mm", steps=4, mu0=0.4, level="none", **CONDITIONS)
+    assert list_caveats(test)[0] == "The coefficient is largest at the end of the path: choose a longer path."
+
+
+def test_faces_that_lock_have_no_peak():
+    steep = Profile(100 * np.abs(np.arange(512) / 512 % 0.25 - 0.125), spacing=100 / 512)
+    locked = shear_test(
+        Profile(-steep.heights, spacing=steep.spacing), steep, path="5 um", steps=2, mu0=1.5, boundary="periodic",
+        **CONDITIONS,
+    )  # fmt: skip
+    assert any("the faces lock" in caveat for caveat in list_caveats(locked))
+    assert not shear_text(locked).startswith("peak:")
