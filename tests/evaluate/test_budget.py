@@ -160,6 +160,28 @@ def test_ends_of_the_combined_interval_equal_quantiles_of_the_samples(infinite) 
         compute_equal_tailed_interval(samples)
 
 
+def test_percentiles_of_a_single_test_agree_with_random_samples() -> None:
+    """Sample mu0, tau0 and the scatter of tests; without a hardness, friction is linear in mu0 and tau0."""
+    kwargs = dict(load=["20 MPa", "40 MPa"], effective_modulus="80 GPa", **PAIR_OPTIONS)
+    result = pair(*rough_surfaces(rms=0.001), mu0="0.2 ± 0.02", tau0="20..80 MPa", **kwargs)
+    at = result.at().isel(load=0).sel(sliding="all").squeeze()
+    inputs = Inputs.from_study(result.study).uncertain
+    random = np.random.default_rng(5)
+    mu0, tau0 = (inputs[name].estimate.quantile(random.random(400_000)) for name in ("mu0", "tau0"))
+    strengths = result.at(mu0=[0.0, 0.2], tau0=[0.0, 0.05]).isel(load=0).sel(sliding="all", statistic="mean")
+    corners = strengths["mean_friction"].squeeze(drop=True).transpose("mu0", "tau0").values
+    coefficient = corners[1, 0] * mu0 / 0.2 + corners[0, 1] * tau0 / 0.05
+    members = int(at["ok"].min())
+    deviation = float(at["spread_high"] - at["spread_low"]) / 2.5631 / corners[1, 1] * np.sqrt(1 + 1 / members)
+    test = coefficient * np.exp(random.standard_t(members - 1, mu0.size) * np.sqrt(np.log1p(deviation**2)))
+    expected = np.quantile(test, [0.05, 0.5, 0.95])
+    percentiles = at["friction_percentiles"]
+    assert percentiles["percentile"].values.tolist() == [5, 50, 95]
+    np.testing.assert_allclose(percentiles, expected, atol=0.02 * (expected[2] - expected[0]))
+    _, lower, upper = at["friction_prediction"].values
+    assert lower < expected[0] < expected[2] < upper
+
+
 @pytest.mark.parametrize("rms", [0.03, 0.003])  # These are a plastic and an elastic-plastic contact.
 def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS)

@@ -58,7 +58,8 @@ ScaledBodies = Literal["both", "upper", "lower"]
 _INTERPOLATED_VARIABLES = (
     "mean_friction", "friction_by_axis", "friction_combined", "friction_prediction", "spread_low", "spread_high",
     "contact_area", "contact_area_fraction", "contact_count", "mean_pressure", "normal_stiffness",
-    "stiffness_per_area", "rms_gradient", "rms_slope", "pull_off", "pull_off_pressure",
+    "stiffness_per_area", "closure", "closure_stiffness", "tangential_stiffness_per_area", "rms_gradient",
+    "rms_slope", "pull_off", "pull_off_pressure",
 )  # fmt: skip
 """Variables of `at_load` that are interpolated between factors."""
 

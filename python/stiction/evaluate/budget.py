@@ -15,6 +15,7 @@ from stiction._estimate import Interval, extend_intervals
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.combined_intervals import (
     COMBINED_QUANTITIES,
+    FRICTION_PERCENTILES,
     INTERFACE_INPUT_NAME,
     LOWER_SCANS_INPUT_NAME,
     POSITIONS_INPUT_NAME,
@@ -24,6 +25,7 @@ from stiction.evaluate.combined_intervals import (
     CombinedIntervals,
     InputSampler,
     StrengthArrays,
+    extend_percentiles,
 )
 from stiction.evaluate.contact_area import build_area_functions, compute_load_exponent
 from stiction.evaluate.intervals import ScanPairMean, average_scan_pairs
@@ -68,11 +70,12 @@ def add_uncertainty(
     `friction_at_cutoff` contains the combined 95 % interval at each cutoff, or NaN without one. `friction_combined`
     contains the interval to report: this interval or, without one, the interval of the mean. If scans are evaluated at
     two cutoffs, the reported interval at the first cutoff covers the results at both. `friction_prediction` contains
-    the prediction interval of a test at one position in one direction, and `friction_after_dwell` the interval after
-    each dwell time. With `budget`, which takes most of the time, the dataset also has the dimension `input` (uncertain
-    inputs of the study, positions and unresolved roughness) and the variables `remaining_interval` and
-    `remaining_width`: the interval that would remain if the input were exact, and its width. Without `tests`, only
-    `friction_combined` is added. Results of generated bodies are returned unchanged.
+    the prediction interval of a test at one position in one direction, `friction_percentiles` the 5th, 50th and 95th
+    percentile of such tests, and `friction_after_dwell` the interval after each dwell time. With `budget`, which takes
+    most of the time, the dataset also has the dimension `input` (uncertain inputs of the study, positions and
+    unresolved roughness) and the variables `remaining_interval` and `remaining_width`: the interval that would remain
+    if the input were exact, and its width. Without `tests`, only `friction_combined` is added. Results of generated
+    bodies are returned unchanged.
 
     All these intervals, and the intervals of the true area, cover the results for the alternative preparations of the
     scans that are stored with the result. Each of these preparations is an `input` too.
@@ -164,6 +167,7 @@ def _evaluate_uncertainty(
         np.full((len(input_names), *shape, 3), np.nan),
         np.full((len(input_names), *shape), np.nan),
     )
+    percentiles = np.full((*shape, FRICTION_PERCENTILES.size), np.nan)
     dwell_intervals, seizing_fractions = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
     quantities = _CombinedQuantities(at, dims)
     for position, samples in _iterate_intervals(result, at, dims, inputs, strengths, scan_means, drifts):
@@ -176,6 +180,7 @@ def _evaluate_uncertainty(
             continue
         seizing_fractions[position] = samples.seizing_fraction
         test_intervals[position] = samples.value, *samples.predict_next_test()
+        percentiles[position] = samples.predict_percentiles()
         for index, wait in enumerate(study.friction.wait):
             dwell_intervals[(*position, index)] = samples.friction_after_dwell(float(wait))
         if samples.rule != "all" or is_budgeted is None or not is_budgeted[position[dims.index("load")]]:
@@ -191,8 +196,13 @@ def _evaluate_uncertainty(
     }
     if not tests:
         return tables, {}
-    coordinates: dict[str, Any] = {}
+    percent_attributes = quantity_attributes("percentile")
+    coordinates: dict[str, Any] = {"percentile": ("percentile", FRICTION_PERCENTILES, percent_attributes)}
+    if study.surfaces.both_readings and "cut_off" in dims:  # the first cutoff covers all cutoffs
+        by_cutoff = np.moveaxis(percentiles, dims.index("cut_off"), 0)
+        by_cutoff[0] = extend_percentiles(by_cutoff[0], by_cutoff[1:])
     tables |= {
+        "friction_percentiles": ((*dims, "percentile"), percentiles),
         "friction_at_cutoff": (interval_dims, coefficient_intervals),
         "friction_prediction": (interval_dims, test_intervals),
     }
@@ -364,6 +374,11 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
         dims = own[name].dims
         others = [other[name].transpose(*dims).values for other in alternatives.values()]
         variables[name] = (dims, _extend_estimates(own[name].values, others), own[name].attrs)
+    if "friction_percentiles" in own:
+        dims = own["friction_percentiles"].dims
+        percentiles = [each["friction_percentiles"].transpose(*dims).values for each in (own, *alternatives.values())]
+        covering = extend_percentiles(percentiles[0], percentiles[1:])
+        variables["friction_percentiles"] = (dims, covering, own["friction_percentiles"].attrs)
     covered = own.assign(variables).assign_attrs(alternatives=list(alternatives))
     if "remaining_interval" not in own:
         return covered

@@ -7,7 +7,7 @@ The uncertain inputs, the scatter between positions, and the unresolved roughnes
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
@@ -39,6 +39,9 @@ FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 
 # mu0 or tau0 counts as equal to its value in the study up to this relative difference
 SAME_INPUT_TOLERANCE = 1e-3
+FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
+"""Percentiles of the coefficient of a single test in `Result.at`. Design codes use the first as a minimum."""
+
 # upper bound on ln(coefficient of a single test / mean coefficient), which prevents overflow
 MAX_LOG_COEFFICIENT_RATIO = 50.0
 NORMAL_DECILE_RANGE = 2.563103131089201
@@ -291,10 +294,22 @@ class CombinedIntervals:
         return float(np.isinf(self._sample_friction({})).mean())
 
     def predict_next_test(self) -> Interval:
-        """Return the 95 % prediction interval for a test of one new member in one direction of motion.
+        """Return the 95 % prediction interval for a test of one new member in one direction of motion."""
+        first, *others = map(compute_equal_tailed_interval, self._sample_next_tests())
+        return first.extended_to(*others, (self.value, self.value))
 
-        Student's t distribution applies to the logarithm of the coefficient, so that the interval is above 0. The test
-        is at another place of a part whose roughness drifts, so that the drift counts twice.
+    def predict_percentiles(self) -> Floats:
+        """Return the `FRICTION_PERCENTILES` of the coefficients of such tests. The outer ones enclose the value."""
+        by_strength = [compute_quantiles(each, FRICTION_PERCENTILES / 100) for each in self._sample_next_tests()]
+        value = np.where(FRICTION_PERCENTILES == 50.0, np.nan, self.value)
+        return extend_percentiles(by_strength[0], [*by_strength[1:], value])
+
+    def _sample_next_tests(self) -> list[Floats]:
+        """Return samples of the coefficient of a test of one new member in one direction of motion.
+
+        Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
+        test is at another place of a part whose roughness drifts, so that the drift counts twice. With joint samples of
+        mu0 and tau0, further arrays have mu0 or tau0 at its bound.
         """
         from scipy.special import stdtrit
 
@@ -302,8 +317,7 @@ class CombinedIntervals:
         scatter = math.sqrt(math.log1p(self.scatter**2))
         factor = np.exp(np.minimum(scores * scatter, MAX_LOG_COEFFICIENT_RATIO))
         fixed = {name: 0.5 for name in self.standard_errors if name not in self.drifts}
-        interval = self._compute_interval_of_samples(fixed, factor=factor, drift_factor=math.sqrt(2))
-        return interval.extended_to((self.value, self.value))
+        return self._sample_all_strengths(fixed, factor=factor, drift_factor=math.sqrt(2))
 
     def friction_after_dwell(self, dwell_time: float) -> tuple[float, float, float]:
         """Return the friction coefficient after a dwell time (s), together with the limits of its 95 % interval.
@@ -361,20 +375,20 @@ class CombinedIntervals:
             return Interval(max(self.sampling[0], 0.0), self.sampling[1])
         return self._compute_interval_of_samples(fixed)
 
-    def _compute_interval_of_samples(
+    def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
+        """Return the limits of the 95 % interval, extended to include the samples with mu0 or tau0 at its bound."""
+        first, *others = map(compute_equal_tailed_interval, self._sample_all_strengths(fixed, dwell_time))
+        return first.extended_to(*others)
+
+    def _sample_all_strengths(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
         drift_factor: float = 1.0,
-    ) -> Interval:  # fmt: skip
-        """Multiply the coefficient samples by a factor, and return the limits of their 95 % interval.
-
-        The interval is extended to include the samples with mu0 or tau0 at its bound.
-        """
+    ) -> list[Floats]:  # fmt: skip
+        """Return the coefficient samples times a factor, for each entry of `strengths`."""
         num_strengths = 1 if INTERFACE_INPUT_NAME in fixed else max(len(self.strengths), 1)
-        first, *others = (
-            compute_equal_tailed_interval(self._sample_friction(fixed, dwell_time, index, drift_factor) * factor)
-            for index in range(num_strengths)
-        )
-        return first.extended_to(*others)
+        return [
+            self._sample_friction(fixed, dwell_time, index, drift_factor) * factor for index in range(num_strengths)
+        ]
 
     def _sample_friction(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0
@@ -468,6 +482,17 @@ def compute_equal_tailed_interval(values: NDArray[Any]) -> Interval:
     ValueError
         If a sample has no coefficient.
     """
+    return Interval(*compute_quantiles(values, np.array([0.025, 0.975])).tolist())
+
+
+def compute_quantiles(values: NDArray[Any], probabilities: Floats) -> Floats:
+    """Return quantiles of samples, which are infinite where too many samples are infinite.
+
+    Raises
+    ------
+    ValueError
+        If a sample has no coefficient.
+    """
     if np.isnan(values).any():
         num_undefined = int(np.count_nonzero(np.isnan(values)))
         raise ValueError(
@@ -476,4 +501,16 @@ def compute_equal_tailed_interval(values: NDArray[Any]) -> Interval:
         )
     # Quantiles are not interpolated if samples are infinite.
     method: Literal["inverted_cdf", "linear"] = "inverted_cdf" if np.isinf(values).any() else "linear"
-    return Interval(*np.quantile(values, [0.025, 0.975], method=method).tolist())
+    return np.asarray(np.quantile(values, probabilities, method=method))
+
+
+def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:
+    """Extend `FRICTION_PERCENTILES` (last axis) to those of other samples: lower ones down, and higher ones up.
+
+    The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
+    """
+    stacked = np.array([own, *others])
+    with np.errstate(invalid="ignore"):
+        lowest, highest = np.fmin.reduce(stacked), np.fmax.reduce(stacked)
+    extended = np.where(FRICTION_PERCENTILES < 50.0, lowest, np.where(FRICTION_PERCENTILES > 50.0, highest, own))
+    return np.where(np.isnan(own), own, extended)

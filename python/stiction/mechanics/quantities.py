@@ -18,7 +18,17 @@ QuantityKind = Literal["sum", "statistic", "ratio", "validity", "uncertainty", "
 """Kinds of quantities: sum over contacts, statistic of a member, ratio, validity indicator, uncertainty, coordinate."""
 
 QuantityAxis = Literal[
-    "sliding", "direction", "axis", "step", "mu0", "tau0", "fraction_below", "fraction", "input", "dwell_time"
+    "sliding",
+    "direction",
+    "axis",
+    "step",
+    "mu0",
+    "tau0",
+    "fraction_below",
+    "fraction",
+    "input",
+    "dwell_time",
+    "percentile",
 ]
 """Dimensions of quantities in addition to the cells and members of a result. `step` is the approach or the load."""
 
@@ -211,6 +221,9 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "friction_prediction": _uncertainty_quantity(
         "coefficient of static friction of a single test in one direction at one position", "prediction",
+    ),
+    "friction_percentiles": _uncertainty_quantity(
+        "coefficient of static friction of a single test, percentiles", "prediction", "percentile"
     ),
     "remaining_interval": _uncertainty_quantity("interval if one input were exact", "conditional", "input"),
     "remaining_width": _uncertainty_quantity("width of the interval if one input were exact", "conditional", "input"),
@@ -470,6 +483,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "height_scale": _coordinate_quantity("1", "factor by which the heights are multiplied"),
     "fraction_below": _coordinate_quantity("1", "fraction of values that are smaller"),
+    "percentile": _coordinate_quantity("%", "percentage of tests with a smaller value"),
     "axis": _coordinate_quantity("degree", "axis of the motion in either direction, from +x towards +y"),
     "x": _coordinate_quantity("um", "shift of the upper body along +x"),
     "y": _coordinate_quantity("um", "shift of the upper body along +y"),

@@ -43,6 +43,7 @@ COORDINATE_ORDER = (
     "fraction_below",
     "input",
     "dwell_time",
+    "percentile",
 )
 """Coordinates of a value, in the order of their columns."""
 
