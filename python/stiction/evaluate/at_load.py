@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, check_choice, float_array
 from stiction._units import short_repr
 from stiction.evaluate.ensemble_means import average_ensemble
-from stiction.evaluate.load_range import find_negligible_load
+from stiction.evaluate.load_range import replace_zero_load
 from stiction.evaluate.maps import MAP_CELL_DIMENSIONS, choose_mu0_and_tau0
 from stiction.evaluate.member_means import LoadNeighbors, average_members
 from stiction.evaluate.member_values import LoadDefinition, MemberKind, evaluate_members
@@ -78,9 +78,7 @@ def at_load(
     is_measured = study.is_measured
     load_definition = ("elastic" if is_measured else "mean") if load_definition is None else load_definition
     check_choice("load_definition", load_definition, LoadDefinition)
-    unique_loads = np.unique(np.atleast_1d(float_array("loads", loads)))
-    if study.contact.adheres and 0 in unique_loads:
-        unique_loads = np.unique(np.where(unique_loads == 0, find_negligible_load(result), unique_loads))
+    unique_loads = replace_zero_load(result, np.atleast_1d(float_array("loads", loads)))
     if not unique_loads.size or not (unique_loads > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     strengths = choose_mu0_and_tau0(result, mu0, tau0)
@@ -111,7 +109,7 @@ def at_load(
             if load_definition != "mean"
             else result.with_study(study.with_changes({"contact.junction_growth": None}))
         )
-        members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, names)
+        members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
         coefficient = point["mean_friction"].sel(statistic="mean")
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]

@@ -281,13 +281,11 @@ class _CombinedQuantities:
 
     def __init__(self, at: xarray.Dataset, dims: Sequence[str]) -> None:
         self._dims = dims
-        names = [name for name in COMBINED_QUANTITIES if name in at and "statistic" in at[name].dims]
-        self.tables: _Tables = {
-            name: ((*(dim for dim in dims if dim in at[name].dims), "statistic"), np.empty(0)) for name in names
-        }
-        self.tables = {
-            name: (own_dims, at[name].transpose(*own_dims).values.copy()) for name, (own_dims, _) in self.tables.items()
-        }
+        self.tables: _Tables = {}
+        for name in COMBINED_QUANTITIES:
+            if name in at and "statistic" in at[name].dims:
+                own_dims = (*(dim for dim in dims if dim in at[name].dims), "statistic")
+                self.tables[name] = own_dims, at[name].transpose(*own_dims).values.copy()
 
     def add(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
         """Extend the intervals of the quantities that belong to the coefficient at a position."""
@@ -304,13 +302,17 @@ class _CombinedQuantities:
                 self.tables[name][1][positions[name]] = estimate
 
 
+def _create_sampler(result: MemberSums) -> InputSampler:
+    return InputSampler(result.study)
+
+
 def _iterate_intervals(
     result: MemberSums, at: xarray.Dataset, dims: Sequence[str], inputs: Mapping[str, Any],
     strengths: Sequence[StrengthArrays], scan_means: Mapping[tuple[int, ...], ScanPairMean | None],
     drifts: Mapping[str, float],
 ) -> Iterator[tuple[tuple[int, ...], CombinedIntervals]]:  # fmt: skip
     """Yield the indices of each coefficient (along `dims`) and its combined intervals."""
-    study, contact, sampler = result.study, result.study.contact, InputSampler(result.study)
+    study, contact, sampler = result.study, result.study.contact, result.compute_once(_create_sampler)
     areas = result.compute_once(build_area_functions)
     loads = at["load"].values
     stiffness_exponents = compute_load_exponent(result, "normal_stiffness", loads)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._estimate import Interval
 from stiction.evaluate.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean
-from stiction.evaluate.response import ContactResponse, InputValues
+from stiction.evaluate.response import ContactResponse, InputValues, ResponseValues
 from stiction.mechanics.brackets import friction_range_for_finer_scans, max_friction_for_finer_scans
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, FrictionLaw
 from stiction.mechanics.quantities import QUANTITIES
@@ -55,9 +55,11 @@ StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
 _NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
 
 
-def compute_quantity_ratios(response: ContactResponse, inputs: InputValues) -> dict[str, Floats]:
+def compute_quantity_ratios(
+    response: ContactResponse, inputs: InputValues, central: ResponseValues
+) -> dict[str, Floats]:
     """Return the ratios of quantities at given inputs to the quantities at the central inputs, by name."""
-    values, central = response.evaluate(inputs), response.at_central_inputs()
+    values = response.evaluate(inputs)
     area_ratio = values.area / central.area
     loading, unloading = response.stiffness_ratios(inputs, values.area)
     with np.errstate(invalid="ignore"):  # both areas at the onset are infinite at seizure
@@ -348,7 +350,7 @@ class CombinedIntervals:
         if not names:
             return dict(estimates)
         inputs, samples = self._sample_inputs({}, names=(*names, POSITIONS_INPUT_NAME))
-        ratios = compute_quantity_ratios(self.response, inputs)
+        ratios = compute_quantity_ratios(self.response, inputs, self._central)
         combined = {}
         for name, estimate in estimates.items():
             value, lower, upper = estimate.tolist()

@@ -52,6 +52,13 @@ def has_only_negligible_loads(result: MemberSums) -> bool:
     return float(study.friction.load[-1]) < NEGLIGIBLE_LOAD_RATIO * max(_average_pull_off_by_piece(result))
 
 
+def replace_zero_load(result: MemberSums, loads: Floats) -> Floats:
+    """Return loads (mN) without duplicates. For adhesive bodies, a negligible load replaces a load of 0."""
+    if result.study.contact.adheres and 0 in loads:
+        loads = np.where(loads == 0, result.compute_once(find_negligible_load), loads)
+    return np.unique(loads)
+
+
 def find_negligible_load(result: MemberSums) -> float:
     """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest load step."""
     negligible_load = NEGLIGIBLE_LOAD_RATIO * min(_average_pull_off_by_piece(result))

@@ -13,6 +13,7 @@ from stiction._checks import Floats, check_choice, float_array
 from stiction._units import short_repr
 from stiction.evaluate.contact_area import compute_area_growth, iterate_pieces_with_true_areas
 from stiction.evaluate.intervals import LoadCrossings
+from stiction.evaluate.load_range import replace_zero_load
 from stiction.evaluate.maps import MOTION_DIMENSIONS, choose_mu0_and_tau0, find_cell_dimensions
 from stiction.mechanics import friction
 from stiction.mechanics.friction import (
@@ -101,7 +102,38 @@ def evaluate_members(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition = "elastic",
     member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate each member of a result at given loads, at the onset of sliding."""
+    """Evaluate each member of a result at given loads, at the onset of sliding.
+
+    The values at the elastic loads, mu0 and tau0 of a measured study are evaluated only once for each result.
+    """
+    if load_definition == "elastic" and member_kind is None and names is None:
+        selection = {"load": loads, "mu0": mu0, "tau0": tau0}
+        study_values = _get_study_inputs(result)
+        if all(np.isin(values, study_values[name]).all() for name, values in selection.items()):
+            return result.compute_once(_evaluate_study_members).sel(selection)
+    return _evaluate_members_uncached(result, loads, mu0, tau0, load_definition, member_kind, names)
+
+
+def _get_study_inputs(result: MemberSums) -> dict[str, Floats]:
+    """Return the loads (mN), mu0 and tau0 (GPa) of a measured study, or no loads for a generated study."""
+    settings = result.study.friction
+    loads = np.array([float(load) for load in settings.load] if result.study.is_measured else [])
+    return {
+        "load": replace_zero_load(result, loads),
+        "mu0": np.unique(settings.mu0),
+        "tau0": np.unique([float(strength) for strength in settings.tau0]),
+    }
+
+
+def _evaluate_study_members(result: MemberSums) -> xarray.Dataset:
+    loads, mu0, tau0 = _get_study_inputs(result).values()
+    return _evaluate_members_uncached(result, loads, mu0, tau0)
+
+
+def _evaluate_members_uncached(
+    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition = "elastic",
+    member_kind: MemberKind | None = None, names: Collection[str] | None = None,
+) -> xarray.Dataset:  # fmt: skip
     growth = compute_area_growth(result, loads, mu0, tau0) if result.study.contact.junction_growth else None
 
     def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:

@@ -38,13 +38,15 @@ class MemberSums:
 
     @classmethod
     def of(cls, sums: MemberSums | xarray.Dataset | StoredResult) -> Self:
-        """Convert a dataset of member sums or an opened directory to this class. Return its instances unchanged."""
+        """Convert member sums, as an object, dataset or directory, to this class. Return its instances unchanged."""
         import xarray
 
         if isinstance(sums, cls):
             return sums
         if isinstance(sums, MemberSums):
-            return cls(sums.source)
+            converted = cls(sums.source)
+            vars(converted).update(vars(sums))  # share all cached values
+            return converted
         check_instance("result", sums, (xarray.Dataset, StoredResult), "a Result, or an xarray.Dataset of member sums")
         return cls(sums)
 

@@ -181,6 +181,24 @@ class Evaluation(MemberSums):
         )
         return values.isel(fractal_dimension=shown_indices)
 
+    @cached_property
+    def at_report_loads(self) -> xarray.Dataset:
+        """Values and intervals of measured bodies at the loads of the study and at all computed loads.
+
+        mu0 and tau0 have the values of the study. Values at the loads of the study equal those of `at_study_loads`,
+        which also contains predictions and the uncertainty budget.
+        """
+        import xarray
+
+        study_points = self.at_study_loads
+        other_loads = np.setdiff1d(self.study.contact.loading_steps(), study_points["load"].values)
+        if not other_loads.size:
+            return study_points
+        other_points = add_uncertainty(at_load(self, other_loads), self, budget=False, tests=False)
+        points = [study_points[list(other_points.data_vars)], other_points]
+        options: Any = {"data_vars": "minimal", "coords": "minimal", "compat": "override", "combine_attrs": "override"}
+        return xarray.concat(points, "load", **options).sortby("load")
+
     def at(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
         load_definition: Any = None, quantities: Collection[str] | None = None, per_member: bool = False,

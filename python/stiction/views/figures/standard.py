@@ -151,8 +151,7 @@ def _measured_surface_figures(
     result: Evaluation, study: Study, picture: xarray.Dataset | None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     study_loads = [float(load) for load in study.friction.load]
-    loads = np.unique([*study.contact.loading_steps(), *study_loads])
-    points = result.at(loads)
+    points = result.at_report_loads
     unfiltered_points, title, hardness = (
         points.isel(cut_off=0),
         format_print_title(get_pair_name(study)),
