@@ -147,7 +147,7 @@ def test_modules_import_neither_the_package_itself_nor_relatively():
 MODULES_RESTRICTED_FOR_VIEWS = {
     "companions.contact_forces", "companions.contact_picture", "companions.height_scale", "companions.onset",
     "evaluate.maps", "evaluate.member_means", "evaluate.member_values", "solve.member_solution", "solve.runner",
-    "solve.store", "study.members", "summary.nodes",
+    "solve.store", "study.members", "summary.report_grid",
 }  # fmt: skip
 """Modules that read stored results and files, evaluate results, compute statistics or solve contacts.
 
@@ -155,7 +155,7 @@ Views use `Evaluation` and `Summary` instead, and import only constants from the
 """
 
 ALLOWED_IMPORTS_OF_VIEWS = {
-    "companions.height_scale.ScaledBodies", "summary.nodes.NodeAxis", "companions.onset.OnsetValues",
+    "companions.height_scale.ScaledBodies", "summary.report_grid.ParameterAxis", "companions.onset.OnsetValues",
 }  # fmt: skip
 """Types that views may import from these modules."""
 

@@ -376,12 +376,13 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
         rtol=MAX_ROUNDING_ERROR,
     )
 
-    # A change of mu0 by the slider or by the field also changes the other control, the sentence and the command line.
-    for change_mu0 in (
-        lambda: run_script_in_report(
-            empty_page, "const field = inside.getElementById('mu0'); field.value = 0.3;" + DISPATCH_INPUT_EVENT_SCRIPT
-        ),
-        lambda: fill_fields(empty_page, {"mu0": "0.35"}),
+    # A change of mu0 by the slider or by the field also changes the sentence and the command line. The slider changes
+    # the field, and the field changes the slider if the report has the value.
+    move_slider = "const field = inside.getElementById('mu0'); field.value = 1;" + DISPATCH_INPUT_EVENT_SCRIPT
+    for change_mu0, field_value, report_value in (
+        (lambda: run_script_in_report(empty_page, move_slider), "0.05", 0.05),
+        (lambda: fill_fields(empty_page, {"mu0": "0.4"}), "0.4", 0.4),
+        (lambda: fill_fields(empty_page, {"mu0": "0.35"}), "0.35", 0.4),
     ):
         sentence_before = read_displayed_result(empty_page)[1]
         change_mu0()
@@ -389,10 +390,11 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
             lambda: read_displayed_result(empty_page)[1],
             lambda expected_sentence, sentence_before=sentence_before: expected_sentence != sentence_before,
         )
-        mu0 = run_script_in_report(empty_page, "return inside.getElementById('mu0-number').value")
-        assert empty_page.find_element("name", "mu0").get_property("value") == mu0
-        assert f"--mu0={mu0}" in empty_page.find_element("id", "command").get_property("textContent")
-        assert f"μ0 = {mu0}," in read_displayed_result(empty_page)[1]
+        mu0 = run_script_in_report(empty_page, "return inside.getElementById('readout').dataset.mu0")
+        assert float(mu0) == report_value
+        assert empty_page.find_element("name", "mu0").get_property("value") == field_value
+        assert f"--mu0={field_value}" in empty_page.find_element("id", "command").get_property("textContent")
+        assert f"μ0 = {field_value}," in read_displayed_result(empty_page)[1]
     shown_intervals, shown_sentence = read_displayed_result(empty_page)
     expected_intervals, expected_sentence = run_shown_command(empty_page, map_files[0].parent, monkeypatch)
     assert shown_sentence == expected_sentence

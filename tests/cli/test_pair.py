@@ -16,6 +16,7 @@ from stiction._estimate import Estimate
 from stiction.cli.application import app, print_output
 from stiction.cli.options import show_reader_import_status
 from stiction.cli.pair_options import read_given_options
+from stiction.evaluate import member_values
 from stiction.evaluate.at_load import at_load
 from stiction.solve import store
 from stiction.solve.member_solution import solve_at_loads
@@ -385,6 +386,27 @@ def test_preview_and_model_check_ignore_dwell_time(scans_folder):
     with contextlib.chdir(scans_folder):
         assert [list(map(float, study.friction.wait)) for study in parsed_pair.studies] == [[60.0, 3600.0], []]
         assert not parsed_pair.preview_study.friction.wait
+
+
+def test_pair_command_evaluates_the_members_only_once_at_each_load(scans_folder, tmp_path, monkeypatch):
+    requests = []
+    evaluate_piece = member_values._evaluate_piece
+
+    def evaluate_and_record(piece, study, loads, mu0, tau0, load_definition, names, *others):
+        quantities = None if names is None else frozenset(names)
+        requests.extend((study.to_toml(), load_definition, quantities, float(load)) for load in loads)
+        return evaluate_piece(piece, study, loads, mu0, tau0, load_definition, names, *others)
+
+    monkeypatch.setattr(member_values, "_evaluate_piece", evaluate_and_record)
+    options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--load", "9 MPa", "--shifts", 4, "--onset", 0]
+    result = call_stiction(
+        "pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *options, "-o", tmp_path / "out", cwd=scans_folder,
+        without_figures=True,
+    )  # fmt: skip
+    assert result.returncode == 0
+    assert (tmp_path / "out" / "report.html").exists()
+    assert len({load for *_, load in requests}) > 2
+    assert [request for request in set(requests) if requests.count(request) > 1] == []
 
 
 def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_path):

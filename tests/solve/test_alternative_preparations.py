@@ -20,8 +20,9 @@ from stiction.solve.alternative_preparations import (
     build_alternative_study,
 )
 from stiction.summary.assessment import Caveat
+from stiction.summary.report_grid import ReportGrid
+from stiction.summary.report_values import evaluate_measured_report
 from stiction.summary.summary import summarize
-from stiction.summary.values_at_nodes import evaluate_measured_nodes
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.tip import sharpened
 from stiction.views.assessment import most_useful_measurement_text
@@ -368,10 +369,15 @@ def test_interval_with_uncertain_hardness_and_dwell_times_covers_the_alternative
 
 
 def test_report_area_and_friction_cover_the_alternative(blunt_result):
-    (quantities,) = blunt_result.nodes.load_quantities
+    values = evaluate_measured_report(ReportGrid(blunt_result))
     load = float(blunt_result.study.friction.load[0])
-    area = quantities["contact_area"].sel(load=load).squeeze().values
-    quantity = blunt_result.summary().first.quantities["contact_area"]
+    load_index = values.loads.tolist().index(load)
+    point = blunt_result.summary().first
+    area = values.load_quantities["contact_area"][0, 0, load_index]
+    quantity = point.quantities["contact_area"]
     assert area.tolist() == pytest.approx([quantity.value, *quantity.interval])
-    assert evaluate_measured_nodes(blunt_result.nodes).has_alternatives
-    assert not evaluate_measured_nodes(open_without_alternatives(blunt_result).nodes).has_alternatives
+    indices = [axis.find_index(point.at[name]) for axis, name in zip(values.axes, ("mu0", "tau0"), strict=True)]
+    friction = values.friction[(0, 0, 0, 0, load_index, *indices)]
+    assert friction.tolist() == pytest.approx([point.value, point.lower, point.upper])
+    own_area = evaluate_measured_report(ReportGrid(open_without_alternatives(blunt_result))).load_quantities
+    assert np.ptp(own_area["contact_area"][0, 0, load_index, 1:]) < np.ptp(area[1:])

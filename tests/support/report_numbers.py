@@ -1,4 +1,4 @@
-"""Compute the numbers of an interactive report without a browser: run its script `nodes.js` in the engine V8."""
+"""Compute the numbers of an interactive report without a browser: run its script `numbers.js` in the engine V8."""
 
 import base64
 import json
@@ -10,13 +10,13 @@ import numpy as np
 
 
 class ReportEvaluator:
-    """Facts and tables of one report, to which the functions of `nodes.js` are applied."""
+    """Facts and tables of one report, to which the functions of `numbers.js` are applied."""
 
     def __init__(self, page):
         from py_mini_racer import MiniRacer
 
         self._engine = MiniRacer()
-        self._engine.eval((resources.files("stiction.views.report") / "nodes.js").read_text("utf-8"))
+        self._engine.eval((resources.files("stiction.views.report") / "numbers.js").read_text("utf-8"))
         self._engine.eval(f"const facts = {_script_text(page, 'facts')}; null")
         self.facts = json.loads(_script_text(page, "facts"))
         floats, small = (
@@ -43,15 +43,23 @@ class ReportEvaluator:
             facts["loads"]["values"]
         ) + load
 
+    def parameters(self, mu0, tau0):
+        """Return the values of the sliders (tau0 in MPa) that are equal to mu0 and tau0 (GPa)."""
+        values = [
+            min(self.facts["axes"][name]["values"], key=lambda candidate, value=value: abs(candidate - value))
+            for name, value in (("mu0", mu0), ("tau0", 1000 * tau0))
+        ]
+        assert np.allclose(values, [mu0, 1000 * tau0], rtol=1e-9), "the report has no values at this mu0 and tau0"
+        return values
+
     def evaluate_quantity(self, name, mu0, tau0, **place):
         """Return a quantity at mu0 and tau0 (GPa) as a dict of value, ends, decimals, text and status."""
         return self(
             "(name, index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0);"
-            " const point = pointAt(numbers, name, index, place); const first = index * place.size;"
-            " const code = statusAt(numbers.small, facts.tables.status + first, place, facts.statuses);"
-            " const isFine = place.isNode || numbers.small[facts.tables.fine + first + place.panel];"
-            " return {...point, text: quoted(point), status: facts.statuses[code].name, isFine: Boolean(isFine)}; }",
-            name, self.coefficient_index(**place), mu0, 1000 * tau0,
+            " const point = pointAt(numbers, name, index, place);"
+            " const code = numbers.small[facts.tables.status + index * place.size + place.node];"
+            " return {...point, text: quoted(point), status: facts.statuses[code].name}; }",
+            name, self.coefficient_index(**place), *self.parameters(mu0, tau0),
         )  # fmt: skip
 
     def evaluate_assessment(self, mu0, tau0, *, cell, amplitude, way, load):
@@ -61,7 +69,7 @@ class ReportEvaluator:
         index = (cell_index * len(facts["ways"]) + way) * len(facts["loads"]["values"]) + load
         return self(
             "(index, mu0, tau0) => judgementAt(numbers, facts.judgements, index, placeAt(facts.axes, mu0, tau0))",
-            index, mu0, 1000 * tau0,
+            index, *self.parameters(mu0, tau0),
         )  # fmt: skip
 
     def format_validity(self, name, mu0, tau0, **place):
@@ -69,8 +77,8 @@ class ReportEvaluator:
         return self(
             "(name, index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0); return ["
             "printed(numberAt(numbers, `validity_${name}`, index, place)),"
-            " atNearest(numbers.small, facts.tables[`beyond_${name}`] + index * place.size, place)]; }",
-            name, self.coefficient_index(**place), mu0, 1000 * tau0,
+            " numbers.small[facts.tables[`beyond_${name}`] + index * place.size + place.node]]; }",
+            name, self.coefficient_index(**place), *self.parameters(mu0, tau0),
         )  # fmt: skip
 
 

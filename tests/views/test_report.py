@@ -9,11 +9,10 @@ import pytest
 from stiction import Profile, Result, Study, levelled, pair, run, self_affine
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_QUANTITIES
 from stiction.study.study import parse_study_of_dataset
-from stiction.summary.nodes import MAX_NODES, NUM_REPORT_LOADS
 from stiction.summary.report_data import collect_report_data
+from stiction.summary.report_grid import NUM_REPORT_LOADS, ReportGrid
 from stiction.views.files import REPORT_FILE_SIGNATURE
 from stiction.views.report import ReportError, report_page, save_report
-from stiction.views.report.content import _interpolation_error_text
 from stiction.views.report.measured import measured_report_content
 from stiction.views.report.surface import surface_page
 from stiction.views.text import result_text
@@ -40,7 +39,8 @@ def test_report_is_limited_in_size_and_contains_its_licence(generated_dataset):
     for words in ("GNU GENERAL PUBLIC LICENSE", "How to Apply These Terms to Your New Programs"):
         assert words in text
     num_cells = generated_dataset.sizes["fractal_dimension"] * len(SMALL_STUDY.surfaces.amplitudes())
-    assert len(text.encode()) < 250_000 + 6 * 20 * num_cells * NUM_REPORT_LOADS * MAX_NODES**2
+    num_pairs = np.prod([axis.values.size for axis in ReportGrid(Result(generated_dataset)).axes])
+    assert len(text.encode()) < 250_000 + 6 * 20 * num_cells * NUM_REPORT_LOADS * num_pairs
 
 
 def test_report_rejects_a_result_that_is_too_large(monkeypatch, generated_dataset, maps_dataset):
@@ -64,11 +64,6 @@ def test_report_title_contains_the_study_or_the_scan_files(generated_dataset, ma
     assert "<title>quick – " in report_page(quick_dataset)
     assert "<title>upper-maps.npy on lower-maps.npy – " in report_page(maps_dataset)
     assert "<title>upper-maps.npy on lower-maps.npy (mine) – " in report_page(maps_dataset, name="mine")
-
-
-def test_report_states_interpolation_errors_that_are_too_small_to_print():
-    text = _interpolation_error_text(1e-8, 0.0121)
-    assert "by less than 0.001 %, and interval limits by up to 1.21 % of the interval width." in text
 
 
 def test_report_rejects_a_dataset_without_study(generated_dataset):

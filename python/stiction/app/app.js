@@ -318,15 +318,15 @@ function connectReport() {
   report.head.append(Object.assign(report.createElement("style"), {textContent:
     "body { padding: 0; max-width: none } header .over, header h1, #judgement, " +
     ".pair #answer > :is(.of, .value, .interval) { display: none } #controls { top: 0 }"}));
-  for (const name of ["input", "click", "keyup"]) report.addEventListener(name, () => { clearTimeout(updateTimer); updateTimer = setTimeout(updateFromReport, UPDATE_DELAY); });
+  for (const name of ["input", "click", "keyup"]) report.addEventListener(name, () => { clearTimeout(updateTimer); updateTimer = setTimeout(updateValues, UPDATE_DELAY); });
   const fit = () => { byId("page").style.height = matchMedia("(min-width: 60rem)").matches ? "" : `${report.documentElement.scrollHeight}px`; };
   new ResizeObserver(fit).observe(report.documentElement);
 }
 
-/** Update the values after a selection in the report. */
-async function updateFromReport() {
+/** Update the values after a selection in the report. `typed` contains mu0 and tau0 (GPa) of the form that the report does not have. */
+async function updateValues(typed = {}) {
   const job = jobs.find(({number}) => number === current);
-  const {load, mu0, tau0, dimension: d} = reportDocument()?.getElementById("readout")?.dataset ?? {};
+  const {load, mu0, tau0, dimension: d} = {...reportDocument()?.getElementById("readout")?.dataset, ...typed};
   if (!job?.answer || job.by || load === undefined) return; // until the computation ends, only the report shows other values
   const isNear = (value, reference) => Math.abs(value - reference) <= 1e-9 * Math.abs(reference);
   const {at} = job.answer;
@@ -342,12 +342,13 @@ async function updateFromReport() {
   render();
 }
 
-/** Transfer a number from the form to the report. */
-function transferToReport(name) {
-  const input = reportDocument()?.getElementById(`${name}-number`);
-  if (!input || byId("page").hidden || !entry(name) || !(Number(entry(name)) >= 0)) return;
-  input.value = entry(name);
-  input.dispatchEvent(new Event("input", {bubbles: true}));
+/** Select mu0 and tau0 of the form in the report, which has only some values, and update the values. */
+function transferToReport() {
+  const numbers = {mu0: Number(entry("mu0") || NaN), tau0: Number(entry("tau0") || NaN)};
+  if (byId("page").hidden || !reportDocument()?.getElementById("readout") || !Object.values(numbers).every((number) => number >= 0)) return;
+  const isShown = Object.entries(numbers).map(([name, number]) => byId("page").contentWindow.selectParameter(name, number));
+  clearTimeout(updateTimer);
+  updateTimer = setTimeout(updateValues, UPDATE_DELAY, isShown.every(Boolean) ? {} : {mu0: numbers.mu0, tau0: Number((numbers.tau0 / 1000).toPrecision(12))});
 }
 
 const dimension = () => (1 + 0.05 * Number(byId("d").value)).toFixed(2);
@@ -438,7 +439,7 @@ updateProfiles();
 form.addEventListener("submit", submitPair);
 form.addEventListener("change", () => { showNumbers(); showInterface(); saveState(); });
 form.addEventListener("input", ({target}) => { if (target.ariaInvalid) clearFieldErrors(); });
-for (const name of ["mu0", "tau0"]) form[name].addEventListener("input", () => transferToReport(name));
+for (const name of ["mu0", "tau0"]) form[name].addEventListener("input", transferToReport);
 byId("run").addEventListener("input", updateProfiles);
 byId("run").addEventListener("submit", submitRun);
 byId("page").addEventListener("load", connectReport);

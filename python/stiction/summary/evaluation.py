@@ -35,7 +35,6 @@ from stiction.solve.member_sums import MemberSums
 from stiction.solve.store import StoreError
 from stiction.summary.assessment import Caveat
 from stiction.summary.input_caveats import find_study_caveats
-from stiction.summary.nodes import InterpolationNodes
 from stiction.summary.summary import PointSummary, Summary, summarize
 
 MAX_REACHED_LOADS = 100_000  # maximum number of loads of `Result.reached_loads`
@@ -129,11 +128,6 @@ class Evaluation(MemberSums):
     def height_factors(self) -> dict[ScaledBodies, list[float]]:
         """Stored height factors, in separate lists for both bodies, only the upper body and only the lower body."""
         return {} if self.stored is None else group_stored_factors(self.stored)
-
-    @cached_property
-    def nodes(self) -> InterpolationNodes:
-        """Values at nodes of mu0 and tau0, between which a report interpolates."""
-        return InterpolationNodes(self)
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:

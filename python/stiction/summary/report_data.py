@@ -15,11 +15,12 @@ from stiction.summary.figure_values import (
     evaluate_positions_at_first_load,
     find_opposing_contacts,
 )
-from stiction.summary.values_at_nodes import (
-    GeneratedValuesAtNodes,
-    MeasuredValuesAtNodes,
-    evaluate_generated_nodes,
-    evaluate_measured_nodes,
+from stiction.summary.report_grid import ReportGrid
+from stiction.summary.report_values import (
+    GeneratedReportValues,
+    MeasuredReportValues,
+    evaluate_generated_report,
+    evaluate_measured_report,
 )
 from stiction.surfaces.pairing import SIDES
 
@@ -77,7 +78,7 @@ class MeasuredReportData(ReportData):
     num_opposing_contacts : int
         Number of contacts in the picture that oppose the motion in the first direction.
     summary : Summary
-    values : MeasuredValuesAtNodes
+    values : MeasuredReportValues
     positions : xarray.Dataset or None
         Result of `evaluate_positions_at_first_load`, or None if there is only one member.
     height_factors : dict
@@ -92,7 +93,7 @@ class MeasuredReportData(ReportData):
     num_opposing_contacts: int
     loading_cycle: xarray.Dataset | None
     summary: Summary
-    values: MeasuredValuesAtNodes
+    values: MeasuredReportValues
     positions: xarray.Dataset | None
     height_factors: dict[ScaledBodies, xarray.Dataset]
 
@@ -130,7 +131,7 @@ class GeneratedReportData(ReportData):
         Loads shown on the page, or an empty array if no pair is in contact.
     num_steps : int
         Number of computed loads or approaches.
-    values : GeneratedValuesAtNodes or None
+    values : GeneratedReportValues or None
         None if no pair is in contact.
     contact_forces : xarray.Dataset or None
         As for `Result`.
@@ -142,9 +143,14 @@ class GeneratedReportData(ReportData):
     amplitudes: Floats
     loads: Floats
     num_steps: int
-    values: GeneratedValuesAtNodes | None
+    values: GeneratedReportValues | None
     contact_forces: xarray.Dataset | None
     onset: xarray.Dataset | None
+
+
+def count_coefficients(result: Evaluation) -> int:
+    """Return the number of friction coefficients of a report on a result."""
+    return ReportGrid(result).num_coefficients
 
 
 def collect_report_data(
@@ -184,7 +190,7 @@ def _collect_measured_data(result: Evaluation, picture: xarray.Dataset | None) -
         num_opposing_contacts=0 if picture is None else int(find_opposing_contacts(picture, first_direction).sum()),
         loading_cycle=result.loading_cycle,
         summary=result.summary(),
-        values=evaluate_measured_nodes(result.nodes),
+        values=evaluate_measured_report(ReportGrid(result)),
         positions=evaluate_positions_at_first_load(result) if result.members.size > 1 else None,
         height_factors={scaled: evaluate_height_factors(result, scaled) for scaled in result.height_factors},
     )
@@ -203,16 +209,16 @@ def _read_body_history(body: MeasuredBodySettings, history: str | None) -> BodyH
 
 
 def _collect_generated_data(result: Evaluation) -> GeneratedReportData:
-    study, head, nodes, num_solved = result.study, result.head, result.nodes, result.num_solved
-    has_contact = bool(nodes.loads.size)
+    study, head, grid, num_solved = result.study, result.head, ReportGrid(result), result.num_solved
+    has_contact = bool(grid.loads.size)
     return GeneratedReportData(
         **_collect_common_data(result),
         num_solved=num_solved,
         dimensions=head["fractal_dimension"].values,
         amplitudes=head["amplitude"].values,
-        loads=nodes.loads,
+        loads=grid.loads,
         num_steps=int(head.sizes[study.step_quantity]),
-        values=evaluate_generated_nodes(nodes, num_solved) if has_contact else None,
+        values=evaluate_generated_report(grid, num_solved) if has_contact else None,
         contact_forces=result.contact_forces if has_contact else None,
         onset=evaluate_onset_over_dimension(result) if has_contact else None,
     )

@@ -46,32 +46,6 @@ function drawPending(isChosen) {
 
 // ---- Controls -------------------------------------------------------------------------------------------------------
 
-/** Connect a slider and a number field that set the same value, from 0 to the largest evaluated value. */
-function amount(id, {value, most, mostText, step, unit, changed}) {
-  const [slider, number] = [byId(id), byId(`${id}-number`)];
-  Object.assign(slider, {min: 0, max: most, step});
-  number.max = most;
-  byId(`${id}-wrong`).textContent = `Only numbers from 0 to ${mostText}; the last valid number is kept.`;
-  const show = (text) => {
-    slider.value = text;
-    slider.setAttribute("aria-valuetext", `${text}${unit}`);
-  };
-  number.value = value;
-  show(value);
-  slider.addEventListener("input", () => {
-    number.value = slider.value;
-    byId(`${id}-wrong`).hidden = true;
-    show(slider.value);
-    changed(Number(slider.value));
-  });
-  number.addEventListener("input", () => {
-    byId(`${id}-wrong`).hidden = number.validity.valid;
-    if (!number.validity.valid) return;
-    show(number.value);
-    changed(Number(number.value));
-  });
-}
-
 /** Connect a slider that selects an item of a list by its index. */
 function index(id, {value, count, name, changed}) {
   const slider = byId(id);

@@ -1,4 +1,4 @@
-"""Report on generated surfaces: quantities at nodes of mu0 and tau0, statuses, assessments and figures."""
+"""Report on generated surfaces: quantities on a grid of mu0 and tau0, statuses, assessments and figures."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from stiction.study.member_names import REPETITION_NAMES
 from stiction.study.study import Study
 from stiction.summary.assessment import Caveat, LimitCheck
 from stiction.summary.report_data import GeneratedReportData
-from stiction.summary.values_at_nodes import GENERATED_STATUSES, GeneratedValuesAtNodes, get_validity_limit
+from stiction.summary.report_values import GENERATED_STATUSES, GeneratedReportValues, get_validity_limit
 from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
 from stiction.views.point import coordinate_text, motion_direction_text
 from stiction.views.report.content import ReportContent
@@ -32,8 +32,8 @@ def generated_report_content(data: GeneratedReportData, name: str) -> ReportCont
     arrays: dict[str, ReportArray] = {}
     if values is not None:
         colour_ranges = _compute_colour_ranges(values)
-        facts |= _node_facts(values, data.study) | {"maps": list(colour_ranges)}
-        arrays |= _node_arrays(values)
+        facts |= _value_facts(values, data.study) | {"maps": list(colour_ranges)}
+        arrays |= _value_arrays(values)
         for quantity_name, ends in colour_ranges.items():
             for end, numbers in zip(("low", "high"), ends, strict=True):
                 arrays[f"colours_{quantity_name}_{end}"] = NumberArray(numbers, list_number_formats("digits"))
@@ -78,7 +78,7 @@ def _page_facts(data: GeneratedReportData) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _node_facts(values: GeneratedValuesAtNodes, study: Study) -> dict[str, Any]:
+def _value_facts(values: GeneratedReportValues, study: Study) -> dict[str, Any]:
     return {
         "statuses": [
             {"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": is_trusted}
@@ -94,8 +94,8 @@ def _node_facts(values: GeneratedValuesAtNodes, study: Study) -> dict[str, Any]:
     }
 
 
-def _node_arrays(values: GeneratedValuesAtNodes) -> dict[str, ReportArray]:
-    """Return all quantities at the nodes. The array axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
+def _value_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
+    """Return all quantities. The array axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
     arrays: dict[str, ReportArray] = {"friction": EstimateArray(values.estimates["friction"])}
     for name in filter(values.estimates.__contains__, _UNITS):
         formats = list_number_formats(_UNITS[name])
@@ -105,13 +105,12 @@ def _node_arrays(values: GeneratedValuesAtNodes) -> dict[str, ReportArray]:
         arrays[f"validity_{name}"] = NumberArray(means, _VALIDITY_FORMATS[QUANTITIES[name].percent])
         arrays[f"beyond_{name}"] = (means > get_validity_limit(name)).astype(np.int8)
     arrays["status"] = values.status_codes.astype(np.int8)
-    arrays["fine"] = values.is_interpolated.astype(np.int8)
     arrays["judgement"] = values.assessment_indices.astype(float)
     return arrays | _caveat_number_arrays(values)
 
 
-def _caveat_number_arrays(values: GeneratedValuesAtNodes) -> dict[str, ReportArray]:
-    """Return the numbers in the texts of caveats at the nodes whose assessments contain these caveats."""
+def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
+    """Return the numbers in the texts of caveats at the points whose assessments contain these caveats."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
         for check in filter(_has_number, caveats):
@@ -152,7 +151,7 @@ def _relative_half_widths(points: Floats) -> Floats:
         return np.asarray((points[..., 2] - points[..., 1]) / (2 * np.abs(points[..., 0])))
 
 
-def _compute_colour_ranges(values: GeneratedValuesAtNodes) -> dict[str, tuple[Floats, Floats]]:
+def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Floats, Floats]]:
     """Return the ends of the colour range for each quantity with positive values.
 
     The axes of the arrays are amplitude, rule, motion, mu0 and tau0.
@@ -165,20 +164,20 @@ def _compute_colour_ranges(values: GeneratedValuesAtNodes) -> dict[str, tuple[Fl
         if not np.isfinite(positive_values).any():
             continue
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # some nodes have no value, which causes warnings about NaN
+            warnings.simplefilter(
+                "ignore", RuntimeWarning
+            )  # some points have no value, which causes warnings about NaN
             low, high = np.nanquantile(positive_values, COLOUR_RANGE_QUANTILES, axis=(0, 4))
         ranges[name] = low, np.maximum(high, 1.05 * low)
     return ranges
 
 
-def _choose_initial_cell_and_load(values: GeneratedValuesAtNodes, study: Study) -> dict[str, int]:
+def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -> dict[str, int]:
     """Choose the initial cell and load of a page: those with the smallest relative interval of a valid value."""
     is_valid, points = values.is_valid, values.estimates["friction"]
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
-    node_indices = [
-        int(np.abs(axis.values - value).argmin()) for axis, value in zip(values.axes, strengths, strict=True)
-    ]
-    index: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *node_indices)
+    parameter_indices = [axis.find_index(value) for axis, value in zip(values.axes, strengths, strict=True)]
+    index: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *parameter_indices)
     width = np.where(is_valid[index] & (points[(*index, 0)] > 0), _relative_half_widths(points)[index], np.nan)
     if not np.isfinite(width).any():
         return {"cell": is_valid.shape[0] // 2, "load": is_valid.shape[4] // 2}

@@ -1,4 +1,4 @@
-"""Report on measured surfaces: friction at nodes of mu0 and tau0, other quantities at every load, and assessments."""
+"""Report on measured surfaces: friction on a grid of mu0 and tau0, other quantities at every load, and assessments."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, STIFFNESS_PER_AREA_QUANTITIES
 from stiction.study.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES
 from stiction.summary.report_data import MAX_FILE_READINGS, BodyHistory, MeasuredReportData
+from stiction.summary.report_values import ORDERED_STATUSES, MeasuredReportValues
 from stiction.summary.summary import PointSummary, Summary
-from stiction.summary.values_at_nodes import ORDERED_STATUSES, MeasuredValuesAtNodes
 from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import (
@@ -93,8 +93,7 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
         ],
         "combined": [kind != "surrogates" for kind in values.member_kinds],
         "memberCounts": values.member_counts,
-        "hasAlternatives": values.has_alternatives,
-        "ranged": any(axis.ranged.size for axis in values.axes),
+        "ranged": any(axis.has_range.any() for axis in values.axes),
         "points": [_assessment_record(point) for point in summary.points], "validity": [],
         "curves": _CURVE_PANELS[data.study.has_nominal_area],
         "modulus": data.effective_modulus, "area": area,
@@ -120,8 +119,8 @@ The keys specify whether the nominal area is meaningful.
 """
 
 
-def _friction_arrays(values: MeasuredValuesAtNodes) -> dict[str, ReportArray]:
-    """Return friction at the nodes.
+def _friction_arrays(values: MeasuredReportValues) -> dict[str, ReportArray]:
+    """Return friction at all loads, mu0 and tau0.
 
     Values without an interval are printed with the decimals of the mean over directions.
     """
@@ -130,7 +129,6 @@ def _friction_arrays(values: MeasuredValuesAtNodes) -> dict[str, ReportArray]:
         "friction": EstimateArray(values.friction, reference=values.friction[0, :, :, :1]),
         "sampling": EstimateArray(values.sampling),
         "status": values.status_codes.astype(np.int8),
-        "fine": values.is_interpolated.astype(np.int8),
         "answered": values.num_solved.astype(float),
         "slopes": EstimateArray(np.stack([values.slopes, no_limit, no_limit], axis=-1)),
     }

@@ -1,7 +1,7 @@
 """Template of a self-contained HTML page, and functions that return markup.
 
 `result.py` and `surface.py` define the content of a page. Markup, style sheet and scripts are in this directory:
-`nodes.js` decodes and interpolates numbers, `plots.js` draws, `common.js` contains controls and file output, and
+`numbers.js` decodes and prints numbers, `plots.js` draws, `common.js` contains controls and file output, and
 `result.js` contains the state and the texts of a result. The scripts read constants of the library from the facts.
 Texts from files are escaped in the markup by `escape_html`; the scripts insert them only as text nodes.
 """
@@ -24,7 +24,7 @@ from stiction._text import printable_text
 from stiction.views.files import REPORT_FILE_SIGNATURE
 
 _LICENCE_URL = "https://www.gnu.org/licenses/gpl-3.0.txt"
-SCRIPT_FILES = ("nodes.js", "plots.js", "common.js", "result.js")
+SCRIPT_FILES = ("numbers.js", "plots.js", "common.js", "result.js")
 
 
 class ReportError(ValueError):

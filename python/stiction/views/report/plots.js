@@ -336,7 +336,6 @@ const HATCHES = {
   "below-range": ["var(--line)", "M-2 6L2 10M0 0L8 8M6 -2L10 2"],
   "no-contact": ["var(--paper)", "M3.9 4h.2"],
   "self-locked": ["#7a0019", ""],
-  "between-nodes": ["var(--line)", ""],
   "not-solved": ["var(--line)", "M3.9 4h.2"],
   seizure: ["#7a0019", "M-2 2L2 -2M0 8L8 0M6 10L10 6"],
   downhill: ["var(--line)", "M-2 2L2 -2M0 8L8 0M6 10L10 6"],

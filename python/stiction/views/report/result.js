@@ -2,11 +2,11 @@
 
 // ---- State ----------------------------------------------------------------------------------------------------------
 
-const {isMeasured, cells, axes: nodeAxes} = facts;
+const {isMeasured, cells, axes: parameters} = facts;
 const loads = facts.loads.values;
 const state = {
-  mu0: nodeAxes?.mu0.start ?? 0,
-  tau0: nodeAxes?.tau0.start ?? 0, // shear strength in MPa
+  mu0: parameters?.mu0.start ?? 0,
+  tau0: parameters?.tau0.start ?? 0, // shear strength in MPa
   rule: 0,
   way: 0,
   kind: 0,
@@ -23,7 +23,7 @@ const RULE_COLOURS = {all: "var(--all)", opposing: "var(--opposing)"};
 const FRICTION = ["map", "readout", "over", "friction", "area", "stiffness", "unloading", "compass"];
 const hasBothRules = facts.rules.length > 1;
 const amplitudeCount = Math.max(1, facts.amplitudes.length);
-const place = () => placeAt(nodeAxes, state.mu0, state.tau0);
+const place = () => placeAt(parameters, state.mu0, state.tau0);
 
 /** Return the index of a coefficient in the tables. */
 function indexOf(rule, cell, load, way = state.way) {
@@ -37,10 +37,9 @@ function indexOf(rule, cell, load, way = state.way) {
 function frictionAt(rule, cell, load, at = place(), way = state.way) {
   const index = indexOf(rule, cell, load, way);
   const first = index * at.size;
-  const status = facts.statuses[statusAt(numbers.small, numbers.offsets.status + first, at, facts.statuses)];
+  const status = facts.statuses[numbers.small[numbers.offsets.status + first + at.node]];
   const result = {load: loads[load], status: status.name, value: NaN, lower: NaN, upper: NaN, trusted: status.isTrusted, index};
   if (!status.isOk) return result;
-  if (!at.isNode && !numbers.small[numbers.offsets.fine + first + at.panel]) return {...result, status: "between-nodes", trusted: false};
   const point = pointAt(numbers, "friction", index, at);
   const isCombined = facts.combined[state.kind] && facts.ways[way].isWhole;
   if (!isMeasured) return {...result, ...point, isCombined};
@@ -91,8 +90,7 @@ function intervalName(isCombined, isQuantity = false) {
 }
 
 /** Return whether mu0 and tau0 are both within the uncertainty ranges of the study. */
-const isAtRange = () => [["mu0", state.mu0], ["tau0", state.tau0]].every(([name, value]) => !nodeAxes[name].bounds.length ||
-  nodeAxes[name].bounds.some(([low, high]) => low <= value && value <= high));
+const isAtRange = () => ["mu0", "tau0"].every((name) => !parameters[name].ranged.length || parameters[name].ranged.includes(state[name]));
 
 function whyNoInterval() {
   if (isMeasured && facts.memberCounts[state.kind] < 2) return `there are fewer than two ${facts.kinds[state.kind]}`;
@@ -219,7 +217,7 @@ function figuresOf(at, d, l) {
       const [value] = points[state.kind][d][l];
       if (value !== null) row(words, value, texts[state.kind][d][l], isBeyond[state.kind][d][l]);
     }
-    const answered = atNearest(numbers.floats, numbers.offsets.answered + at.index * here.size, here);
+    const answered = numbers.floats[numbers.offsets.answered + at.index * here.size + here.node];
     row(`${facts.kinds[state.kind].replace(/^./, (letter) => letter.toUpperCase())} with a coefficient`, answered, `${answered} of ${facts.memberCounts[state.kind]}`);
     return list;
   }
@@ -231,7 +229,7 @@ function figuresOf(at, d, l) {
   }
   for (const {name, words} of facts.validity) {
     const number = numberAt(numbers, `validity_${name}`, at.index, here);
-    const isBeyond = Boolean(atNearest(numbers.small, numbers.offsets[`beyond_${name}`] + at.index * here.size, here));
+    const isBeyond = Boolean(numbers.small[numbers.offsets[`beyond_${name}`] + at.index * here.size + here.node]);
     if (Number.isFinite(number.value)) row(words, number.value, printed(number), isBeyond);
   }
   return list;
@@ -368,7 +366,7 @@ const mapRows = () => [["fractal dimension", "load (mN)", state.quantity, "statu
 
 // ---- Controls -------------------------------------------------------------------------------------------------------
 
-let sliders = {}; // sliders for load and dimension
+let sliders = {}; // sliders for mu0, tau0, load and dimension
 
 function showStrengthNotice() {
   byId("strong").hidden = !(state.tau0 > facts.strength.limit);
@@ -386,21 +384,30 @@ function pick(d, l) {
   return () => pick(...before);
 }
 
+/** Select the value of mu0 or tau0 (MPa) that equals a number, and return whether the page has such a value. */
+function selectParameter(name, number) {
+  const position = parameters[name].values.findIndex((value) => isSame(value, number));
+  if (position < 0) return false;
+  state[name] = parameters[name].values[position];
+  sliders[name].set(position);
+  showStrengthNotice();
+  redraw(...FRICTION);
+  return true;
+}
+
 /** Set all controls to the values of one point of the study. */
 function goTo({load, mu0, tau0: strength, cut_off: cutOff}) {
-  for (const [id, value] of [["mu0", mu0], ["tau0", Number((1000 * strength).toPrecision(12))]]) {
-    byId(`${id}-number`).value = value;
-    byId(`${id}-number`).dispatchEvent(new Event("input"));
-  }
+  selectParameter("mu0", mu0);
+  selectParameter("tau0", 1000 * strength);
   pick(cutOff === undefined ? state.dimension : nearest(cells.values, cutOff), nearest(loads, load));
 }
 
 function connect() {
   const fields = addressFields();
   const whole = (text, count, fallback) => Math.floor(parseNumber(text, 0, count - 1, fallback));
-  if (nodeAxes) {
-    state.mu0 = parseNumber(fields.mu0, 0, nodeAxes.mu0.most, state.mu0);
-    state.tau0 = parseNumber(fields.tau0, 0, nodeAxes.tau0.most, state.tau0);
+  for (const name of parameters ? ["mu0", "tau0"] : []) {
+    const {values} = parameters[name];
+    state[name] = values[nearest(values, parseNumber(fields[name], 0, values.at(-1), state[name]))];
   }
   for (const [key, count] of [["rule", facts.rules.length], ["way", facts.ways.length], ["amplitude", facts.amplitudes.length],
     ["kind", facts.kinds.length]]) state[key] = whole(fields[key], count, state[key]);
@@ -409,7 +416,7 @@ function connect() {
     redraw(...FRICTION);
   };
   for (const [name, unit] of [["mu0", ""], ["tau0", " MPa"]])
-    amount(name, {value: state[name], ...(nodeAxes?.[name] ?? {most: 1, mostText: "1", step: 1}), unit, changed: (value) => { state[name] = value; changed(); }});
+    connectParameter(name, unit, changed);
   showStrengthNotice();
   const set = (key) => (value) => {
     state[key] = value;
@@ -438,6 +445,13 @@ function connect() {
   atRest = () => address(addressOf());
   showParameters();
   address(addressOf());
+}
+
+/** Connect the slider of mu0 or tau0, whose positions are the values that the library evaluated. */
+function connectParameter(name, unit, changed) {
+  const values = parameters?.[name].values ?? [0];
+  sliders[name] = index(name, {value: Math.max(values.indexOf(state[name]), 0), count: values.length, name: (at) => `${values[at]}${unit}`,
+    changed: (at) => { state[name] = values[at]; changed(); }});
 }
 
 function connectLoad(fields) {
@@ -589,7 +603,6 @@ function hideUnavailable() {
   byId("more").addEventListener("toggle", () => redraw(...Object.keys(drawings)));
   byId(isMeasured ? "of-ensembles" : "of-members").hidden = true;
   byId("exact").hidden = !facts.ranged;
-  byId("error").textContent = facts.errorText ?? "";
 }
 
 start(async () => {

@@ -1,7 +1,7 @@
 """Report on a result as an HTML page.
 
-The report contains values, intervals, statuses, assessments and numbers of decimals at nodes of mu0 and tau0. The
-scripts decode the numbers, interpolate between nodes and draw.
+The report contains values, intervals, statuses, assessments and numbers of decimals on a grid of mu0 and tau0. The
+scripts decode the numbers and draw.
 """
 
 from __future__ import annotations
@@ -15,7 +15,13 @@ import xarray
 from stiction.evaluate.intervals import CONFIDENCE_LEVEL
 from stiction.solve.executors import thread_pool_executor
 from stiction.summary.evaluation import Evaluation
-from stiction.summary.report_data import GeneratedReportData, MeasuredReportData, ReportData, collect_report_data
+from stiction.summary.report_data import (
+    GeneratedReportData,
+    MeasuredReportData,
+    ReportData,
+    collect_report_data,
+    count_coefficients,
+)
 from stiction.views.report.content import ReportContent, common_facts
 from stiction.views.report.generated import generated_report_content
 from stiction.views.report.measured import measured_report_content
@@ -57,7 +63,7 @@ MAIN_PLOTS = {True: ("friction", "compass"), False: ("over", "friction", "area",
 MAX_REPORT_VALUES = {True: 400_000, False: 1_000_000}
 """Maximum numbers of friction coefficients on a page, for measured surfaces (True) and for generated surfaces (False).
 
-The number of coefficients is the product of the numbers of nodes, loads, cells, sliding rules and directions.
+The number of coefficients is the product of the numbers of mu0, tau0, loads, cells, sliding rules and directions.
 """
 
 
@@ -111,10 +117,10 @@ def _check_size(result: Evaluation) -> None:
     if not study.is_measured and not (result.members.size and result.num_solved):
         raise ReportError("the result must have a member with a solution at every load, got none")
     max_count = MAX_REPORT_VALUES[study.is_measured]
-    if result.nodes.loads.size and (count := result.nodes.num_coefficients) > max_count:
+    if (count := count_coefficients(result)) > max_count:
         cells = "loads, cutoffs" if study.is_measured else "fractal dimensions, amplitudes"
         raise ReportError(
-            f"the result must have at most {max_count} coefficients at nodes for a report, got {count}; choose fewer "
+            f"the result must have at most {max_count} coefficients for a report, got {count}; choose fewer "
             f"{cells} or directions"
         )
 

@@ -1,4 +1,4 @@
-"""Arrays of a result at the nodes of mu0 and tau0. A report shows these arrays, and evaluates no further values."""
+"""Arrays of a result at loads, mu0 and tau0. A report shows these arrays, and evaluates no further values."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ from stiction.mechanics.quantities import (
     QUANTITIES_AT_HARDNESS,
     quantity_names_shown_in,
 )
-from stiction.solve.executors import thread_pool_executor
 from stiction.summary.assessment import (
     MAX_AFFECTED_FRACTION,
     MIN_MERGED_AREA_FRACTION,
@@ -32,7 +31,7 @@ from stiction.summary.assessment import (
     find_smallest_check_limit,
     list_contact_check_names,
 )
-from stiction.summary.nodes import InterpolationNodes, NodeAxis
+from stiction.summary.report_grid import ParameterAxis, ReportGrid
 
 if TYPE_CHECKING:
     import xarray
@@ -49,18 +48,16 @@ LEADING_DIMENSIONS = ("fractal_dimension", "amplitude", "sliding", "direction", 
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredValuesAtNodes:
-    """Values of measured surfaces at nodes.
+class MeasuredReportValues:
+    """Values of measured surfaces at all loads, mu0 and tau0 of a report.
 
     The first axes of the arrays are kind of member, cutoff, sliding rule, motion, load, mu0 and tau0. The last axis of
     estimates contains value, lower limit and upper limit.
 
     Attributes
     ----------
-    axes : pair of NodeAxis
-        Nodes of mu0 and tau0.
-    interpolation_errors : (float, float)
-        As for `InterpolationNodes`.
+    axes : pair of ParameterAxis
+        Values of mu0 and tau0.
     loads : ndarray of float, mN
     motions : list of list of int
         Indices of the directions that are averaged for each motion.
@@ -76,8 +73,6 @@ class MeasuredValuesAtNodes:
         Numbers of members with a value.
     slopes : ndarray of float
         Small-slope estimates (kind, cutoff, rule, motion, mu0, tau0).
-    is_interpolated : ndarray of bool
-        True for each panel in which values may be interpolated.
     has_combined : ndarray of bool
         True for each kind of member and motion with a combined interval.
     member_counts : list of int
@@ -86,12 +81,9 @@ class MeasuredValuesAtNodes:
         Estimates (kind, cutoff, load) of each quantity that depends only on the load, by name.
     check_limits : dict
         Results of `find_smallest_check_limit` for these quantities.
-    has_alternatives : bool
-        True if intervals of the true area cover results for alternative preparations of the scans.
     """
 
-    axes: tuple[NodeAxis, NodeAxis]
-    interpolation_errors: tuple[float, float]
+    axes: tuple[ParameterAxis, ParameterAxis]
     loads: Floats
     motions: list[list[int]]
     member_kinds: Sequence[str | None]
@@ -100,50 +92,42 @@ class MeasuredValuesAtNodes:
     status_codes: NDArray[np.intp]
     num_solved: NDArray[Any]
     slopes: Floats
-    is_interpolated: NDArray[np.bool_]
     has_combined: NDArray[np.bool_]
     member_counts: list[int]
     load_quantities: dict[str, Floats]
     check_limits: dict[str, float | None]
-    has_alternatives: bool
 
 
-def evaluate_measured_nodes(nodes: InterpolationNodes) -> MeasuredValuesAtNodes:
-    """Evaluate measured surfaces at nodes."""
+def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
+    """Evaluate measured surfaces at all loads, mu0 and tau0 of a report."""
+    tables, load_tables = grid.evaluate(), grid.evaluate_study_inputs()
     estimates, sampling, status_codes, num_solved, slopes = (
-        np.stack(arrays)
-        for arrays in zip(*(_stack_motions(values, nodes.motions) for values in nodes.values), strict=True)
+        np.stack(arrays) for arrays in zip(*(_stack_motions(values, grid.motions) for values in tables), strict=True)
     )
-    is_interpolated = nodes.find_interpolated_panels(estimates)
     # Only the mean over all directions of the quoted kind of member has a combined interval.
-    has_combined = np.zeros((len(nodes.values), len(nodes.motions)), bool)
-    has_combined[0] = [len(motion) == len(nodes.motions[0]) for motion in nodes.motions]
+    has_combined = np.zeros((len(tables), len(grid.motions)), bool)
+    has_combined[0] = [len(motion) == len(grid.motions[0]) for motion in grid.motions]
     estimates[
         np.broadcast_to(~has_combined[:, np.newaxis, np.newaxis, :, None, None, None], estimates.shape[:-1]), 1:
     ] = np.nan
-    quantity_names = [name for name in quantity_names_shown_in("report") if name in nodes.load_quantities[0]]
-    return MeasuredValuesAtNodes(
-        axes=nodes.axes,
-        interpolation_errors=nodes.interpolation_errors,
-        loads=nodes.loads,
-        motions=nodes.motions,
-        member_kinds=nodes.member_kinds,
+    quantity_names = [name for name in quantity_names_shown_in("report") if name in load_tables[0]]
+    return MeasuredReportValues(
+        axes=grid.axes,
+        loads=grid.loads,
+        motions=grid.motions,
+        member_kinds=grid.member_kinds,
         friction=estimates,
         sampling=sampling,
         status_codes=status_codes,
         num_solved=num_solved,
         slopes=slopes,
-        is_interpolated=is_interpolated,
         has_combined=has_combined,
-        member_counts=[int(values["members"]) for values in nodes.values],
+        member_counts=[int(values["members"]) for values in tables],
         load_quantities={
-            name: np.stack(
-                [values[name].transpose("cut_off", "load", "statistic").values for values in nodes.load_quantities]
-            )
+            name: np.stack([values[name].transpose("cut_off", "load", "statistic").values for values in load_tables])
             for name in quantity_names
         },
-        check_limits={name: find_smallest_check_limit(name, nodes.study) for name in quantity_names},
-        has_alternatives=bool(nodes.load_quantities[0].attrs.get("alternatives")),
+        check_limits={name: find_smallest_check_limit(name, grid.study) for name in quantity_names},
     )
 
 
@@ -201,18 +185,16 @@ GENERATED_STATUSES = (
 
 
 @dataclass(frozen=True, eq=False)
-class GeneratedValuesAtNodes:
-    """Values of generated surfaces at nodes.
+class GeneratedReportValues:
+    """Values of generated surfaces at all loads, mu0 and tau0 of a report.
 
     The first axes of the arrays are fractal dimension, amplitude, sliding rule, direction, load, mu0 and tau0. The last
     axis of estimates contains value, lower limit and upper limit.
 
     Attributes
     ----------
-    axes : pair of NodeAxis
-        Nodes of mu0 and tau0.
-    interpolation_errors : (float, float)
-        As for `InterpolationNodes`.
+    axes : pair of ParameterAxis
+        Values of mu0 and tau0.
     estimates : dict
         Estimates of ``friction``, ``area`` and, if it was computed, ``stiffness``.
     validity : dict
@@ -221,8 +203,6 @@ class GeneratedValuesAtNodes:
         Indices into `GENERATED_STATUSES`.
     is_valid : ndarray of bool
         True if there is a coefficient, and no quantity in `validity` exceeds its limit.
-    is_interpolated : ndarray of bool
-        True for each panel in which values may be interpolated.
     checked_numbers : dict
         Numbers that the assessment compares with limits, for the quoted sliding rule.
     caveat_sets : list of list of Caveat or LimitCheck
@@ -231,13 +211,11 @@ class GeneratedValuesAtNodes:
         Index of the assessment of each point, for the quoted sliding rule.
     """
 
-    axes: tuple[NodeAxis, NodeAxis]
-    interpolation_errors: tuple[float, float]
+    axes: tuple[ParameterAxis, ParameterAxis]
     estimates: dict[str, Floats]
     validity: dict[str, Floats]
     status_codes: NDArray[np.intp]
     is_valid: NDArray[np.bool_]
-    is_interpolated: NDArray[np.bool_]
     checked_numbers: dict[str, Any]
     caveat_sets: list[list[Caveat | LimitCheck]]
     assessment_indices: NDArray[np.intp]
@@ -253,24 +231,27 @@ def get_validity_limit(name: str) -> float:
     return MAX_AFFECTED_FRACTION if QUANTITIES[name].percent else MAX_OVERLAP_RADIUS_RATIO
 
 
-def evaluate_generated_nodes(nodes: InterpolationNodes, num_members: int) -> GeneratedValuesAtNodes:
-    """Evaluate generated surfaces at nodes. `num_members` is the number of solved members."""
-    study, (node_values,) = nodes.study, nodes.values
-    points = _transpose(node_values["friction_coefficient"])
+def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedReportValues:
+    """Evaluate generated surfaces at all loads, mu0 and tau0 of a report.
+
+    `num_members` is the number of solved members.
+    """
+    study, (table,) = grid.study, grid.evaluate()
+    points = _transpose(table["friction_coefficient"])
     shape: tuple[int, ...] = points.shape[:-1]
-    estimates = {"friction": points, "area": np.broadcast_to(_transpose(node_values["contact_area"]), points.shape)}
-    if "normal_stiffness" in node_values and bool(node_values["normal_stiffness"].notnull().any()):
-        estimates["stiffness"] = np.broadcast_to(_transpose(node_values["normal_stiffness"]), points.shape)
+    estimates = {"friction": points, "area": np.broadcast_to(_transpose(table["contact_area"]), points.shape)}
+    if "normal_stiffness" in table and bool(table["normal_stiffness"].notnull().any()):
+        estimates["stiffness"] = np.broadcast_to(_transpose(table["normal_stiffness"]), points.shape)
     validity: dict[str, Floats] = {}
     for name in (*COMMON_VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES, *QUANTITIES_AT_HARDNESS):
-        if name not in node_values:
+        if name not in table:
             continue
-        values = _transpose(node_values[name])
+        values = _transpose(table[name])
         values = np.broadcast_to(values if values.ndim == len(shape) else values[..., 0], shape)
         if np.isfinite(values).any() and (name not in QUANTITIES_AT_HARDNESS or np.nan_to_num(values).any()):
             validity[name] = values
-    statuses = np.broadcast_to(_transpose(node_values["status"]), shape)
-    checked_numbers = validity | _compute_checked_numbers(node_values, estimates, study, num_members)
+    statuses = np.broadcast_to(_transpose(table["status"]), shape)
+    checked_numbers = validity | _compute_checked_numbers(table, estimates, study, num_members)
     rule_index = study.contact.sliding_rules().index(list_sliding_rules_reported_first(study)[0])
     checked_numbers = {name: values[:, :, rule_index] for name, values in checked_numbers.items()}
     is_beyond_limit = {name: values > get_validity_limit(name) for name, values in validity.items()}
@@ -279,38 +260,34 @@ def evaluate_generated_nodes(nodes: InterpolationNodes, num_members: int) -> Gen
     for code, (name, _) in enumerate(GENERATED_STATUSES):
         if name != friction.STATUS_OK:
             status_codes[statuses == name] = code
-    with thread_pool_executor() as pool:
-        is_interpolated = np.logical_and.reduce(list(pool.map(nodes.find_interpolated_panels, estimates.values())))
-    return GeneratedValuesAtNodes(
-        nodes.axes,
-        nodes.interpolation_errors,
+    return GeneratedReportValues(
+        grid.axes,
         estimates,
         validity,
         status_codes,
         (status_codes == 0) & ~np.logical_or.reduce([np.zeros(shape, bool), *is_beyond_limit.values()]),
-        is_interpolated,
         checked_numbers,
         *assess_ensemble_points(
-            study, statuses[:, :, rule_index], checked_numbers, _find_unloaded(node_values, statuses[:, :, rule_index])
+            study, statuses[:, :, rule_index], checked_numbers, _find_unloaded(table, statuses[:, :, rule_index])
         ),
     )
 
 
-def _find_unloaded(node_values: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return a mask of the nodes whose load is negligible compared with the pull-off force."""
-    if "pull_off" not in node_values:
+def _find_unloaded(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return a mask of the points whose load is negligible compared with the pull-off force."""
+    if "pull_off" not in table:
         return np.zeros(statuses.shape, np.bool_)
-    pull_off = node_values["pull_off"].sel(statistic="mean", drop=True)
-    is_unloaded = _transpose(node_values["load"] < NEGLIGIBLE_LOAD_RATIO * pull_off)
+    pull_off = table["pull_off"].sel(statistic="mean", drop=True)
+    is_unloaded = _transpose(table["load"] < NEGLIGIBLE_LOAD_RATIO * pull_off)
     return np.broadcast_to(is_unloaded[:, :, 0], statuses.shape)
 
 
 def _compute_checked_numbers(
-    node_values: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
+    table: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
 ) -> dict[str, Any]:
-    """Compute, for every node, the numbers that the assessment of generated surfaces compares with limits."""
-    load, mu0, tau0 = (_transpose(node_values[name]) for name in ("load", "mu0", "tau0"))
-    contact_load = _transpose(node_values["contact_load"])[..., 0] if "contact_load" in node_values else load
+    """Compute, for every point, the numbers that the assessment of generated surfaces compares with limits."""
+    load, mu0, tau0 = (_transpose(table[name]) for name in ("load", "mu0", "tau0"))
+    contact_load = _transpose(table["contact_load"])[..., 0] if "contact_load" in table else load
     area = estimates["area"][..., 0]
     surfaces: Any = study.surfaces
     nominal_area = float(np.prod(surfaces.extents())) if study.is_areal else math.inf
@@ -318,13 +295,13 @@ def _compute_checked_numbers(
         pressure = np.where(area > 0, contact_load / area, np.nan)
     value, lower, upper = np.moveaxis(estimates["friction"], -1, 0)
     quantities = {
-        name: np.broadcast_to(_transpose(node_values[name])[..., 0], area.shape)
+        name: np.broadcast_to(_transpose(table[name])[..., 0], area.shape)
         for name in list_contact_check_names(study)
-        if name in node_values and "statistic" in node_values[name].dims
+        if name in table and "statistic" in table[name].dims
     }
     return quantities | compute_checked_quantities(
         value, lower, upper, mu0=mu0, tau0=tau0, pressure=pressure,
-        contact_count=np.broadcast_to(_transpose(node_values["contact_count"])[..., 0], area.shape),
+        contact_count=np.broadcast_to(_transpose(table["contact_count"])[..., 0], area.shape),
         members=num_members, is_merged=area / nominal_area > MIN_MERGED_AREA_FRACTION,
     )  # fmt: skip
 

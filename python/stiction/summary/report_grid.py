@@ -1,0 +1,174 @@
+"""Loads, mu0 and tau0 that a report shows, and the result evaluated at them."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction.evaluate.at_load import at_load
+from stiction.evaluate.budget import add_uncertainty
+from stiction.evaluate.combined_intervals import SAME_INPUT_TOLERANCE
+from stiction.evaluate.load_range import choose_loads_in_range
+from stiction.study.inputs import Inputs
+from stiction.summary.evaluation import Evaluation
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.evaluate.member_values import MemberKind
+    from stiction.study.study import Study
+
+MEASURED_MU0_VALUES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
+GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
+"""Values of mu0 in reports of measured and of generated surfaces, in addition to the values of the study.
+
+Reports of generated surfaces have more loads, and therefore fewer values of mu0 and tau0.
+"""
+
+MAX_TAU0_STEPS = {True: 10, False: 5}  # largest number of steps of tau0, for measured (True) and generated surfaces
+MAX_STUDY_VALUES = 9  # maximum number of values of mu0 or tau0 in a study that a report shows; more are thinned
+MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 as a fraction of E*, if no tau0 in the study is larger
+MAX_TAU0_OVER_HARDNESS = 0.7 * 27**-0.5
+"""Largest tau0 relative to the hardness, if the study has no larger value (0.7 of von Mises' strength)."""
+
+NUM_REPORT_LOADS = 40  # number of loads in a report of generated surfaces
+# quantities that are evaluated on the grid in addition to friction (measured surfaces)
+ADDITIONAL_QUANTITIES = ("contact_count", "gentle_friction")
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterAxis:
+    """Values of mu0 or of tau0 (GPa) that a report shows, in ascending order.
+
+    `has_range` is true for values of the study that have an uncertainty range. All other values are exact.
+    """
+
+    values: Floats
+    has_range: NDArray[np.bool_]
+
+    def find_index(self, value: float) -> int:
+        """Return the index of the nearest value."""
+        return int(np.abs(self.values - value).argmin())
+
+
+class ReportGrid:
+    """Loads, mu0 and tau0 that a report shows.
+
+    Attributes
+    ----------
+    axes : pair of ParameterAxis
+        Values of mu0 and tau0.
+    loads : ndarray of float, mN
+        The computed loads of measured bodies, or `NUM_REPORT_LOADS` loads in equal ratios for generated bodies.
+    member_kinds : list of str or None
+        Kinds of members ("shifts", "surrogates") of measured bodies, starting with the quoted kind. None stands for all
+        members.
+    motions : list of list of int
+        Indices of the directions over which each reported motion averages. Measured surfaces start with the mean over
+        all directions.
+    """
+
+    def __init__(self, result: Evaluation) -> None:
+        self.result, self.study = result, result.study
+        self.axes = build_parameter_axes(self.study)
+
+    @cached_property
+    def loads(self) -> Floats:
+        """Loads (mN) that a report shows. The array is empty if no pair of bodies is in contact."""
+        if self.study.is_measured:
+            return np.asarray(self.study.contact.loading_steps())
+        try:
+            low, high = (float(f"{load:.3g}") for load in choose_loads_in_range(self.result, 2))
+        except ValueError:
+            return np.zeros(0)
+        return np.array([float(f"{load:.5g}") for load in np.geomspace(low, high, NUM_REPORT_LOADS)])
+
+    @cached_property
+    def member_kinds(self) -> list[MemberKind | None]:
+        """Kinds of members, starting with the quoted kind."""
+        if "surrogate" not in self.result.head.coords:
+            return [None]
+        surrogate = self.result.dataset["surrogate"].values.astype(bool)
+        return ["shifts", "surrogates"] if surrogate.any() and not surrogate.all() else [None]
+
+    @property
+    def motions(self) -> list[list[int]]:
+        """Indices of the directions over which each motion averages."""
+        directions = list(range(len(self.study.contact.direction_angles())))
+        single_directions = [[index] for index in directions]
+        return [directions, *single_directions] if self.study.is_measured and len(directions) > 1 else single_directions
+
+    @property
+    def num_coefficients(self) -> int:
+        """Number of coefficients of all kinds, cells, sliding rules, motions, loads, mu0 and tau0."""
+        cell_sizes = [values.size for values in self.study.surfaces.cell_coordinates().values()]
+        num_curves = math.prod(cell_sizes) * len(self.study.contact.sliding_rules()) * len(self.motions)
+        return len(self.member_kinds) * num_curves * self.loads.size * math.prod(axis.values.size for axis in self.axes)
+
+    def evaluate(self) -> tuple[xarray.Dataset, ...]:
+        """Return values and intervals for each kind of member, at all loads, mu0 and tau0.
+
+        For measured bodies, the quoted kind of members has combined intervals. Surrogates in addition to maps do not.
+        """
+        names: Collection[str] | None = ADDITIONAL_QUANTITIES if self.study.is_measured else None
+        mu0, tau0 = (axis.values for axis in self.axes)
+        tables = []
+        for kind in self.member_kinds:
+            with warnings.catch_warnings():
+                # the report itself marks values of tau0 that are large relative to E*
+                warnings.simplefilter("ignore", UserWarning)
+                at = at_load(self.result, self.loads, mu0=mu0, tau0=tau0, member_kind=kind, names=names)
+            has_combined = kind != "surrogates"
+            tables.append(add_uncertainty(at, self.result, budget=False, tests=False) if has_combined else at)
+        return tuple(tables)
+
+    def evaluate_study_inputs(self) -> tuple[xarray.Dataset, ...]:
+        """Return all quantities of measured bodies for each kind of member, at the first mu0 and tau0 of the study."""
+        other_kinds = [at_load(self.result, self.loads, member_kind=kind) for kind in self.member_kinds[1:]]
+        tables = [self.result.at_report_loads, *other_kinds]
+        return tuple(table.isel(mu0=0, tau0=0).sel(load=self.loads) for table in tables)
+
+
+def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
+    """Return the values of mu0 and tau0 (GPa) that a report shows: those of the study and round values from 0."""
+    friction, is_measured = study.friction, study.is_measured
+    names_with_range = set(Inputs.from_study(study).uncertain) | ({"mu0", "tau0"} if friction.interface else set())
+    mu0, tau0 = np.array(friction.mu0, float), np.array([float(each) for each in friction.tau0])
+    modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
+    max_tau0 = MAX_TAU0_OVER_MODULUS * modulus
+    max_tau0 = max_tau0 if hardness is None else min(max_tau0, MAX_TAU0_OVER_HARDNESS * float(hardness))
+    # A study of generated surfaces with several values limits tau0.
+    max_tau0 = tau0[-1] if tau0.size > 1 and not is_measured else max(max_tau0, tau0[-1])
+    round_tau0 = _round_steps(max_tau0, MAX_TAU0_STEPS[is_measured])
+    round_mu0 = np.array(MEASURED_MU0_VALUES if is_measured else GENERATED_MU0_VALUES)
+    return (
+        _build_axis(mu0, round_mu0, has_range="mu0" in names_with_range),
+        _build_axis(tau0, round_tau0, has_range="tau0" in names_with_range),
+    )
+
+
+def _round_steps(largest: float, max_count: int) -> Floats:
+    """Return at most `max_count` equal steps from 0 to the largest value. Their length is 1, 2 or 5 times 10^n."""
+    exponent = math.floor(math.log10(largest / max_count))
+    step = next(
+        step for factor in (1, 2, 5, 10) if (step := float(f"{factor}e{exponent}")) * max_count >= largest * (1 - 1e-9)
+    )
+    return np.array([float(f"{step * index:.12g}") for index in range(int(largest / step * (1 + 1e-9)) + 1)])
+
+
+def _build_axis(study_values: Floats, round_values: Floats, *, has_range: bool) -> ParameterAxis:
+    if study_values.size > MAX_STUDY_VALUES:
+        study_values = study_values[
+            np.unique(np.linspace(0, study_values.size - 1, MAX_STUDY_VALUES).round().astype(int))
+        ]
+    difference = np.abs(round_values[:, np.newaxis] - study_values).min(axis=1)
+    values = np.union1d(study_values, round_values[difference > 2 * SAME_INPUT_TOLERANCE * round_values])
+    return ParameterAxis(values, has_range & (values > 0) & np.isin(values, study_values))

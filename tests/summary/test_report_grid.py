@@ -1,0 +1,181 @@
+"""Tests of the values of mu0 and tau0 that a report shows, and of the result evaluated at them."""
+
+import numpy as np
+import pytest
+from stiction import Result, Study, pair, run, self_affine_surface
+from stiction.study.study import parse_study
+from stiction.summary.assessment import CAUTION_LOAD_FRACTION_AT_EDGE
+from stiction.summary.report_grid import MAX_TAU0_OVER_MODULUS, ReportGrid, build_parameter_axes
+from stiction.summary.report_values import ORDERED_STATUSES, evaluate_generated_report, evaluate_measured_report
+from support.generated_studies import SMALL_STUDY
+from support.studies_of_files import create_study_from_files, write_maps
+
+
+def test_parameter_axes_of_a_report_contain_mu0_and_tau0_of_the_study():
+    mu0, tau0 = build_parameter_axes(
+        SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]})
+    )
+    assert {0.0, 0.37, 1.0} <= set(mu0.values)
+    # A study of generated surfaces limits tau0.
+    assert tau0.values.tolist() == [0.0, 0.003, 0.005, 0.01, 0.015, 0.02, 0.021]
+    assert not any(axis.has_range.any() for axis in (mu0, tau0))
+
+
+@pytest.mark.parametrize("modulus", ["3 MPa", "79 GPa", "1 TPa"])
+def test_tau0_of_a_report_has_at_most_ten_round_steps_up_to_a_fraction_of_the_modulus(tmp_path, modulus):
+    study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path))
+    changes = {"contact.effective_modulus": modulus, "friction.tau0": ["0 MPa"]}
+    _, tau0 = build_parameter_axes(study.with_changes(changes))
+    steps = np.diff(tau0.values)
+    largest = MAX_TAU0_OVER_MODULUS * float(study.with_changes(changes).contact.effective_modulus)
+    assert tau0.values[0] == 0
+    assert steps == pytest.approx(steps[0])
+    assert 4 <= steps.size <= 10
+    assert largest - steps[0] < tau0.values[-1] <= largest
+    mantissa = float(f"{steps[0]:.6e}".split("e")[0])
+    assert mantissa in (1, 2, 5)
+
+
+def test_parameter_axis_marks_only_values_of_the_study_as_uncertain(tmp_path):
+    study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path))
+    assert [axis.has_range.any() for axis in build_parameter_axes(study)] == [False, False]
+    changes = {"friction.tau0": ["40 MPa"], "friction.mu0": "0.25001..0.35"}
+    mu0, tau0 = build_parameter_axes(study.with_changes(changes))
+    (study_value,) = study.with_changes(changes).friction.mu0
+    assert mu0.values[mu0.has_range].tolist() == [study_value]
+    # The range applies up to a small difference, so that a round value as close as this would have the range, too.
+    assert np.sort(np.abs(mu0.values - study_value))[1] > 1e-3 * study_value
+    assert not tau0.has_range.any()
+
+
+def test_report_values_of_measured_surfaces_equal_the_summary_at_the_inputs_of_the_study():
+    upper, lower = (
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(32, 32), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    )
+    result = pair(
+        upper, lower, load=["10 MPa", "20 MPa"], effective_modulus="80 GPa", mu0=0.2, tau0="30 MPa", shifts=3,
+        direction=[0, 90],
+    )  # fmt: skip
+    grid = ReportGrid(result)
+    values = evaluate_measured_report(grid)
+    num_values = tuple(axis.values.size for axis in grid.axes)
+    # one kind of member, one cutoff, two sliding rules, three motions (the mean and two directions), two loads
+    assert values.friction.shape == (1, 1, 2, 3, grid.loads.size, *num_values, 3)
+    assert grid.num_coefficients == values.friction[..., 0].size
+    assert values.has_combined.tolist() == [[True, False, False]]
+    assert np.isnan(values.friction[:, :, :, 1:, ..., 1:]).all()
+    assert values.check_limits["share_at_edge"] == CAUTION_LOAD_FRACTION_AT_EDGE
+    assert values.check_limits["contact_area"] is None
+    mu0_index, tau0_index = (axis.find_index(value) for axis, value in zip(grid.axes, (0.2, 0.03), strict=True))
+    for point in result.summary().points:
+        load_index = int(np.abs(grid.loads - point.at["load"]).argmin())
+        for rule in point.rules:
+            rule_index = result.study.contact.sliding_rules().index(rule.rule)
+            index = (0, 0, rule_index, 0, load_index, mu0_index, tau0_index)
+            assert values.friction[index].tolist() == pytest.approx([rule.value, rule.lower, rule.upper], rel=1e-9)
+            assert values.sampling[index].tolist() == pytest.approx([rule.value, *rule.interval_of_mean], rel=1e-9)
+            assert values.slopes[(*index[:4], mu0_index, tau0_index)] == pytest.approx(rule.slopes, rel=1e-9)
+            assert ORDERED_STATUSES[values.status_codes[index]] == point.status
+            assert values.num_solved[index] == point.members
+
+
+def test_report_values_of_generated_surfaces_contain_an_assessment_of_each_point():
+    result = run(SMALL_STUDY)
+    grid = ReportGrid(result)
+    values = evaluate_generated_report(grid, result.num_solved)
+    friction = values.estimates["friction"]
+    assert grid.num_coefficients == friction[..., 0].size
+    assert values.status_codes.shape == friction.shape[:-1]
+    assert not values.is_valid[values.status_codes > 0].any()
+    assert values.assessment_indices.shape == friction[:, :, 0, ..., 0].shape
+    assert values.assessment_indices.max() == len(values.caveat_sets) - 1
+    has_fault = np.array([any(reason.severity == "fault" for reason in reasons) for reasons in values.caveat_sets])
+    rule_index = list(result.study.contact.sliding_rules()).index("opposing")
+    is_missing = np.isnan(friction[:, :, rule_index, ..., 0])
+    assert [assessment == "Do not quote" for assessment in values.assessments] == has_fault.tolist()
+    assert has_fault[values.assessment_indices][is_missing].all()
+
+
+HALF_PLANE_STUDY = Study.named("figure6-half-plane").with_changes(
+    {"ensemble.repetitions": 4, "surfaces.points": 1000, "surfaces.fractal_dimension": [1.1, 1.5]}
+)
+MAP_STUDY = """
+[surfaces]
+kind = "surface"
+generator = "weierstrass-mandelbrot"
+fractal_dimension = [1.05, 1.3]
+amplitude = ["5 nm"]
+extent = ["5 um", "5 um"]
+shape = [32, 32]
+directions = 6
+frequencies = 10
+
+[contact]
+mechanics = "half-space"
+effective_modulus = "10 GPa"
+sliding = ["opposing", "all"]
+load = { start = "0.001 mN", stop = "1 mN", count = 4 }
+{extra}
+
+[friction]
+mu0 = [0.0, 0.3]
+tau0 = ["0 MPa", "50 MPa"]
+
+[ensemble]
+repetitions = 5
+"""
+ASSESSED_STUDIES = {
+    "asperities": SMALL_STUDY,
+    "half-plane": HALF_PLANE_STUDY,
+    **{
+        name: parse_study(MAP_STUDY.replace("{extra}", line), name)
+        for name, line in (("hard", 'hardness = "0.5 GPa"'), ("adhesive", 'work_of_adhesion = "50 mJ/m^2"'))
+    },
+}
+
+
+@pytest.mark.filterwarnings("ignore:adhesion_range")
+@pytest.mark.parametrize("name", [*ASSESSED_STUDIES, "lower bounds"])
+def test_assessments_in_reports_of_generated_surfaces_equal_those_of_summaries(name):
+    result = run(ASSESSED_STUDIES["adhesive" if name == "lower bounds" else name])
+    if name == "lower bounds":
+        dataset = result.dataset.copy(deep=True)
+        dataset["pull_off_is_bound"][...] = 1
+        result = Result.of(dataset)
+    grid = ReportGrid(result)
+    values = evaluate_generated_report(grid, result.num_solved)
+    cell_coordinates = [result.head[each].values for each in ("fractal_dimension", "amplitude")]
+    mu0, tau0 = (axis.values[[0, 2, -1]] for axis in grid.axes)
+    num_unloaded, unloaded_caveat_names = 0, set()
+    for load_index in np.linspace(0, grid.loads.size - 1, 5).astype(int):
+        for point in result.summary(grid.loads[[load_index]], mu0=mu0, tau0=tau0).points:
+            coordinates = (*cell_coordinates, *(axis.values for axis in grid.axes))
+            keys = ("fractal_dimension", "amplitude", "mu0", "tau0")
+            cell_index, amplitude_index, mu0_index, tau0_index = (
+                int(np.abs(each - point.at[key]).argmin()) for each, key in zip(coordinates, keys, strict=True)
+            )
+            index = int(values.assessment_indices[cell_index, amplitude_index, 0, load_index, mu0_index, tau0_index])
+            assert values.assessments[index] == point.assessment
+            reasons, caveats = (
+                sorted(each.name or each.text for each in group) for group in (values.caveat_sets[index], point.caveats)
+            )
+            assert reasons == caveats
+            if point.is_unloaded:
+                num_unloaded += 1
+                unloaded_caveat_names |= {caveat.name for caveat in point.caveats}
+    assert (num_unloaded > 0) == (name in ("adhesive", "lower bounds"))
+    assert ("share_of_pull_off_bounds" in unloaded_caveat_names) == (name == "lower bounds")
+
+
+def test_pressure_and_caveats_of_a_point_are_those_of_the_quoted_sliding_rule():
+    result = run(HALF_PLANE_STUDY)
+    (_, point) = result.summary([0.1], mu0=[1.0], tau0=[0.2]).points
+    area = point.values["contact_area"].sel(statistic="mean")
+    assert float(area.sel(sliding="opposing")) != pytest.approx(float(area.sel(sliding="all")), rel=1e-3)
+    assert point.rules[0].rule == "opposing"
+    pressure = point.at["load"] / float(area.sel(sliding="opposing"))
+    assert point.mean_pressure == pytest.approx(pressure, rel=1e-12)
+    assert [each.value for each in point.caveats if each.name == "mean_pressure"] == pytest.approx(
+        [pressure], rel=1e-12
+    )
