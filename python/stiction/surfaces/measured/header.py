@@ -2,84 +2,72 @@
 
 from __future__ import annotations
 
-import math
 import re
 import unicodedata
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
-from stiction.surfaces.measured.raw import (
-    LENGTH_UNITS,
-    DeclaredLength,
-    FormatError,
-    HeaderDeclarations,
-    parse_length_unit,
-    parse_number,
-    parse_positive_number,
+from stiction.surfaces.measured.raw import HeaderDeclarations, parse_length_unit, parse_number, parse_positive_number
+from stiction.surfaces.measured.spacing_lines import (
+    DECIMAL_PATTERN,
+    DECLARED_NUMBER_PATTERN,
+    SEPARATOR_PATTERN,
+    UNIT_PATTERN,
+    find_first_match,
+    is_spacing_declaration,
+    parse_bracketed_length,
+    parse_spacing_declarations,
 )
 from stiction.surfaces.measured.split import Dialect
 
-_T = TypeVar("_T")
 COMMENT_CHARACTERS = "#%!/ "  # characters at the start of comment lines in various programs
 
-_DECIMAL_PATTERN = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,5})?"
-_DECLARED_NUMBER_PATTERN = rf"(?:[+-]?(?:0x[0-9a-f]{{1,16}}|nan|inf(?:inity)?)(?![^\W_])|{_DECIMAL_PATTERN})"
-"""Pattern of a number, including numbers with which a declaration is rejected."""
-
-_SEPARATOR_PATTERN = r"\s*(?:[:=,;\t]|\s)\s*"
-_UNIT_PATTERN = r"[^\W\d_]{1,12}"
-_LENGTH_UNITS_PATTERN = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
-_SPACE_BEFORE_UNIT_PATTERN = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTH_UNITS_PATTERN})[\s,;]*$)|\s*)"
-"""Pattern of the space between a number and its unit, or of a separator before a cell with only a unit of length."""
-
-_SPACING_PATTERN = re.compile(
-    r"\W*(?:(?:measurement|x|lateral|horizontal|sampl\w*|point|data|scan)[\s_-]*)*"
-    r"(spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch|dx|"
-    r"Schrittweite|Punktabstand|Messpunktabstand|Abstand)\s*(?:[\[(]([^\])]{1,12})[\])])?\s*[:=,;\t ]\s*"
-    rf"({_DECLARED_NUMBER_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}({_UNIT_PATTERN})?\s*(/|per\b)?",
-    re.IGNORECASE,
-)
-_AXIS_SPACING_PATTERNS = {
-    axis: re.compile(
-        rf"\W*(?:{axis}[\s_-]*(?:spacing|step(?:[ _-]?size)?|increment|interval|resolution|scale|pixel[ _-]?size|pitch|"
-        rf"direction)|d{axis}|(?:spacing|step|pitch|pixel[ _-]?size)[\s_-]*(?:in |along )?{axis})"
-        rf"\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR_PATTERN}({_DECLARED_NUMBER_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}[\"']?({_UNIT_PATTERN})?",
-        re.IGNORECASE,
-    )
-    for axis in "yx"
-}
-_STICTION_SPACING_PATTERNS = tuple(
-    re.compile(rf"# spacing along {axis}: ([0-9]{{1,20}}(?:\.[0-9]{{1,20}})?(?:e[+-]?[0-9]{{1,2}})?) (um)")
-    for axis in "yx"
-)
-"""Patterns of the header lines with spacings that `write_surface` writes above a matrix."""
-
-_SIZE_PATTERNS = tuple(
-    re.compile(
-        rf"\W{{0,4}}(?:{name})\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR_PATTERN}({_DECLARED_NUMBER_PATTERN})\s*({_UNIT_PATTERN})?\s*",
-        re.IGNORECASE,
-    )
-    for name in (
-        "height|h[öo]he|hauteur|altezza|altura|výška|wysokość|высота|高さ|高度|높이|"
-        "y[ _-]?(?:length|size|range|amplitude)|length y",
-        "width|breite|largeur|larghezza|anchura|ancho|largura|šířka|szerokość|ширина|幅|宽度|너비|폭|"
-        "x[ _-]?(?:length|size|range|amplitude)|length x",
-    )
-)
-"""Patterns of header lines with the physical height and width of a matrix, as in files of Gwyddion."""
-
-_HEIGHT_UNIT_PATTERN = re.compile(
-    r"\W*(?:(?:z|heights?|höhen?|hauteurs?|data|values?)\s+(?:are\s+)?in\s+|"
-    r"(?:(?:z|data|height|value|amplitude|vertical|profile)[\s_-]*)?"
+_UNIT_WORDS = (
     r"(?:units?|einheit(?:en)?|unités?|unidad(?:es)?(?: de valor)?|unità(?: valore)?|jednotk[ay](?: hodnot)?|"
     r"単位|値の単位|单位|값 단위|단위|единицы измерения)"
+)
+_HEIGHT_UNIT_PATTERN = re.compile(
+    r"\W*(?:(?:z|heights?|höhen?|hauteurs?|data|values?)\s+(?:are\s+)?in\s+|"
+    rf"(?:(?:z|data|height|value|amplitude|vertical|profile)[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}"
     r"(?: (?:of )?(?:z|data|heights?|values?))?\s*[:=,;\t]\s*)[\"']?([^\s\"',;:]{1,20})[\"']?\W*",
+    re.IGNORECASE,
+)
+_UNKNOWN_UNIT_PATTERN = re.compile(
+    r"\W*(?:(?:z|heights?|höhen?)\s+(?:are\s+)?in\s+(?!the\b|an?\b|this\b|columns?\b|rows?\b|lines?\b|files?\b)|"
+    rf"(?:(?:z|data|height|value|amplitude|vertical|profile)[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}"
+    r"(?: (?:of )?(?:z|data|heights?|values?))?\s*[:=,;\t]\s*)"
+    r"[\"']?((?:[^\"',;\t]|(?<=[0-9]),(?=[0-9])){1,40}?)[\"']?[\s,;]*",
+    re.IGNORECASE,
+)
+"""Pattern of a line that declares the unit of the heights in any words. The unit need not be known."""
+
+_POSITION_UNIT_PATTERN = re.compile(
+    rf"\W*(?:x|lateral|horizontal|position|length)[\s_-]*(?:axis[\s_-]*)?{_UNIT_WORDS}\s*[:=,;\t]\s*"
+    r"[\"']?([^\"',;]{1,20}?)[\"']?[\s,;]*",
+    re.IGNORECASE,
+)
+_NO_UNIT_WORDS = ("", "-", "--", "1", "metric", "si", "none", "n/a", "default", "yes", "no", "on", "off")
+"""Words that a line with the word "unit" may contain instead of a unit."""
+
+_UNAPPLIED_FACTOR_PATTERN = re.compile(
+    r"\W*[0-9.,]{1,20}(?:e[+-]?[0-9]{1,3})?\s*[*×x]\W*|"  # "1.0e-03 *" above a matrix
+    r".*(?<![0-9])(?<![0-9] )(?:[×*·]\s*(?:10|1e)|x\s*(?:10\s*\^|10\s*[-−+][0-9]|1e[-+−]?[0-9]|10{3,6}\b)).*|"
+    r".*\b(?:multiplied|multiply|divided|divide|scaled|multipliziert|dividiert|skaliert)\s+(?:by|mit|durch|um)\b.*|"
+    rf"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|conversion|calibration|unit|multiplication|amplitude)[\s_-]*)*"
+    rf"(?:factor|faktor|multiplier|scaling|skalierung|sensitivity|empfindlichkeit)\b.{{0,20}}?{SEPARATOR_PATTERN}"
+    rf"(?!1(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"
+    r".*(?:[nuµpm]?m|volts?|V)\s*(?:/|per)\s*(?:V|volts?|mV|LSB|bits?|digits?|counts?|div|[nuµm]m)\b.*",
+    re.IGNORECASE,
+)
+"""Pattern of a line with a factor in words that may apply to the heights."""
+
+_NO_HEIGHT_FACTOR_PATTERN = re.compile(
+    r"objective|objektiv|magnif|zoom|lens|shape|form|crest|filter|quality|aspect|exaggerat|spring|frequency|defl|piezo|bias",
     re.IGNORECASE,
 )
 _HEIGHT_FACTOR_PATTERN = re.compile(
     rf"\W*(?:(?:z|height|vertical|data|value)[\s_-]*)+(?:conversion[\s_-]*)?(?:factor|scale|scaling|multiplier)"
-    rf"\s*(?:\(\s*-?>?\s*({_UNIT_PATTERN})\s*\)|[\[(]({_UNIT_PATTERN})[^\])]{{0,20}}[\])])?{_SEPARATOR_PATTERN}({_DECLARED_NUMBER_PATTERN})\s*({_UNIT_PATTERN})?\W*.{{0,20}}",
+    rf"\s*(?:\(\s*-?>?\s*({UNIT_PATTERN})\s*\)|[\[(]({UNIT_PATTERN})[^\])]{{0,20}}[\])])?{SEPARATOR_PATTERN}({DECLARED_NUMBER_PATTERN})\s*({UNIT_PATTERN})?\W*.{{0,20}}",
     re.IGNORECASE,
 )
 _CONVERSION_WORD_PATTERN = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
@@ -87,18 +75,19 @@ _CONVERSION_WORD_PATTERN = re.compile(r"factor|conversion|multiplier|->|\bper\b|
 
 _MISSING_CODE_PATTERN = re.compile(
     rf"\W*(?:no[\s_-]?data|missing|void|invalid|bad|undefined|fill|null|mask(?:ed)?|fehl)[\s_-]*"
-    rf"(?:data|points?|pixels?|height)?[\s_-]*(values?|code|wert)?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN})\W*",
+    rf"(?:data|points?|pixels?|height)?[\s_-]*(values?|code|wert)?{SEPARATOR_PATTERN}({DECIMAL_PATTERN})\W*",
     re.IGNORECASE,
 )
 _POINT_COUNT_PATTERN = re.compile(
     r"\W*(?:(?:number|no\.?|anzahl) (?:of |der )?(?:data[ _-]?)?(?:points|punkte)|num[ _-]?points|data[ _-]?size|"
-    r"points|datenpunkte|messpunkte)" + _SEPARATOR_PATTERN + r"([0-9]{1,9})\W*",
+    r"points|datenpunkte|messpunkte)" + SEPARATOR_PATTERN + r"([0-9]{1,9})\W*",
     re.IGNORECASE,
 )
 _TIP_RADIUS_PATTERN = re.compile(
-    rf"\W*(?:stylus|tip|probe)[\s,;:_-]*radius\s*(?:[\[(]({_UNIT_PATTERN})[\])])?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN})\s*({_UNIT_PATTERN})?\W*",
+    rf"\W*(?:stylus|tip|probe)[\s,;:_-]*radius\s*(?:[\[(]({UNIT_PATTERN})[\])])?{SEPARATOR_PATTERN}({DECIMAL_PATTERN})\s*({UNIT_PATTERN})?\W*",
     re.IGNORECASE,
 )
+MAX_UNIT_LENGTH = 12  # maximum number of characters of a unit that is not known
 _HISTORY_PREFIX = "# history: "
 
 NON_LENGTH_UNIT_PATTERN = re.compile(
@@ -127,6 +116,21 @@ _BRACKETED_WORD_PATTERN = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>
 _VALUE_PATTERN = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
 
 
+_REMARK_PATTERN = re.compile(
+    r"\W*|[0-9.]+|.{13,}|(?:(?:un)?(?:raw|filtered|level(?:l?ed)?|corrected|calibrated|measured|smoothed|processed)|trace|retrace|"
+    r"forwards?|backwards?|fwd|bwd|mean|average|avg|left|right|abs(?:olute)?|rel(?:ative)?|top|bottom|upper|lower|primary|"
+    r"roughness|waviness|profile|p|r|w|heights?|depth|x|y|z|pos\w*|lateral|vertical|no|yes|optional|nominal|text|numbers?|"
+    r"rows?|columns?|ch(?:annel)?|sensor|data|all)[\s_-]*[0-9]*",
+    re.IGNORECASE,
+)
+"""Pattern of remarks in a column name that are not units, as in "Height (trace)"."""
+
+_UNIT_AFTER_NAME_PATTERN = re.compile(
+    r"(?:x|z|heights?|höhe|position|distance|length|weg)\s*(?:/|\bin\b)\s*(\S{1,8}(?: \S{1,4})?)", re.IGNORECASE
+)
+"""Pattern of a column name with any unit after a stroke or after "in"."""
+
+
 @dataclass(frozen=True)
 class ColumnHeadings:
     """Column names and units in the header of a table, and the unit of the heights if the header names only heights."""
@@ -136,133 +140,82 @@ class ColumnHeadings:
     height_unit: str | None = None  # unit of the heights, if a line mentions heights but no other quantity
 
 
+_INCH_MARK_PATTERN = re.compile(r'([(\[])\s*"{1,2}\s*([)\]])')
+
+
 def normalise_line(line: str) -> str:
-    """Replace full-width characters and unit ligatures in a line by plain characters, and remove double quotes."""
-    return unicodedata.normalize("NFKC", line).replace('"', "").replace("\u03bc", "µ")
+    """Replace full-width characters, unit ligatures and inch marks in a line, and remove double quotes."""
+    line = _INCH_MARK_PATTERN.sub(r"\1inch\2", unicodedata.normalize("NFKC", line))
+    return line.replace('"', "").replace("\u03bc", "µ")
 
 
 def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> HeaderDeclarations:
     """Parse the declarations above and below the numbers. The first match of each kind is used."""
-    lines = [normalise_line(line) for line in (*header, *footer)]
-    pixel_size = _find_first_match(
-        _SPACING_PATTERN,
-        lines,
-        lambda match: _parse_spacing(match) if match[1].casefold().startswith("pixel") else None,
-    )
-    spacings: tuple[DeclaredLength, DeclaredLength] | None = (
-        _pair_if_complete(
-            [
-                _find_first_match(pattern, lines, lambda match: parse_length(*match.groups(), line=match.string))
-                for pattern in _STICTION_SPACING_PATTERNS
-            ]
-        )
-        or _pair_if_complete(
-            [_find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, _parse_bracketed_length) for axis in "yx"]
-        )
-        or _pair_if_complete([pixel_size, pixel_size])
-    )
-    bare_spacings: list[float | None] = [
-        _find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, _parse_unitless_number) for axis in "yx"
-    ]
-    plain_bare_spacing = _find_first_match(
-        _SPACING_PATTERN, lines, lambda match: _parse_unitless_number(match) if not match[5] else None
-    )
-    unit_line = next(
-        (line for line in lines if (match := _HEIGHT_UNIT_PATTERN.fullmatch(line)) and is_unit(match[1])), ""
-    )
+    lines = [normalise_line(line) for line in (*header, *footer) if not line.startswith(_HISTORY_PREFIX)]
+    spacings = parse_spacing_declarations(lines)
     factor_lines = [
         line for line in lines if (match := _HEIGHT_FACTOR_PATTERN.fullmatch(line)) and _parse_factor_unit(match)
     ]
     factor_line = next((line for line in factor_lines if _CONVERSION_WORD_PATTERN.search(line)), "")
-    unit, factor = None, None
-    if unit_line and (match := _HEIGHT_UNIT_PATTERN.fullmatch(unit_line)):
-        unit = parse_length_unit(match[1]) or match[1]
+    unit, unit_line = _parse_height_unit(lines)
+    factor = None
     if factor_line and (match := _HEIGHT_FACTOR_PATTERN.fullmatch(factor_line)):
         unit = _parse_factor_unit(match)
         factor = parse_positive_number(match[3], f"in its header line {factor_line[:80]!r}")
+    else:
+        factor_lines += [line for line in lines if is_unapplied_factor(line)]
     code_lines = [match for line in lines if (match := _MISSING_CODE_PATTERN.fullmatch(line))]
     codes = [parse_number(match[2], f"in its header line {match[0][:80]!r}") for match in code_lines]
     is_count = [
         match[1] is None and code.is_integer() and code >= 0 for match, code in zip(code_lines, codes, strict=True)
     ]
-    point_count = next((int(match[1]) for line in lines if (match := _POINT_COUNT_PATTERN.fullmatch(line))), None)
-    unitless_values = tuple(value for value in bare_spacings if value is not None)
+    position_units = (match[1] for line in lines if (match := _POSITION_UNIT_PATTERN.fullmatch(line)))
     return HeaderDeclarations(
-        spacing=_find_first_match(_SPACING_PATTERN, lines, _parse_spacing),
-        spacings=spacings,
-        size=_pair_if_complete(
-            [_find_first_match(pattern, lines, _parse_bracketed_length) for pattern in _SIZE_PATTERNS]
-        ),
-        bare_spacing=unitless_values
-        if unitless_values
-        else None
-        if plain_bare_spacing is None
-        else (plain_bare_spacing,),
+        spacing=spacings.spacing,
+        spacings=spacings.spacings,
+        row_spacing=spacings.row_spacing,
+        size=spacings.size,
+        bare_spacing=spacings.bare_spacing,
+        unclear_spacing=spacings.unclear,
         unit=unit,
+        position_unit=next((parse_length_unit(text) or text for text in position_units), None),
         factor=factor,
         codes=tuple(code for code, count in zip(codes, is_count, strict=True) if not count),
         counts=tuple(code for code, count in zip(codes, is_count, strict=True) if count),
         scale="" if factor_line else next(iter(factor_lines), "").strip(),
-        points=point_count,
-        tip_radius=_find_first_match(_TIP_RADIUS_PATTERN, lines, _parse_bracketed_length),
+        points=next((int(match[1]) for line in lines if (match := _POINT_COUNT_PATTERN.fullmatch(line))), None),
+        tip_radius=find_first_match(_TIP_RADIUS_PATTERN, lines, parse_bracketed_length),
         line=factor_line or unit_line,
+    )
+
+
+def _parse_height_unit(lines: Sequence[str]) -> tuple[str | None, str]:
+    """Return the unit of the heights, and its line. A unit that is not known is returned as it is written."""
+    for line in lines:
+        if (match := _HEIGHT_UNIT_PATTERN.fullmatch(line)) and is_unit(match[1]):
+            return parse_length_unit(match[1]) or match[1], line
+    for line in lines:
+        if (match := _UNKNOWN_UNIT_PATTERN.fullmatch(line)) is None:
+            continue
+        text = match[1].strip()
+        has_known_unit = any(parse_length_unit(word) for word in re.split(r"[\s,;()\[\]]+", text))
+        if not (text.casefold() in _NO_UNIT_WORDS or (has_known_unit and not re.search("[0-9]", text))):
+            return parse_length_unit(text) or text, line
+    return None, ""
+
+
+def is_unapplied_factor(text: str) -> bool:
+    """Return whether a header line or a column name contains a factor that may apply to the heights."""
+    return (
+        _UNAPPLIED_FACTOR_PATTERN.fullmatch(text) is not None
+        and _NO_HEIGHT_FACTOR_PATTERN.search(text) is None
+        and not (is_spacing_declaration(text) and not re.search(r"/|\bper\b", text))
     )
 
 
 def parse_history(header: Sequence[str]) -> list[str]:
     """Return the history entries that `write_profile` and `write_surface` write above the numbers."""
     return [line.removeprefix(_HISTORY_PREFIX) for line in header if line.startswith(_HISTORY_PREFIX)]
-
-
-def _find_first_match(
-    pattern: re.Pattern[str], lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
-) -> _T | None:
-    matches = (match for line in lines if (match := pattern.match(line)))
-    return next((value for match in matches if (value := parse_match(match)) is not None), None)
-
-
-def _pair_if_complete(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
-    first, second = pair
-    return None if first is None or second is None else (first, second)
-
-
-def _parse_spacing(match: re.Match[str]) -> DeclaredLength | None:
-    """Parse a spacing. A resolution counts as a spacing only if it is a length per sample."""
-    if match[1].casefold() == "resolution" and not match[5]:
-        return None
-    # The comma either separates two cells or is a decimal comma.
-    if "," in match[3] and "," in match[0][match.end(3) - match.start() :]:
-        return None
-    return parse_length(match[3], match[4] or match[2], line=match.string)
-
-
-def _parse_bracketed_length(match: re.Match[str]) -> DeclaredLength | None:
-    """Parse a length whose unit follows the number, or follows the name in brackets."""
-    return parse_length(match[2], match[3] or match[1], line=match.string)
-
-
-def _parse_unitless_number(match: re.Match[str]) -> float | None:
-    """Parse a spacing without a unit. Return None if no scan can have this spacing."""
-    number, units = (match[3], (match[4], match[2])) if len(match.groups()) == 5 else (match[2], (match[3], match[1]))
-    if any(units):
-        return None
-    try:
-        return parse_positive_number(number, "as spacing")
-    except FormatError:  # a header often contains unused entries
-        return None
-
-
-def parse_length(digits: str, unit: str | None, *, line: str) -> DeclaredLength | None:
-    """Parse a number and its unit in a header line. Return None if the unit is not a unit of length."""
-    if unit is None or parse_length_unit(unit) is None:
-        return None
-    try:
-        length = parse_number(digits, f"in its header line {line[:80]!r}")
-    except FormatError:  # raised when the length is used, because a header often contains unused entries
-        return DeclaredLength(math.nan, 0.0, str(parse_length_unit(unit)), line)
-    mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
-    digit = float(f"1e{int(exponent or 0) - len(mantissa.partition('.')[2])}")
-    return DeclaredLength(length, digit, str(parse_length_unit(unit)), line)
 
 
 def _parse_factor_unit(match: re.Match[str]) -> str | None:
@@ -272,11 +225,15 @@ def _parse_factor_unit(match: re.Match[str]) -> str | None:
 
 def _is_declaration(line: str) -> bool:
     """Return whether a header line is a declaration, as opposed to a line of column names."""
-    full_patterns = (_HEIGHT_UNIT_PATTERN, _HEIGHT_FACTOR_PATTERN, _MISSING_CODE_PATTERN, _POINT_COUNT_PATTERN)
-    prefix_patterns = (_SPACING_PATTERN, *_AXIS_SPACING_PATTERNS.values(), *_SIZE_PATTERNS)
-    return any(pattern.fullmatch(line) for pattern in full_patterns) or any(
-        pattern.match(line) for pattern in prefix_patterns
+    full_patterns = (
+        _UNKNOWN_UNIT_PATTERN,
+        _POSITION_UNIT_PATTERN,
+        _HEIGHT_UNIT_PATTERN,
+        _HEIGHT_FACTOR_PATTERN,
+        _MISSING_CODE_PATTERN,
+        _POINT_COUNT_PATTERN,
     )
+    return any(pattern.fullmatch(line) for pattern in full_patterns) or is_spacing_declaration(line)
 
 
 def _find_last_line_with_letters(lines: Sequence[str]) -> str | None:
@@ -325,7 +282,10 @@ def parse_column_headings(header: Sequence[str], width: int, dialect: Dialect) -
     lines = [line for line in map(normalise_line, header) if not _is_declaration(line)]
     if not lines:
         return ColumnHeadings()
-    names, units = _parse_column_names(lines, width, dialect), _parse_column_units(lines, width, dialect)
+    names, has_unit_line = _parse_column_names(lines, width, dialect)
+    units = _parse_column_units(lines, width, dialect)
+    if has_unit_line:
+        units = tuple(unit_in_column_name(name) for name in names)
     name_line = _find_last_line_with_letters(lines)
     is_of_heights = width > 2 and not any(units) and name_line is not None and _mentions_only_heights(name_line)
     return ColumnHeadings(names, units, _find_units(name_line)[0] if is_of_heights and name_line is not None else None)
@@ -350,20 +310,24 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
     return None
 
 
-def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str, ...]:
-    if width == 1:
-        return ()
-    names = split_column_names(lines[-1], width, dialect)
+def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[tuple[str, ...], bool]:
+    """Return the column names, and whether the last line contains only the units of the columns."""
+    names = split_column_names(lines[-1], width, dialect) if width > 1 else None
     if names is None:
-        return ()
-    if len(lines) > 1 and all(is_unit(cell.strip("[]() ")) or not cell for cell in names):
-        previous_names = split_column_names(lines[-2], width, dialect)
-        if previous_names is not None:
-            return tuple(
-                f"{name} [{unit.strip('[]() ')}]" if unit else name
-                for name, unit in zip(previous_names, names, strict=True)
-            )
-    return tuple(names)
+        return (), False
+    units = [cell.strip("[]() ") for cell in names]
+    is_unit_line = all(not unit or is_unit(unit) for unit in units) or (
+        any(map(parse_length_unit, units)) and all(len(unit) <= MAX_UNIT_LENGTH for unit in units)
+    )
+    if (
+        len(lines) > 1
+        and is_unit_line
+        and (previous_names := split_column_names(lines[-2], width, dialect)) is not None
+    ):
+        return tuple(
+            f"{name} [{unit}]" if unit else name for name, unit in zip(previous_names, units, strict=True)
+        ), True
+    return tuple(names), False
 
 
 def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | None, ...]:
@@ -375,6 +339,10 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
     if cells is not None and any(unit_in_column_name(cell) for cell in cells):
         return tuple(unit_in_column_name(cell) for cell in cells)
     units = _find_units(name_line)
+    name = _BRACKETED_WORD_PATTERN.sub(" ", name_line)
+    mentions_heights = _HEIGHT_NAME_PATTERN.search(name) and not _POSITION_NAME_PATTERN.search(name)
+    if not units and width == 1 and mentions_heights:
+        return (unit_in_column_name(name_line),)
     if len(units) == width:
         return tuple(units)
     is_for_all = width > 2 and len(units) == 1 and not _mentions_only_heights(name_line)
@@ -382,10 +350,22 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
 
 
 def unit_in_column_name(cell: str) -> str | None:
-    """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" and "z nm"."""
+    """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" and "z nm".
+
+    A unit that is not known is returned as it is written, so that the column is rejected if it is used.
+    """
     bracketed_texts = _BRACKETED_WORD_PATTERN.findall(cell)
     last = bracketed_texts[-1].strip() if bracketed_texts else cell.strip(" \"'")
-    # a column with another unit is rejected later, but only if it is used as heights
     if NON_LENGTH_UNIT_PATTERN.fullmatch(last):
         return last
-    return parse_length_unit((last if bracketed_texts else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))
+    unit = parse_length_unit((last if bracketed_texts else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))
+    if unit is not None:
+        return unit
+    if not bracketed_texts and (match := _UNIT_AFTER_NAME_PATTERN.fullmatch(last)) is not None:
+        last = match[1]
+    elif not bracketed_texts:
+        return None
+    known_units = {unit for word in re.split(r"[\s,;]+", last) if (unit := parse_length_unit(word)) is not None}
+    if len(known_units) == 1 and not re.search(r"[0-9/*^×]", last):  # "µm RMS", "nm, filtered"
+        return known_units.pop()
+    return None if not known_units and _REMARK_PATTERN.fullmatch(last) else last

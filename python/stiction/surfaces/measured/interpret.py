@@ -215,7 +215,7 @@ def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
             raise FormatError(f"declares a spacing of {declared:g} µm, but {dy:g} µm and {dx:g} µm are given")
         _reject_contradicting_spacing(raw, (dy, dx))
     else:
-        raise FormatError(_NO_MAP_SPACING_MESSAGE)
+        raise FormatError(f"{_NO_MAP_SPACING_MESSAGE}{_describe_unclear_spacing(raw)}")
     return _make_profile_or_surface(
         Surface, raw, name, options, heights, (_validate_spacing(dy), _validate_spacing(dx)), steps, unit, caveats
     )
@@ -273,7 +273,8 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
     file_unit = None if of_file is None else parse_length_unit(of_file)
     if of_file is not None and file_unit is None:
         raise FormatError(
-            f"has {quantity_name} in {of_file!r}, which is not a supported unit of length (m, mm, um, nm, ...)"
+            f"has {quantity_name} in {of_file!r}, which is not a supported unit of length (m, mm, um, nm, ...); "
+            "convert them first"
         )
     caller_unit = None if of_caller is None else parse_length_unit(of_caller)
     if file_unit is not None and caller_unit is not None and LENGTH_UNITS[file_unit] != LENGTH_UNITS[caller_unit]:
@@ -362,7 +363,7 @@ def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
     hint = (
         f"; its header has a spacing of {' and '.join(f'{item:g}' for item in raw.bare_spacing)} without a unit"
         if raw.bare_spacing
-        else ""
+        else _describe_unclear_spacing(raw)
     )
     raise FormatError(
         "contains neither the unit of its heights nor the spacing of its points; give the unit, as in "
@@ -370,8 +371,23 @@ def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
     )
 
 
+def _describe_unclear_spacing(raw: RawHeights) -> str:
+    """Return a clause that quotes the header line of an unclear spacing, or an empty string."""
+    if (unclear := raw.unclear_spacing) is None:
+        return ""
+    reason = "does not name the axes of its spacings" if len(unclear.lengths) > 1 else "may be another length"
+    return f"; its header line {unclear.line[:80]!r} {reason}"
+
+
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
     """Reject a given spacing that contradicts the spacing in the header, whatever unit the header spacing may have."""
+    unclear = raw.unclear_spacing
+    has_two_spacings = unclear is not None and len(unclear.lengths) == len(given) == 2
+    if unclear and has_two_spacings and not np.allclose(sorted(unclear.lengths), sorted(given), MAX_STEP_UNEVENNESS):
+        raise FormatError(
+            f"declares two spacings in its header line {unclear.line[:80]!r}, but the given spacings are "
+            f"{' and '.join(f'{item:g}' for item in given)} µm"
+        )
     if raw.bare_spacing is None:
         return
     bare_spacing = raw.bare_spacing if len(raw.bare_spacing) == len(given) else raw.bare_spacing * len(given)
@@ -438,9 +454,14 @@ def _profile_spacing(
             if given is not None and abs(given - declared[0]) > declared[1]:
                 raise FormatError(f"declares a spacing of {declared[0]:g} µm, but the given spacing is {given.text}")
             return given if given is not None else declared[0], [], []
+        if given is None and (unclear := raw.unclear_spacing) is not None and len(unclear.lengths) == 1:
+            text = f"its header line {unclear.line[:80]!r} is used as the distance between points"
+            remedy = "give --spacing if it is another length, or accept it"
+            return _validate_spacing(unclear.lengths[0]), [], [FileCaveat("spacing", text, remedy)]
         if given is None:
             raise FormatError(
                 'contains heights only; give the spacing of its points, as in "0.5 um" (--spacing "0.5 um")'
+                f"{_describe_unclear_spacing(raw)}"
             )
         _reject_contradicting_spacing(raw, (given,))
         return given, [], []

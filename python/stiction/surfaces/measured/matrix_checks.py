@@ -7,6 +7,7 @@ their numbers alone, because nothing else in the file distinguishes them.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -26,9 +27,10 @@ MIN_WRAPPED_LINES = 8  # minimum number of lines of such a profile
 # A profile continues from line to line if the mean square difference between the end of a line and the start of the
 # next is at most this multiple of that between neighbours in a line, or this fraction of that in a column.
 MAX_WRAP_DIFFERENCE, MAX_WRAP_DIFFERENCE_OVER_COLUMN = 1.7, 0.25
+MAX_DEVIATION_IN_LINES = 8.0  # heights of such a profile are clipped at this multiple of the median deviation
 MIN_COLUMN_DIFFERENCE = 2.0  # minimum mean square difference between neighbours in a column, relative to a line
 
-_STATISTICS: tuple[tuple[str, Callable[..., Floats]], ...] = (
+_STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
     ("means", np.mean), ("standard deviations", np.std),
     ("sample standard deviations", lambda x, axis: np.std(x, axis, ddof=1)),
     ("sums", np.sum), ("medians", np.median), ("maxima", np.max), ("minima", np.min), ("ranges", np.ptp),
@@ -154,11 +156,17 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
     lines, count = values.shape
     if count > MAX_WRAPPED_COLUMNS or lines < MIN_WRAPPED_LINES or count < 3:
         return ()
-    with np.errstate(all="ignore"):
-        along, across, wrap = (
-            float(np.nanmean(difference**2)) if np.isfinite(difference).any() else np.nan
-            for difference in (np.diff(values, axis=1), np.diff(values, axis=0), values[1:, 0] - values[:-1, -1])
-        )
+    finite = values[np.isfinite(values)]
+    if finite.size < values.size / 2:
+        return ()
+    # clip outliers and codes for missing points, which would dominate the differences
+    middle = np.median(finite)
+    limit = MAX_DEVIATION_IN_LINES * np.median(np.abs(finite - middle))
+    heights = np.where(np.isfinite(values), np.clip(values, middle - limit, middle + limit), np.nan)
+    along, across, wrap = (
+        float(np.nanmean(difference**2)) if np.isfinite(difference).any() else np.nan
+        for difference in (np.diff(heights, axis=1), np.diff(heights, axis=0), heights[1:, 0] - heights[:-1, -1])
+    )
     max_wrap = max(MAX_WRAP_DIFFERENCE * along, MAX_WRAP_DIFFERENCE_OVER_COLUMN * across)
     if not (wrap <= max_wrap and across > 0 and across >= MIN_COLUMN_DIFFERENCE * along):
         return ()

@@ -21,7 +21,8 @@ LENGTH_UNITS = {
     "millimetre": 1e3, "millimeter": 1e3, "millimetres": 1e3, "millimeters": 1e3,
     "micrometre": 1.0, "micrometer": 1.0, "micrometres": 1.0, "micrometers": 1.0, "micron": 1.0, "microns": 1.0,
     "nanometre": 1e-3, "nanometer": 1e-3, "nanometres": 1e-3, "nanometers": 1e-3,
-    "angstrom": 1e-4, "ångström": 1e-4,
+    "angstrom": 1e-4, "ångström": 1e-4, "mikrometer": 1.0,
+    "мм": 1e3, "мкм": 1.0, "нм": 1e-3, "毫米": 1e3, "微米": 1.0, "纳米": 1e-3,
 }  # fmt: skip
 """Factors from units of length to µm.
 
@@ -122,6 +123,14 @@ class DeclaredLength:
 
 
 @dataclass(frozen=True)
+class UnclearSpacing:
+    """Header line that may declare a spacing. With one length, the line is used, and a caveat quotes it."""
+
+    line: str
+    lengths: tuple[float, ...] = ()  # lengths in the line, µm: one, or one for each axis in unknown order
+
+
+@dataclass(frozen=True)
 class HeightProvenance:
     """Provenance of the heights in a file: layout, column, encoding, separators and line numbers."""
 
@@ -157,6 +166,7 @@ class RawHeights:
     codes: tuple[float, ...] = ()  # values that the file declares as missing points
     factor: float | None = None  # declared factor that converts the numbers to `unit`
     bare_spacing: tuple[float, ...] | None = None  # declared spacing without a unit
+    unclear_spacing: UnclearSpacing | None = None
     caveats: tuple[FileCaveat, ...] = ()
 
 
@@ -206,13 +216,16 @@ class HeaderDeclarations:
 
     spacing: DeclaredLength | None = None  # spacing of a profile, or along one axis of a map
     spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # spacings of the rows and of the columns of a map
+    row_spacing: DeclaredLength | None = None  # spacing of the rows of a map
     size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of a map
     bare_spacing: tuple[float, ...] | None = None  # spacing without a unit, (Δx,) or (Δy, Δx)
+    unclear_spacing: UnclearSpacing | None = None
     unit: str | None = None  # unit of the heights; not necessarily a unit of length
+    position_unit: str | None = None  # unit of the positions; not necessarily a unit of length
     factor: float | None = None  # factor that converts the numbers to `unit`
     codes: tuple[float, ...] = ()  # values that mark missing points
     counts: tuple[float, ...] = ()  # integers that are either codes for missing points or counts of missing points
-    scale: str = ""  # line that declares a factor for the heights or a range of heights
+    scale: str = ""  # line that declares a factor or a range of heights that is not applied
     points: int | None = None  # number of points of a profile
     tip_radius: DeclaredLength | None = None  # radius of the stylus tip
     line: str = ""  # line that declares the unit or the factor
@@ -230,10 +243,27 @@ class HeightChannels:
 ReaderResult = RawHeights | ColumnTable | HeightChannels  # result of a reader
 
 
+_COMPOSITE_UNIT_PATTERN = re.compile(
+    r"(?:(1(?:\.0)?e[+-]?[0-9]{1,2}|10\^?[+-][0-9]{1,2}|0\.0*1|10+|1/10+)\s*[*·×]?\s*)?([^\W\d_]{1,3})(?:\s*/\s*(10+))?",
+    re.IGNORECASE,
+)
+"""Pattern of a unit with a power of ten, such as ``1e-3 mm``, ``10^-6 m`` and ``mm/1000``."""
+
+
 def parse_length_unit(text: str) -> str | None:
-    """Return the key of `LENGTH_UNITS` for a unit of length, or None for other units."""
+    """Return the key of `LENGTH_UNITS` for a unit of length, or None for other units.
+
+    A unit with a power of ten is accepted if it equals a unit with a name: ``mm/1000`` is µm, but ``0.1 um`` has none.
+    """
     if text in LENGTH_UNITS:
         return text
+    match = _COMPOSITE_UNIT_PATTERN.fullmatch(text.strip())
+    if match is not None and (match[1] or match[3]) and match[2] in LENGTH_UNITS:
+        power = (match[1] or "1").lower().replace("^", "")
+        power = re.sub(r"^10(?=[+-])", "1e", power)
+        numerator, _, denominator = power.partition("/")
+        value = float(numerator) / float(denominator or 1) / float(match[3] or 1) * LENGTH_UNITS[match[2]]
+        return next((unit for unit in ("m", "mm", "um", "nm", "pm") if math.isclose(LENGTH_UNITS[unit], value)), None)
     # normalisation converts ligatures such as ㎛ to separate characters
     plain_text = unicodedata.normalize("NFKC", text)
     if plain_text in LENGTH_UNITS:

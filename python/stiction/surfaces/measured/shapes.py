@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._text import printable_text
 from stiction.surfaces.measured.grid import to_grid
-from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN, unit_in_column_name
+from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN, is_unit, unit_in_column_name
 from stiction.surfaces.measured.matrix_checks import (
     find_wrapped_profile_caveat,
     reject_other_tables,
@@ -105,7 +105,7 @@ def _find_column_or_channel_index(
     """Return the index of a column or a channel, given its name or its number in the file."""
     text = str(selected).strip()
     normalisers: list[Callable[[str], str]] = [lambda name: name, lambda name: name.casefold()]
-    if "(" not in text or unit_in_column_name(text) is not None:  # "Height (trace)" has no unit that can be omitted
+    if "(" not in text or is_unit(unit_in_column_name(text) or ""):  # "Height (trace)" has no unit that can be omitted
         normalisers.append(_name_without_unit)
     for normalise in normalisers:
         matches = [index for index, name in enumerate(names) if normalise(name.strip()) == normalise(text) and text]
@@ -174,7 +174,7 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **att
     raw = RawHeights(
         heights, unit=unit, factor=declared.factor, codes=(*declared.codes, *counts), stated=declared.spacing,
         size=declared.size, bare_spacing=declared.bare_spacing, source=table.source, caveats=caveats,
-        stated_spacings=declared.spacings,
+        stated_spacings=declared.spacings, unclear_spacing=declared.unclear_spacing,
     )  # fmt: skip
     raw = replace(raw, **attributes)
     if (tip := declared.tip_radius) is None or not tip.length > 0:
@@ -216,7 +216,8 @@ def _read_profile_columns(table: ColumnTable, *places: int) -> RawHeights:
     end = heights.size - int(np.argmin(is_empty[::-1])) if not is_empty.all() else heights.size
     digits = table.last_digit_value_function(places[0])
     return replace(
-        raw, heights=heights[:end], positions=positions[:end], position_unit=_column_units(table)[places[0]],
+        raw, heights=heights[:end], positions=positions[:end],
+        position_unit=_column_units(table)[places[0]] or declared.position_unit,
         digits=None if digits is None else lambda: digits()[:end],
         caveats=(*raw.caveats, *_find_numbering_caveat(table, positions[:end], places[0])),
     )  # fmt: skip
@@ -450,7 +451,7 @@ def _read_matrix(table: ColumnTable) -> RawHeights:
     caveats = () if is_declared_map else find_wrapped_profile_caveat(table.values)
     table, history = _remove_position_column(table)
     raw = _to_raw_heights(table, table.values, _common_unit(table, _column_units(table)), history=history)
-    raw = replace(raw, caveats=(*raw.caveats, *caveats))
+    raw = replace(raw, stated=raw.stated or table.declared.row_spacing, caveats=(*raw.caveats, *caveats))
     if (spacings := table.declared.spacings) is None:
         return raw
     spacing = tuple(stated.to_micrometres() for stated in spacings)
@@ -601,7 +602,8 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
         raise FormatError("has x and y in different units; write both in the same unit")
     source = replace(table.source, layout="points x, y, z on a grid", column=_describe_column(table, places[2]))
     return _to_raw_heights(
-        table, heights, _height_unit(table, places[2]), spacing=spacing, position_unit=next(iter(lateral_units)),
+        table, heights, _height_unit(table, places[2]), spacing=spacing,
+        position_unit=next(iter(lateral_units)) or table.declared.position_unit,
         history=(history_entry,), source=source,
     )  # fmt: skip
 

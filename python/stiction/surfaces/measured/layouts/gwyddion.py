@@ -16,9 +16,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stiction.surfaces.measured.decode import DecodedText
-from stiction.surfaces.measured.header import normalise_line, parse_length
+from stiction.surfaces.measured.header import normalise_line
 from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import ColumnTable, HeightChannels, ReaderResult, parse_length_unit
+from stiction.surfaces.measured.spacing_lines import parse_length
 from stiction.surfaces.measured.text_table import parse_table
 
 _LENGTH_COMMENT_PATTERN = re.compile(

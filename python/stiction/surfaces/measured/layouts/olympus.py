@@ -35,7 +35,7 @@ def _read(text: DecodedText) -> ColumnTable:
         raise FormatError("has no row numbers in the first column, unlike exports of this microscope")
     unit = next(
         (
-            parse_length_unit(match[1])
+            parse_length_unit(match[1]) or match[1]
             for line in text.first_lines
             if (match := _HEIGHT_UNIT_LINE_PATTERN.fullmatch(normalise_line(line)))
         ),

@@ -1,0 +1,248 @@
+"""Spacings and sizes of a scan in the lines of its header.
+
+A spacing is used only if its line is understood to the end: a number with a unit of length, and perhaps the axis or the
+points to which it applies. ``Pixel size: 0.5 µm`` is the spacing of a map, ``Pitch: 0.25 mm`` may be that of a grating,
+and ``Spacing 2 mm between tracks`` is another length.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from stiction.surfaces.measured.raw import (
+    LENGTH_UNITS,
+    DeclaredLength,
+    FormatError,
+    UnclearSpacing,
+    parse_length_unit,
+    parse_number,
+    parse_positive_number,
+)
+
+_T = TypeVar("_T")
+
+DECIMAL_PATTERN = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,5})?"
+DECLARED_NUMBER_PATTERN = rf"(?:[+-]?(?:0x[0-9a-f]{{1,16}}|nan|inf(?:inity)?)(?![^\W_])|{DECIMAL_PATTERN})"
+"""Pattern of a number, including numbers with which a declaration is rejected."""
+
+SEPARATOR_PATTERN = r"\s*(?:[:=,;\t]|\s)\s*"
+UNIT_PATTERN = r"[^\W\d_]{1,12}"
+_LENGTH_UNITS_PATTERN = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
+_SPACE_BEFORE_UNIT_PATTERN = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTH_UNITS_PATTERN})[\s,;]*$)|\s*)"
+"""Pattern of the space between a number and its unit, or of a separator before a cell with only a unit of length."""
+
+_BRACKETED_UNIT_PATTERN = r"\s*(?:[\[(]([^\])]{1,12})[\])])?"
+_STEP_NAMES = r"spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch"
+_SPACING_PATTERN = re.compile(
+    r"\W*((?:(?:measurement|measuring|x|lateral|horizontal|sampl\w*|point|data|scan|pixel)[\s_-]*)*)"
+    rf"({_STEP_NAMES}|dx|Schrittweite|Punktabstand|Messpunktabstand|Abstand|Pixelgr(?:ö|oe)(?:ß|ss)e)"
+    rf"{_BRACKETED_UNIT_PATTERN}\s*[:=,;\t ]\s*(?={DECLARED_NUMBER_PATTERN})(.*)",
+    re.IGNORECASE,
+)
+_UNQUALIFIED_NAME_PATTERN = re.compile(r"(?:scan[\s_-]*)?(?:step|pitch|interval|abstand)", re.IGNORECASE)
+"""Pattern of names that may also denote lengths of a specimen or of a path, such as the pitch of a grating."""
+
+_POINT_WORDS = r"px|pix|pixels?|points?|pts?|punkte?|samples?|steps?"
+_LENGTH_PATTERN = (
+    rf"({DECLARED_NUMBER_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}"
+    rf"[\[(]?((?!(?:[xy]|by|and|und|in|along|per)\b){UNIT_PATTERN})?[\])]?\s*"
+    r"(?:(?:/|per\b|pro\b)\s*([^\W\d_]{1,12}))?\s*"
+    r"(?:\(?\s*(?:in |along )?\s*([xy])(?:[ -]?(?:axis|direction))?\s*\)?(?![^\W_]))?"
+)
+_LENGTHS_PATTERN = re.compile(
+    rf"{_LENGTH_PATTERN}(?:\s*(?:[x×*,;\t/]|by\b|and\b|und\b|\s)\s*{_LENGTH_PATTERN})?"
+    r"(?:\s*\((?![^)]*(?:track|line|row|profile|trace|\by\b))[^)]{1,40}\))?[\s,;\t.]*",
+    re.IGNORECASE,
+)
+_ROW_SPACING_NAMES = r"(?:row|line|track|trace|profile)[\s_-]*(?:spacing|step|pitch|interval|distance)|Zeilenabstand|"
+_AXIS_SPACING_PATTERNS = {
+    axis: re.compile(
+        rf"\W*(?:{axis}[\s_-]*(?:{_STEP_NAMES}|scale|direction)|d{axis}|{other_names}"
+        rf"(?:spacing|step|pitch|pixel[ _-]?size)[\s_-]*(?:in |along )?{axis})"
+        rf"{_BRACKETED_UNIT_PATTERN}{SEPARATOR_PATTERN}({DECLARED_NUMBER_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}[\"']?"
+        rf"({UNIT_PATTERN})?(?:\s*(?:/|per\b)\s*(?:{_POINT_WORDS})\b)?(?!\s*(?:/|per\b))",
+        re.IGNORECASE,
+    )
+    for axis, other_names in (
+        ("y", r"(?:row|line|track|trace|profile)[\s_-]*(?:spacing|step|pitch|interval|distance)|Zeilenabstand|"),
+        ("x", ""),
+    )
+}
+_NEXT_DECLARATION_PATTERN = re.compile(
+    rf"[\s,;]+(?=(?:[xy][\s_-]*(?:{_STEP_NAMES})|d[xy]|(?:spacing|step|pitch)[\s_-]*(?:in |along )?[xy])\s*[:=(\[])",
+    re.IGNORECASE,
+)
+"""Pattern of the text between two spacings with their axes in a line, as in "dx = 0.5 um, dy = 10 um"."""
+
+_STICTION_SPACING_PATTERNS = tuple(
+    re.compile(rf"# spacing along {axis}: ([0-9]{{1,20}}(?:\.[0-9]{{1,20}})?(?:e[+-]?[0-9]{{1,2}})?) (um)")
+    for axis in "yx"
+)
+"""Patterns of the header lines with spacings that `write_surface` writes above a matrix."""
+
+_SIZE_PATTERNS = tuple(
+    re.compile(
+        rf"\W{{0,4}}(?:{name}){_BRACKETED_UNIT_PATTERN}{SEPARATOR_PATTERN}({DECLARED_NUMBER_PATTERN})\s*({UNIT_PATTERN})?\s*",
+        re.IGNORECASE,
+    )
+    for name in (
+        "height|h[öo]he|hauteur|altezza|altura|výška|wysokość|высота|高さ|高度|높이|"
+        "y[ _-]?(?:length|size|range|amplitude)|length y",
+        "width|breite|largeur|larghezza|anchura|ancho|largura|šířka|szerokość|ширина|幅|宽度|너비|폭|"
+        "x[ _-]?(?:length|size|range|amplitude)|length x",
+    )
+)
+"""Patterns of header lines with the physical height and width of a matrix, as in files of Gwyddion."""
+
+
+@dataclass(frozen=True)
+class SpacingDeclarations:
+    """Spacings and size of a scan that a header declares."""
+
+    spacing: DeclaredLength | None = None  # spacing of a profile, or along one axis of a map
+    spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # spacings of the rows and of the columns of a map
+    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of a map
+    row_spacing: DeclaredLength | None = None  # spacing of the rows of a map
+    bare_spacing: tuple[float, ...] | None = None  # spacing without a unit, (Δx,) or (Δy, Δx)
+    unclear: UnclearSpacing | None = None
+
+
+def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
+    """Parse the spacings and the size in normalised lines. The first line of each kind is used."""
+    lines = [part for line in lines for part in _NEXT_DECLARATION_PATTERN.split(line)]
+    spacing: DeclaredLength | None = None
+    pixel_sizes: tuple[DeclaredLength, DeclaredLength] | None = None
+    bare_spacing: float | None = None
+    unclear: UnclearSpacing | None = None
+    for line in lines:
+        declaration = _parse_spacing_line(line)
+        if isinstance(declaration, UnclearSpacing):
+            unclear = unclear or declaration
+        elif isinstance(declaration, float):
+            bare_spacing = declaration if bare_spacing is None else bare_spacing
+        elif isinstance(declaration, tuple):
+            spacing, pixel_sizes = spacing or declaration[1], pixel_sizes or declaration
+        else:
+            spacing = spacing or declaration
+    along_axes = [find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, parse_bracketed_length) for axis in "yx"]
+    written = [
+        find_first_match(pattern, lines, lambda match: parse_length(*match.groups(), line=match.string))
+        for pattern in _STICTION_SPACING_PATTERNS
+    ]
+    bare_spacings = [find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, _parse_unitless_number) for axis in "yx"]
+    sizes = [find_first_match(pattern, lines, parse_bracketed_length) for pattern in _SIZE_PATTERNS]
+    unitless_values = tuple(value for value in bare_spacings if value is not None)
+    return SpacingDeclarations(
+        spacing=spacing,
+        spacings=_pair_if_complete(written)
+        or _pair_if_complete(along_axes)
+        or pixel_sizes
+        or _pair_if_complete((along_axes[0], spacing)),
+        row_spacing=along_axes[0],
+        size=_pair_if_complete(sizes),
+        bare_spacing=unitless_values or (None if bare_spacing is None else (bare_spacing,)),
+        unclear=unclear,
+    )
+
+
+def is_spacing_declaration(line: str) -> bool:
+    """Return whether a header line begins with the name of a spacing or of a size, and a number."""
+    patterns = (_SPACING_PATTERN, *_AXIS_SPACING_PATTERNS.values(), *_SIZE_PATTERNS)
+    return any(pattern.match(line) for pattern in patterns)
+
+
+def _parse_spacing_line(
+    line: str,
+) -> DeclaredLength | tuple[DeclaredLength, DeclaredLength] | float | UnclearSpacing | None:
+    """Parse a line that begins with the name of a spacing.
+
+    Returns a spacing, a pair (Δy, Δx) if the line is about both axes, a number without unit, an `UnclearSpacing`, or
+    None for a line about something else.
+    """
+    name = _SPACING_PATTERN.match(line)
+    if name is None:
+        return None
+    qualifier, noun, bracket, text = name.groups()
+    is_resolution, is_pixel = noun.casefold() == "resolution", "pixel" in (qualifier + noun).casefold()
+    match = _LENGTHS_PATTERN.fullmatch(text.strip())
+    if match is None:
+        has_length = (start := re.match(_LENGTH_PATTERN, text, re.IGNORECASE)) and _unit_or_none(start[2] or bracket)
+        return UnclearSpacing(line.strip()) if has_length and not is_resolution else None
+    items = [match.groups()[:4], match.groups()[4:]][: 2 if match[5] else 1]
+    if any("," in item[0] and text.count(",") > len(items) * 2 - 1 for item in items):
+        return UnclearSpacing(line.strip())  # the comma either separates two cells or is a decimal comma
+    if any(item[2] and not re.fullmatch(f"{_POINT_WORDS}|lines?|rows?|columns?", item[2], re.I) for item in items):
+        return None  # for example a resolution of heights in nm per bit
+    if is_resolution and not any(item[2] for item in items):
+        return None  # the resolution of an instrument
+    units = [item[1] or items[-1][1] or bracket for item in items]
+    lengths = [parse_length(item[0], unit, line=line) for item, unit in zip(items, units, strict=True)]
+    complete = [length for length in lengths if length is not None]
+    if len(complete) < len(items):
+        return _parse_bare_number(items[0][0]) if len(items) == 1 and not any(units) else None
+    axes = [(item[3] or ("y" if re.match("line|row", item[2] or "", re.I) else "")).casefold() for item in items]
+    if len(items) == 2 and sorted(axes) == ["", "y"]:
+        axes = [axis or "x" for axis in axes]
+    if len(items) == 2:
+        if complete[0].length * LENGTH_UNITS[complete[0].unit] == complete[1].length * LENGTH_UNITS[complete[1].unit]:
+            return complete[1], complete[0]
+        if sorted(axes) == ["x", "y"]:
+            return (complete[0], complete[1]) if axes[0] == "y" else (complete[1], complete[0])
+        in_micrometres = tuple(length.length * LENGTH_UNITS[length.unit] for length in complete)
+        return UnclearSpacing(line.strip(), in_micrometres)
+    if axes[0] == "y":
+        return UnclearSpacing(line.strip())
+    if _UNQUALIFIED_NAME_PATTERN.fullmatch((qualifier + noun).strip()):
+        return UnclearSpacing(line.strip(), (complete[0].length * LENGTH_UNITS[complete[0].unit],))
+    return (complete[0], complete[0]) if is_pixel and not axes[0] else complete[0]
+
+
+def _unit_or_none(unit: str | None) -> str | None:
+    return None if unit is None else parse_length_unit(unit)
+
+
+def find_first_match(
+    pattern: re.Pattern[str], lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
+) -> _T | None:
+    """Return the first result of `parse_match` that is not None, for lines that begin with a pattern."""
+    matches = (match for line in lines if (match := pattern.match(line)))
+    return next((value for match in matches if (value := parse_match(match)) is not None), None)
+
+
+def _pair_if_complete(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
+    first, second = pair
+    return None if first is None or second is None else (first, second)
+
+
+def parse_bracketed_length(match: re.Match[str]) -> DeclaredLength | None:
+    """Parse a length whose unit follows the number, or follows the name in brackets."""
+    return parse_length(match[2], match[3] or match[1], line=match.string)
+
+
+def _parse_unitless_number(match: re.Match[str]) -> float | None:
+    return None if match[3] or match[1] else _parse_bare_number(match[2])
+
+
+def _parse_bare_number(number: str) -> float | None:
+    """Parse a spacing without a unit. Return None if no scan can have this spacing."""
+    try:
+        return parse_positive_number(number, "as spacing")
+    except FormatError:  # a header often contains unused entries
+        return None
+
+
+def parse_length(digits: str, unit: str | None, *, line: str) -> DeclaredLength | None:
+    """Parse a number and its unit in a header line. Return None if the unit is not a unit of length."""
+    if unit is None or parse_length_unit(unit) is None:
+        return None
+    try:
+        length = parse_number(digits, f"in its header line {line[:80]!r}")
+    except FormatError:  # raised when the length is used, because a header often contains unused entries
+        return DeclaredLength(math.nan, 0.0, str(parse_length_unit(unit)), line)
+    mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
+    digit = float(f"1e{int(exponent or 0) - len(mantissa.partition('.')[2])}")
+    return DeclaredLength(length, digit, str(parse_length_unit(unit)), line)

@@ -1,0 +1,179 @@
+"""Spacings, factors and units in the words of a header: used as written, doubted by name, or rejected."""
+
+import numpy as np
+import pytest
+from stiction import FormatError
+from stiction.surfaces.measured.reading import read_with_interpretation
+
+RNG = np.random.default_rng(7)
+PROFILE = np.round(np.cumsum(RNG.normal(size=120)) / 50, 4)
+MAP = np.round(np.cumsum(np.cumsum(RNG.normal(size=(40, 40)), axis=0), axis=1)[::3, ::2] / 100, 4)
+PROFILE_TEXT = "".join(f"{z:.4f}\n" for z in PROFILE)
+MAP_TEXT = "".join("\t".join(f"{z:.4f}" for z in row) + "\n" for row in MAP)
+
+
+@pytest.fixture
+def read_text(tmp_path):
+    """Return a function that reads a text."""
+
+    def read(text, **options):
+        (tmp_path / "a.txt").write_text(text, encoding="utf-8")
+        return read_with_interpretation(tmp_path / "a.txt", **options)
+
+    return read
+
+
+def error_message(read_text, text, **options):
+    with pytest.raises(FormatError) as caught:
+        read_text(text, **options)
+    return str(caught.value)
+
+
+def caveat_names(reading):
+    return [caveat.name for caveat in reading.caveats]
+
+
+# ---- Spacings -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Spacing: 0.5 um", "Point spacing;0,5;µm", "Step size = 0.5 um", "Sampling interval (um): 0.5", "dx = 5e-7 m",
+     "Resolution: 0.5 um per pixel", "X step: 0.5 um (nominal)", "Punktabstand: 0,5 µm", "Data interval = 500 nm/pt",
+     "Increment: 0.5 um", "Pixelgröße: 0,5 µm"],
+)  # fmt: skip
+def test_line_that_only_declares_the_spacing_is_used_without_a_caveat(read_text, line):
+    reading = read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}")
+    assert reading.body.spacing == pytest.approx(0.5)
+    assert not reading.caveats
+
+
+@pytest.mark.parametrize(
+    "line", ["Pitch: 0.5 um", "Step: 0.5 um", "Interval: 0.5 um", "Scan pitch 0.5 um", "Abstand: 0,5 µm"]
+)
+def test_line_that_may_be_a_length_of_the_specimen_has_a_caveat_unless_the_spacing_is_given(read_text, line):
+    reading = read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}")
+    assert caveat_names(reading) == ["spacing"]
+    assert repr(line) in reading.caveats[0].text
+    reading = read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}", spacing="2 um")
+    assert reading.body.spacing == 2.0
+    assert not reading.caveats
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Measurement spacing 2 mm between tracks", "Scan step 0.2 mm in y", "Interval 2.5 mm between tracks",
+     "Spacing: 0.5 um (between tracks)", "Step 0.18 um high", "Spacing 2 mm, 20 tracks apart"],
+)  # fmt: skip
+def test_line_with_other_words_after_a_length_is_not_used_as_spacing(read_text, line):
+    message = error_message(read_text, f"{line}\nUnit: um\n{PROFILE_TEXT}")
+    assert "contains heights only; give the spacing" in message
+    assert f"its header line {line!r}" in message
+    assert read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}", spacing="0.5 um").body.spacing == 0.5
+
+
+@pytest.mark.parametrize("line", ["Resolution 0.1 um/digit", "Resolution: 10 nm/bit", "Resolution: 5 nm per LSB"])
+def test_resolution_of_heights_is_not_used_as_spacing(read_text, line):
+    assert "contains heights only" in error_message(read_text, f"{line}\nUnit: um\n{PROFILE_TEXT}")
+
+
+TWO_SPACINGS = [
+    "Pixel size: 0.5 µm x 10 µm", "Pixel size: 0.5 x 10 um", "Pixel size (um): 0.5 10", "Pixel size\t0.5 um\t10 um",
+    "Spacing: 0.5 µm, 10 µm", "Increment: 0.5 um; 10 um", "Pixelgröße: 0,5 µm × 10 µm", "Pixel size: 0.5,10 um",
+    "Pixel size 0.5 um by 10 um",
+]  # fmt: skip
+TWO_SPACINGS_WITH_AXES = [
+    "pixel size: 0.5 um in x, 10 um in y", "Step size: 0.5 um (x), 10 um (y)", "Pixel size: 10 um in y, 0.5 um in x",
+    "Resolution: 0.5 um/px, 10 um/line", "Pitch X: 0.5 um; Pitch Y: 10 um", "dx = 0.5 um dy = 10 um",
+    "X step: 0.5 um\nRow step: 10 um", "Sampling interval: 0.5 µm\nProfile distance: 10 µm",
+    "Punktabstand: 0,5 µm\nZeilenabstand: 10 µm",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("line", TWO_SPACINGS)
+def test_two_spacings_without_axes_are_rejected_and_must_agree_with_given_spacings(read_text, line):
+    text = f"{line}\nZ unit: um\n{MAP_TEXT}"
+    assert f"its header line {line!r} does not name the axes of its spacings" in error_message(read_text, text)
+    assert f"declares two spacings in its header line {line!r}" in error_message(read_text, text, spacing="0.5 um")
+    assert read_text(text, spacing=("10 um", "0.5 um")).body.spacings == (10.0, 0.5)
+
+
+@pytest.mark.parametrize("line", TWO_SPACINGS_WITH_AXES)
+def test_two_spacings_with_axes_are_used(read_text, line):
+    reading = read_text(f"{line}\nZ unit: um\n{MAP_TEXT}")
+    assert reading.body.spacings == pytest.approx((10.0, 0.5))
+    assert not reading.caveats
+
+
+@pytest.mark.parametrize("line", ["Pixel size: 0.5 µm x 0.5 µm", "Pixel size: 500 nm x 0.5 um", "Pixel size: 0.5 um"])
+def test_equal_spacings_along_both_axes_are_used(read_text, line):
+    assert read_text(f"{line}\nZ unit: um\n{MAP_TEXT}").body.spacings == pytest.approx((0.5, 0.5))
+
+
+# ---- Factors --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Scale factor 1.0e-03", "Factor: 0.001", "Heights multiplied by 1000",
+     "Values have been divided by 1000", "Sensitivity: 0.25 um/V", "Calibration: 2.5 V per µm", "z ×10⁻³", "z*1000",
+     "values x 1000", "Scaling: 1000", "Resolution: 10 nm/bit", "z·10³"],
+)  # fmt: skip
+def test_factor_in_words_adds_a_caveat(read_text, line):
+    reading = read_text(f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
+    assert caveat_names(reading) == ["scale"]
+
+
+@pytest.mark.parametrize("factor", ["1.0e-03", "1.0e+03"])
+def test_factor_above_a_displayed_matrix_adds_a_caveat(read_text, factor):
+    reading = read_text(f"z =\n\n   {factor} *\n\n{MAP_TEXT}", unit="um", spacing="0.5 um")
+    assert caveat_names(reading) == ["scale"]
+    assert reading.body.heights.tolist() == MAP.tolist()
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Factor: 1", "Objective: x100", "Magnification x1000", "1024 x 1000 points", "Form factor 0.5", "Speed: 2 mm/s",
+     "Pixel size: 0.5 um x 0.5 um", "# history: multiplied by 2 um, as declared in the file"],
+)  # fmt: skip
+def test_factor_that_does_not_apply_to_heights_has_no_caveat(read_text, line):
+    assert not read_text(f"{line}\n{MAP_TEXT}", unit="um", spacing="0.5 um").caveats
+
+
+# ---- Units ----------------------------------------------------------------------------------------------------------
+
+UNKNOWN_UNITS = ["ft", "mils", "thou", "dm", "LSB", "bar", "a. u.", "0.1 um", "x 10 um", "1/10 um", "um x 10^-3", '"']
+
+
+@pytest.mark.parametrize("unit", UNKNOWN_UNITS)
+@pytest.mark.parametrize("names", ["x (mm);z ({})\n", "x [mm];z [{}]\n", "x;z\n(mm);({})\n"])
+def test_given_unit_does_not_replace_a_unit_of_a_column_that_is_not_known(read_text, names, unit):
+    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
+    message = error_message(read_text, names.format(unit) + rows, unit=("mm", "um"))
+    shown_unit = "inch" if unit == '"' else unit
+    assert f"has heights in {shown_unit!r}, which is not a supported unit of length" in message
+
+
+@pytest.mark.parametrize("unit", UNKNOWN_UNITS[:-1])
+@pytest.mark.parametrize("line", ["Unit: {}", "Z-axis unit = {}", "Einheit: {}", "z ({})", "Heights in {}"])
+def test_given_unit_does_not_replace_a_unit_of_a_header_line_that_is_not_known(read_text, line, unit):
+    message = error_message(read_text, f"{line.format(unit)}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
+    assert f"has heights in {unit!r}, which is not a supported unit of length" in message
+
+
+@pytest.mark.parametrize("unit", ["mm/1000", "1e-3 mm", "10^-6 m", "мкм", "微米", "µm RMS", "Mikrometer"])
+def test_unit_with_a_power_of_ten_or_in_another_script_is_read(read_text, unit):
+    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
+    assert read_text(f"x (mm);z ({unit})\n{rows}").body.heights.tolist() == PROFILE.tolist()
+
+
+@pytest.mark.parametrize("remark", ["raw", "trace", "Filtered", "level 2", "-"])
+def test_remark_in_a_column_name_is_not_a_unit(read_text, remark):
+    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
+    assert read_text(f"x (mm);z ({remark})\n{rows}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
+
+
+def test_unit_of_positions_in_a_header_line_is_used_or_rejected(read_text):
+    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
+    assert read_text(f"X unit: mm\nx;z\n{rows}", unit="um").body.spacing == pytest.approx(0.5)
+    assert "has positions in 's', which is not" in error_message(read_text, f"X unit: s\nx;z\n{rows}", unit="um")
