@@ -28,9 +28,11 @@ from stiction.solve.members_in_progress import compute_steps_key, remove_stored_
 from stiction.solve.store import CHECKSUM_PREFIX, export
 from stiction.study.elasticity import determine_elasticity
 from stiction.study.input_distributions import UncertainInput, draw_input_samples, parse_study_input
+from stiction.surfaces.joint_roughness import measure_joint_roughness
 from stiction.surfaces.measured.writing import heights_with_nan
 from stiction.surfaces.preparation import count_flips, flipped, levelled, on_common_grid
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.registration import Registration, register_faces
 from stiction.surfaces.surface import BodyLike, as_bodies
 
 if TYPE_CHECKING:
@@ -59,6 +61,7 @@ def shear_test(
     boundary: BoundaryCondition = "free",
     tilt: TiltMode = "fixed",
     level: ShearLevel | None = None,
+    register: bool = False,
     spacing: Any = None,
     unit: str = "um",
     tolerance: float = 1e-6,
@@ -100,6 +103,9 @@ def shear_test(
     level : {"mean", "line", "plane", "none"}, optional
         Trend to subtract from each face. By default a line from profiles and a plane from maps, and the mean if
         periodic.
+    register : bool
+        True to start where the faces fit best: the upper face is shifted, rotated by up to 3 degrees (maps) and tilted
+        until the gap is smallest. The attributes of the result contain the position.
     spacing, unit
         Distance of the points and unit of the heights, for arrays.
     tolerance : float
@@ -125,7 +131,8 @@ def shear_test(
         With ranges, over `end` ("lower", "upper"): `friction_coefficient_interval` and `shear_stress_interval`, 95 %.
 
         Attributes: `peak`, `peak_displacement_um`, `peak_dilation_angle_deg`, `peak_shear_stress_GPa`, `end` (value at
-        the end of the path), and `peak_status`, which is not "ok" if the faces lock.
+        the end of the path), and `peak_status`, which is not "ok" if the faces lock. Of the lower face, along the
+        motion: `z2` and `jrc` (NaN outside its range), `rising_slope` and `falling_slope`.
 
     Raises
     ------
@@ -158,21 +165,22 @@ def shear_test(
     0.78
     """
     upper, lower = as_bodies(upper, lower, spacing=spacing, unit=unit)
-    box, inputs = _build_box(
+    box, inputs, registration = _build_box(
         upper, lower, load=load, mu0=mu0, tau0=tau0, direction=direction, normal_stiffness=normal_stiffness,
         elasticity=(effective_modulus, young, poisson), hardness=hardness, boundary=boundary, tilt=tilt, level=level,
-        tolerance=tolerance,
+        register=register, tolerance=tolerance,
     )  # fmt: skip
     length = validate_number("path", path, unit="µm", above=0)
     check_bool("replace", replace)
     offsets = box.choose_offsets(length, validate_whole_number("steps", steps, minimum=1))
+    attributes = {} if registration is None else _describe_registration(registration)
     if directory is None:
-        return _compute(box, inputs, offsets, SolutionRecord(), progress)
+        return _compute(box, inputs, offsets, SolutionRecord(), progress).assign_attrs(attributes)
     folder, key = parse_path("directory", directory), compute_steps_key(_describe(box, inputs, offsets))
     if (test := _open_stored_test(folder, key, replace=replace)) is not None:
         return test
     folder.mkdir(parents=True, exist_ok=True)
-    test = _compute(box, inputs, offsets, stored_record(folder, 0, key), progress).assign_attrs(key=key)
+    test = _compute(box, inputs, offsets, stored_record(folder, 0, key), progress).assign_attrs(attributes, key=key)
     export(test, folder / TEST_FILE_NAME, replace=True)
     remove_stored_steps(folder)
     return test
@@ -191,8 +199,25 @@ def _compute(
         mu0=inputs["mu0"].short_text, tau0=inputs["tau0"].text, direction_deg=box.direction, load_mN=box.load,
         normal_stress_GPa=box.load / area, normal_stiffness_GPa_per_um=box.stiffness / area,
         effective_modulus_GPa=box.effective_modulus, hardness_GPa=math.nan if box.hardness is None else box.hardness,
-        tilt=box.tilt, boundary=box.boundary,
+        tilt=box.tilt, boundary=box.boundary, **_describe_roughness(box),
     )  # fmt: skip
+
+
+def _describe_roughness(box: ShearBox) -> dict[str, float]:
+    roughness = measure_joint_roughness(box.lower, box.direction)
+    return {
+        "sampling_interval_um": roughness.sampling_interval, "z2": roughness.z2, "jrc": roughness.jrc,
+        "rising_slope": roughness.rising_slope, "falling_slope": roughness.falling_slope,
+    }  # fmt: skip
+
+
+def _describe_registration(registration: Registration) -> dict[str, float]:
+    shift = registration.shift
+    return {
+        "registration_shift_x_um": shift[-1], "registration_shift_y_um": shift[0] if len(shift) == 2 else 0.0,
+        "registration_rotation_deg": registration.rotation, "registration_correlation": registration.correlation,
+        "registration_rms_gap_um": registration.rms_gap, "rms_gap_before_registration_um": registration.rms_gap_before,
+    }  # fmt: skip
 
 
 def _describe(box: ShearBox, inputs: dict[str, UncertainInput], offsets: NDArray[np.int64]) -> str:
@@ -226,9 +251,13 @@ def _open_stored_test(folder: Path, key: str, *, replace: bool) -> xr.Dataset | 
 
 def _build_box(
     upper: Any, lower: Any, *, load: Any, mu0: Any, tau0: Any, direction: Any, normal_stiffness: Any,
-    elasticity: tuple[Any, Any, Any], hardness: Any, boundary: Any, tilt: Any, level: Any, tolerance: float,
-) -> tuple[ShearBox, dict[str, UncertainInput]]:  # fmt: skip
-    """Check the arguments of a shear test. Return the faces and conditions, and the distributions of mu0 and tau0."""
+    elasticity: tuple[Any, Any, Any], hardness: Any, boundary: Any, tilt: Any, level: Any, register: Any,
+    tolerance: float,
+) -> tuple[ShearBox, dict[str, UncertainInput], Registration | None]:  # fmt: skip
+    """Check the arguments of a shear test.
+
+    Returns the faces and conditions, the distributions of mu0 and tau0, and the position found by a registration.
+    """
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(
@@ -251,6 +280,12 @@ def _build_box(
     upper, lower = flipped(faces[0]), faces[1]
     if upper.spacing != lower.spacing:
         upper, lower = on_common_grid(upper, lower)
+    check_bool("register", register)
+    registration = None
+    if register:
+        if boundary == "periodic":
+            raise ValueError("register must be False if the faces are periodic, got True")
+        upper, lower, registration = register_faces(upper, lower)
     inputs = {}
     for name, value in (("mu0", mu0), ("tau0", tau0)):
         try:
@@ -279,7 +314,7 @@ def _build_box(
             limit=strength * area, got=short_repr(load),
         )  # fmt: skip
     stiffness = 0.0 if normal_stiffness is None else _parse_stiffness(normal_stiffness) * area
-    return replace_fields(box, load=force, stiffness=stiffness), inputs
+    return replace_fields(box, load=force, stiffness=stiffness), inputs, registration
 
 
 def _parse_hardness(value: Any) -> float:

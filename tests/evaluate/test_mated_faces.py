@@ -65,3 +65,18 @@ def test_small_mu0_of_rough_faces_has_a_coefficient_although_some_directions_lea
     ]
     result = pair(*faces, load="10 MPa", effective_modulus="80 GPa", mu0=0.002, shifts=8, onset=0)
     assert 0 <= result.value < 0.05
+
+
+def test_caveat_names_faces_that_fit_unless_the_position_is_given(mated_faces):
+    options = {"load": "1 MPa", "young": "30 GPa", "poisson": 0.25, "onset": 0, "hardness": "1 GPa", "mu0": 0.6}
+    options["mechanics"], options["cutoff"] = "half-space", "none"
+
+    def list_caveat_texts(*faces, **more):
+        return [caveat.text for caveat in pair(*faces, **options | more).input_caveats]
+
+    text = "the faces fit into each other, but the result is a mean over positions at which they do not"
+    assert text in list_caveat_texts(*mated_faces, shifts=2)
+    assert text not in list_caveat_texts(*mated_faces, positions=["0 um,0 um"])
+    other = self_affine_surface(6, hurst_exponent=0.8, rms=6.0, shape=(64, 64), spacing=15.625)
+    assert text not in list_caveat_texts(mated_faces[0], other, shifts=2)
+    assert text not in list_caveat_texts(other, other, shifts=2)

@@ -253,3 +253,27 @@ def test_missing_points_are_not_part_of_the_overlap():
     holed = Surface(face.heights, spacing=face.spacing, missing=missing)
     test = shear_test(create_mate(face), holed, path="100 um", steps=2, mu0=0.5, **FULL_FIT)
     assert test.overlap_area[0] == pytest.approx((64**2 - 64) * (1000 / 64) ** 2)
+
+
+# ---- Registration ----------------------------------------------------------------------------------------------------
+
+
+def test_registered_faces_start_where_they_fit():
+    large = create_rough_map(96)
+    upper, lower = (
+        Surface(large.heights[row : row + 80, column : column + 80], spacing=large.spacing)
+        for row, column in ((3, 9), (8, 2))
+    )
+    options = {"path": "50 um", "steps": 2, "mu0": 0.6, "hardness": "200 MPa"} | FULL_FIT
+    unregistered, registered = (
+        shear_test(create_mate(upper), lower, register=each, **options) for each in (False, True)
+    )
+    assert registered.attrs["registration_shift_x_um"] == pytest.approx(7 * large.spacing[1])
+    assert registered.attrs["registration_shift_y_um"] == pytest.approx(-5 * large.spacing[0])
+    assert registered.contact_area_fraction[0] > 0.99 > unregistered.contact_area_fraction[0]
+    assert registered.attrs["peak"] > unregistered.attrs["peak"]
+
+
+def test_periodic_faces_are_not_registered():
+    with pytest.raises(ValueError, match="register must be False if the faces are periodic, got True"):
+        shear(create_rough_map(), path="50 um", mu0=0.6, boundary="periodic", register=True)

@@ -61,6 +61,9 @@ def shear(
         "--level FORM", "Trend to subtract from each face: none, mean, plane (maps) or line (profiles).",
         "plane or line",
     )] = None,
+    register: Annotated[
+        bool, option("--register", "Start where the faces fit best: shift, rotate and tilt UPPER.")
+    ] = False,
     unit: Annotated[list[str] | None, pair_option("unit")] = None,
     spacing: Annotated[list[str] | None, pair_option("spacing")] = None,
     missing: Annotated[str | None, pair_option("missing")] = None,
@@ -104,7 +107,8 @@ def shear(
         test = shear_test(
             *faces, path=path, load=load, mu0=mu0, tau0=tau0, steps=steps, direction=direction,
             normal_stiffness=normal_stiffness, young=young, poisson=poisson, effective_modulus=effective_modulus,
-            hardness=hardness, tilt=tilt_choice, level=level_choice, directory=output, replace=replace,
+            hardness=hardness, tilt=tilt_choice, level=level_choice, register=register,
+            directory=output, replace=replace,
             progress=lambda done, total: show_status(f"{done} of {total} displacements"),
         )  # fmt: skip
     except KeyboardInterrupt:

@@ -21,6 +21,7 @@ from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import flipped, levelled, rotated
 from stiction.surfaces.profile import Profile, combine_missing_masks, select_from_mask
+from stiction.surfaces.registration import measure_fit
 from stiction.surfaces.scale import CUTOFF_WAVELENGTH_RATIO, InstrumentLimit
 from stiction.surfaces.scan_defects import (
     MAX_NOISE_SLOPE_FRACTION,
@@ -148,7 +149,36 @@ def find_input_caveats(
             text = f"{format_with_unit(load, 'mN')} is {pressure} on {area:.3g} µm², above a tenth of E*"
             caveats.append(Caveat(text, "specify the load on this area, not on the whole part", "caution"))
     caveats += _find_mirror_caveats(upper, lower, study)
+    caveats += _find_fit_caveats(upper, lower, study)
     return tuple(caveats)
+
+
+MIN_FITS = {Profile: 0.9, Surface: 0.5}
+"""Correlation of the slopes of two faces, as `measure_fit` returns it, above which they count as faces that fit.
+
+The largest correlation of 3600 pairs of unrelated profiles was 0.86, and of 1350 pairs of unrelated maps 0.40.
+"""
+
+
+def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
+    """Yield a caveat if two faces fit, such as those of a fracture, and the positions are not specified."""
+    surfaces: Any = study.surfaces
+    if (
+        surfaces.gap
+        or surfaces.positions
+        or not isinstance(upper, (Profile, Surface))
+        or type(upper) is not type(lower)
+    ):
+        return
+    facing = flipped(rotated(upper, surfaces.rotate) if isinstance(upper, Surface) else upper)
+    if facing.is_flat or lower.is_flat or not np.allclose(facing.spacings, lower.spacings):
+        return
+    if measure_fit(facing, lower) > MIN_FITS[type(lower)]:
+        yield Caveat(
+            "the faces fit into each other, but the result is a mean over positions at which they do not",
+            "use stiction shear, which moves one face along the other",
+            "caution",
+        )
 
 
 MIN_GAP_REDUCTION = 2.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from stiction.mechanics.friction import (
     STATUS_OK,
     STATUS_SELF_LOCKED,
 )
+from stiction.surfaces.joint_roughness import MAX_Z2, MIN_Z2, SAMPLING_INTERVAL
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
 
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 MAX_PRINTED_DISPLACEMENTS = 13
 MAX_EDGE_LOAD_FRACTION = 0.2  # maximum fraction of the load at the edges of the faces without a caveat
 MAX_HARDNESS_LOAD_FRACTION = 0.5  # maximum fraction of the load at the hardness without a caveat
+MIN_REGISTERED_CORRELATION = 0.5  # minimum correlation of the slopes of registered faces without a caveat
 FIRST_CSV_TITLE = "displacement (um)"
 
 _CSV_COLUMNS = {
@@ -117,6 +120,11 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
                 f"At the peak, {format_percent(at_hardness)} of the load is on asperities at their strength. They are "
                 "flattened; breakage, gouge and wear are not included."
             )
+    if float(test.attrs.get("registration_correlation", 1.0)) < MIN_REGISTERED_CORRELATION:
+        caveats.append(
+            "The slopes of the faces hardly agree even where they fit best: check which faces belong together, and how "
+            "they were scanned."
+        )
     edge_fraction = float(np.nanmax(test["load_fraction_at_edges"].values))
     if edge_fraction > MAX_EDGE_LOAD_FRACTION:
         caveats.append(
@@ -149,11 +157,45 @@ def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
     dilation = float(test["dilation"][-1])
     rise = "" if math.isnan(dilation) else f", dilation {format_with_unit(dilation, 'um')}"
     lines.append(f"end:  {end_text} at {format_with_unit(end, 'um')}{rise}")
+    lines.append(_roughness_text(test.attrs))
+    if "registration_rms_gap_um" in test.attrs:
+        lines.append(_registration_text(test.attrs))
     lines += ["", _curve_table(test, verbose=verbose)]
     caveats = list_caveats(test)
     if caveats:
         lines += ["", *(wrap_text(f"- {caveat}", hanging_indent="  ") for caveat in caveats)]
     return "\n".join(lines)
+
+
+def _roughness_text(attributes: Mapping[Any, Any]) -> str:
+    interval = format_with_unit(float(attributes["sampling_interval_um"]), "um")
+    jrc = float(attributes["jrc"])
+    jrc_text = (
+        f"no JRC (Z2 {MIN_Z2:g} to {MAX_Z2:g} at {format_with_unit(SAMPLING_INTERVAL, 'um')})"
+        if math.isnan(jrc)
+        else f"JRC {jrc:.0f}"
+    )
+    z2, rising, falling = (float(attributes[name]) for name in ("z2", "rising_slope", "falling_slope"))
+    return wrap_text(
+        f"lower face: Z2 = {z2:.2g} at {interval}, {jrc_text}; along the motion, mean rising slope {rising:.2g}, "
+        f"falling slope {falling:.2g}",
+        hanging_indent="  ",
+    )
+
+
+def _registration_text(attributes: Mapping[Any, Any]) -> str:
+    before, after, x, y = (
+        format_with_unit(float(attributes[name]), "um")
+        for name in (
+            "rms_gap_before_registration_um", "registration_rms_gap_um", "registration_shift_x_um",
+            "registration_shift_y_um",
+        )
+    )  # fmt: skip
+    return wrap_text(
+        f"registered: shift {x} along x, {y} along y, rotation {attributes['registration_rotation_deg']:.2f}°; rms gap "
+        f"{after} (before: {before}), correlation of the slopes {attributes['registration_correlation']:.2f}",
+        hanging_indent="  ",
+    )
 
 
 def _curve_table(test: xarray.Dataset, *, verbose: bool) -> str:

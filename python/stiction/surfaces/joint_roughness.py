@@ -1,0 +1,78 @@
+"""Roughness of rock joints along a direction: Z2, the joint roughness coefficient, and slopes that face the motion.
+
+Tse & Cruden, International Journal of Rock Mechanics and Mining Sciences 16 (1979) 303.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stiction._checks import Floats
+
+SAMPLING_INTERVAL = 1270.0  # interval (µm) for which the relation between Z2 and JRC was fitted
+MAX_INTERVAL_DEVIATION = 0.2  # maximum deviation from this interval, as a fraction, for which a JRC is given
+MIN_Z2, MAX_Z2 = 0.1, 0.42  # range of Z2 for which the relation was fitted
+
+
+@dataclass(frozen=True)
+class JointRoughness:
+    """Roughness of a face along a direction, from height differences at a sampling interval.
+
+    Attributes
+    ----------
+    sampling_interval : float, µm
+        Distance of the points, the multiple of the grid spacing next to 1.27 mm.
+    z2 : float
+        Root-mean-square slope. It is the same for both senses of a direction.
+    rising_slope, falling_slope : float
+        Mean of the slopes that rise along the direction, and of the magnitudes of those that fall.
+    """
+
+    sampling_interval: float
+    z2: float
+    rising_slope: float
+    falling_slope: float
+
+    @property
+    def jrc(self) -> float:
+        """Joint roughness coefficient 32.2 + 32.47 log10 Z2; NaN outside the range for which it was fitted."""
+        deviation = abs(self.sampling_interval / SAMPLING_INTERVAL - 1)
+        if not (MIN_Z2 <= self.z2 <= MAX_Z2 and deviation <= MAX_INTERVAL_DEVIATION):
+            return math.nan
+        return 32.2 + 32.47 * math.log10(self.z2)
+
+
+def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
+    """Return the roughness of a profile or map along a direction (degrees from +x towards +y)."""
+    angle = math.radians(direction)
+    motion = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
+    spacing = np.array(face.spacings)
+    largest = np.array(face.heights.shape) - 1
+    steps = np.rint(SAMPLING_INTERVAL * motion / spacing).astype(int)
+    if not steps.any():
+        steps[int(np.argmax(np.abs(motion / spacing)))] = 1 if motion[np.argmax(np.abs(motion / spacing))] > 0 else -1
+    steps = np.clip(steps, -largest, largest)
+    interval = float(np.hypot.reduce(steps * spacing))
+    slopes = _height_differences(face, steps) / interval
+    rising, falling = slopes[slopes > 0], -slopes[slopes < 0]
+    return JointRoughness(
+        interval, float(np.sqrt(np.mean(slopes**2))), float(rising.mean()) if rising.size else 0.0,
+        float(falling.mean()) if falling.size else 0.0,
+    )  # fmt: skip
+
+
+def _height_differences(face: Any, steps: Any) -> Floats:
+    """Return the height differences over an offset in grid points, between all points that were measured."""
+    starts, ends = [], []
+    for step, count in zip(steps.tolist(), face.heights.shape, strict=True):
+        length = count - abs(step)
+        starts.append(slice(max(0, -step), max(0, -step) + length))
+        ends.append(slice(max(0, step), max(0, step) + length))
+    differences = face.heights[tuple(ends)] - face.heights[tuple(starts)]
+    if face.missing is None:
+        return np.asarray(differences)
+    return np.asarray(differences[~(face.missing[tuple(ends)] | face.missing[tuple(starts)])])

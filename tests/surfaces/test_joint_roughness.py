@@ -1,0 +1,66 @@
+"""Tests of Z2, the joint roughness coefficient and the mean rising slope of faces."""
+
+import math
+
+import numpy as np
+import pytest
+from stiction import Profile, Surface, self_affine_surface
+from stiction.surfaces.joint_roughness import measure_joint_roughness
+
+
+def create_sawtooth(rise, fall, points=2000, spacing=127.0):
+    """Return a profile with long teeth that rise with one slope and fall with another."""
+    period = 200
+    top = round(period * fall / (rise + fall))
+    x = np.arange(points) % period
+    return Profile(spacing * np.where(x < top, rise * x, rise * top - fall * (x - top)), spacing=spacing)
+
+
+def test_z2_and_jrc_of_a_ramp_follow_from_its_slope():
+    ramp = Profile(0.2 * 127 * np.arange(1000.0), spacing=127.0)
+    roughness = measure_joint_roughness(ramp, 0)
+    assert roughness.sampling_interval == pytest.approx(1270)
+    assert roughness.z2 == pytest.approx(0.2)
+    assert roughness.jrc == pytest.approx(32.2 + 32.47 * math.log10(0.2))
+
+
+def test_rising_slope_depends_on_the_sense_of_the_motion_and_z2_does_not():
+    tooth = create_sawtooth(0.1, 0.3)
+    forward, backward = (measure_joint_roughness(tooth, angle) for angle in (0, 180))
+    assert forward.rising_slope == pytest.approx(0.1, rel=0.06)
+    assert backward.rising_slope == pytest.approx(0.3, rel=0.15)  # some intervals include a tip
+    assert forward.rising_slope == backward.falling_slope
+    assert forward.z2 == backward.z2
+
+
+@pytest.mark.parametrize("slope", [0.05, 0.6])
+def test_jrc_is_undefined_outside_its_range(slope):
+    assert math.isnan(measure_joint_roughness(Profile(slope * 127 * np.arange(100.0), spacing=127.0), 0).jrc)
+
+
+def test_jrc_is_undefined_if_the_grid_is_too_coarse():
+    roughness = measure_joint_roughness(Profile(0.2 * 2000 * np.arange(100.0), spacing=2000.0), 0)
+    assert roughness.sampling_interval == 2000
+    assert math.isnan(roughness.jrc)
+
+
+def test_map_is_sampled_along_any_direction_without_missing_points():
+    y, x = np.mgrid[:80, :80] * 127.0
+    plane = Surface(0.2 * x + 0.1 * y, spacing=127.0)
+    for angle, slope in ((0, 0.2), (90, 0.1), (270, -0.1), (45, 0.3 / math.sqrt(2))):
+        roughness = measure_joint_roughness(plane, angle)
+        assert roughness.z2 == pytest.approx(abs(slope))
+        assert (roughness.falling_slope if slope < 0 else roughness.rising_slope) == pytest.approx(abs(slope))
+        assert roughness.sampling_interval == pytest.approx(1270, rel=0.05)
+    missing = np.zeros((80, 80), bool)
+    missing[:, 40:] = True
+    bent = Surface(np.where(missing, 1e5, plane.heights), spacing=127.0, missing=missing)
+    assert measure_joint_roughness(bent, 0).z2 == pytest.approx(0.2)
+
+
+def test_isotropic_map_has_similar_roughness_along_all_directions():
+    rough = self_affine_surface(
+        1, hurst_exponent=0.8, rms=700.0, shape=(256, 256), spacing=400.0, longest_wavelength=30_000.0
+    )
+    values = [measure_joint_roughness(rough, angle).z2 for angle in (0, 30, 90)]
+    assert max(values) < 1.25 * min(values)
