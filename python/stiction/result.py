@@ -7,12 +7,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stiction._checks import parse_path
+from stiction._checks import check_bool, parse_path
+from stiction._errors import ArgumentError
 from stiction._repr import figure_html, preformatted_html, render_png
 from stiction._units import short_repr
 from stiction.solve.store import open_stored_result
 from stiction.summary.evaluation import Evaluation
-from stiction.views.files import write_result
+from stiction.summary.joint_table import DEFAULT_UNITS, UnitSystem
+from stiction.views.files import is_card, write_joint_table, write_result
 from stiction.views.rows import summary_table
 from stiction.views.sentence import quotable_sentences
 from stiction.views.style import MATPLOTLIB_STYLE
@@ -95,15 +97,31 @@ class Result(Evaluation):
         save_report(self, path, name=self.path.resolve().name if self.path else "result")
         return path
 
-    def export(self, path: str | Path) -> None:
+    def export(self, path: str | Path, *, joint: bool = False, units: UnitSystem | None = None) -> None:
         """Write the result to a new file: all numbers for ``.nc``, or a table of values for ``.csv`` and ``.tex``.
+
+        Parameters
+        ----------
+        path : path
+        joint : bool
+            True to write the table of `joint_table` to a ``.csv`` or ``.json`` file. Cards of other programs contain it
+            in any case: ``.inp`` of Abaqus and CalculiX, ``.mac`` of Ansys and ``.liggghts``.
+        units : {"mm,N,MPa", "m,N,Pa", "um,mN,GPa"}, optional
+            Units of joint tables and cards; by default the first.
 
         Raises
         ------
         ValueError
             If the file exists or cannot be written, or its name has another ending.
         """
-        write_result(self, parse_path("path", path))
+        path = parse_path("path", path)
+        check_bool("joint", joint)
+        if joint or is_card(path):
+            write_joint_table(self, path, DEFAULT_UNITS if units is None else units)
+            return
+        if units is not None:
+            raise ArgumentError("{units} applies only to joint tables and cards, got {value}", value=units)
+        write_result(self, path)
 
     # ---- Display in a terminal or a notebook -------------------------------------------------------------------------
 

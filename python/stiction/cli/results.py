@@ -99,15 +99,36 @@ def report(
 
 
 @command(
-    "export", "stiction export figure6 figure6.nc", "stiction export pair pair.csv", "stiction export pair pair.tex"
+    "export",
+    "stiction export figure6 figure6.nc",
+    "stiction export pair pair.csv",
+    "stiction export pair joint.csv --joint",
+    "stiction export pair card.inp --units m,N,Pa",
 )
 def export(
     directory: DirectoryArgument,
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write: .nc, .csv or .tex. It must not exist.")],
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="File to write: .nc, .csv, .tex, or a card for Abaqus and CalculiX (.inp), Ansys (.mac) or LIGGGHTS "
+            "(.liggghts). It must not exist.",
+        ),
+    ],
+    *,
+    joint: Annotated[
+        bool, option("--joint", "Write closure, stiffness, friction and true area against pressure to .csv or .json.")
+    ] = False,
+    units: Annotated[
+        str | None, option("--units UNITS", "Units of joints and cards: mm,N,MPa, m,N,Pa or um,mN,GPa.", "mm,N,MPa")
+    ] = None,
 ) -> None:
-    """Write the stored result to a netCDF file, or write a table of the values at the loads shown by `info`."""
-    from stiction.cli.result_output import open_result_with_warning
-    from stiction.views.files import write_result
+    """Write the stored result to a netCDF file, or write a table of the values at the loads shown by `info`.
 
-    write_result(open_result_with_warning(directory), file)
+    For finite-element models, write the properties of the joint against pressure.
+    """
+    from stiction.cli.result_output import open_result_with_warning
+
+    chosen_units: Any = units
+    open_result_with_warning(directory).export(file, joint=joint, units=chosen_units)
     print_output(f"wrote {printable_path(file)}")

@@ -35,6 +35,14 @@ from stiction.solve.member_sums import MemberSums
 from stiction.solve.store import StoreError
 from stiction.summary.assessment import Caveat
 from stiction.summary.input_caveats import find_study_caveats
+from stiction.summary.joint_table import (
+    DEFAULT_UNITS,
+    JOINT_QUANTITIES,
+    JointTable,
+    UnitSystem,
+    build_joint_table,
+    choose_joint_loads,
+)
 from stiction.summary.summary import PointSummary, Summary, summarize
 
 MAX_REACHED_LOADS = 100_000  # maximum number of loads of `Result.reached_loads`
@@ -339,6 +347,47 @@ class Evaluation(MemberSums):
         """
         loads = self.default_loads[:1] if load is None else self._to_forces(load)
         return build_contact_table(self, loads, members)
+
+    def joint_table(
+        self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
+        units: UnitSystem = DEFAULT_UNITS,
+    ) -> JointTable:  # fmt: skip
+        """Tabulate closure, stiffness, friction and true area of a measured pair against the nominal pressure.
+
+        Finite-element programs describe a joint by these properties.
+
+        Parameters
+        ----------
+        load : str or array_like of float, mN, optional
+            Loads as for `at`; by default the computed loads, and loads between them.
+        mu0 : float, optional
+        tau0 : str or float, GPa, optional
+            By default the first values of the study.
+        units : {"mm,N,MPa", "m,N,Pa", "um,mN,GPa"}
+            Units of length, force and pressure.
+
+        Raises
+        ------
+        ValueError
+            If the bodies were generated, or no load has a closure.
+
+        Examples
+        --------
+        >>> from stiction import pair, self_affine_surface
+        >>> a, b = (
+        ...     self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, side=side)
+        ...     for side in ("upper", "lower")
+        ... )
+        >>> table = pair(a, b, load="10 MPa", effective_modulus="80 GPa", mu0=0.2, shifts=3, onset=0).joint_table()
+        >>> table.reference.pressure.value, table.reference.estimates["closure"].unit
+        (10.0, 'mm')
+        """
+        loads = choose_joint_loads(self.study)
+        loads = loads if load is None else self._to_forces(load)
+        friction = self.study.friction
+        strengths = (friction.mu0[:1] if mu0 is None else mu0, friction.tau0[:1] if tau0 is None else tau0)
+        at = self.at(loads, mu0=strengths[0], tau0=strengths[1], quantities=(*JOINT_QUANTITIES, "contact_count"))
+        return build_joint_table(at, self.study, units)
 
     # ---- Reported values ---------------------------------------------------------------------------------------------
 

@@ -8,8 +8,11 @@ from pathlib import Path
 from stiction._files import check_replaceable, create_file_atomically, replace_file_atomically
 from stiction._text import printable_path
 from stiction.summary.evaluation import Evaluation
+from stiction.summary.joint_table import DEFAULT_UNITS, JointTable, UnitSystem
+from stiction.views.joint import abaqus_card, ansys_card, joint_csv, joint_json, liggghts_card
 from stiction.views.latex import latex_table
 from stiction.views.rows import summary_table
+from stiction.views.sentence import quotable_sentences
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.style import FIGURE_FILE_SIGNATURES
 
@@ -56,14 +59,42 @@ EXPORT_WRITERS: dict[str, tuple[str, Callable[[Evaluation, Path], None]]] = {
 """Description and writer of each output format, by file name extension."""
 
 
+JOINT_FORMATS: dict[str, tuple[str, Callable[[JointTable, str], str]]] = {
+    ".csv": ("a table", joint_csv),
+    ".json": ("a table", joint_json),
+    ".inp": ("Abaqus and CalculiX", abaqus_card),
+    ".mac": ("Ansys", ansys_card),
+    ".liggghts": ("LIGGGHTS", liggghts_card),
+}
+"""Description and text of each format of a joint table, by file name extension."""
+
+
 def write_result(result: Evaluation, path: Path) -> None:
     """Write a result to a new file in the format that the file extension selects.
 
     Raises a `ValueError` if the file exists, if it cannot be written, or if its ending is not in `EXPORT_WRITERS`.
     """
-    if path.suffix.lower() not in EXPORT_WRITERS:
-        allowed_extensions = " or ".join(
-            f"{file_extension} ({description})" for file_extension, (description, _) in EXPORT_WRITERS.items()
-        )
-        raise ValueError(f"{printable_path(path)}: the file name must end in {allowed_extensions}")
+    _check_ending(path, {ending: description for ending, (description, _) in EXPORT_WRITERS.items()})
     EXPORT_WRITERS[path.suffix.lower()][1](result, path)
+
+
+def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAULT_UNITS) -> None:
+    """Write the joint table of a result to a new file, in a format of `JOINT_FORMATS`.
+
+    Raises a `ValueError` as `write_result` does, or if the result has no joint table.
+    """
+    _check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
+    table = result.joint_table(units=units)
+    sentence = quotable_sentences(result.summary())[0]
+    write_new_text_file(path, JOINT_FORMATS[path.suffix.lower()][1](table, sentence))
+
+
+def is_card(path: Path) -> bool:
+    """Return whether the ending of a file belongs to joint tables only."""
+    return path.suffix.lower() in JOINT_FORMATS.keys() - EXPORT_WRITERS.keys()
+
+
+def _check_ending(path: Path, descriptions: Mapping[str, str]) -> None:
+    if path.suffix.lower() not in descriptions:
+        allowed_extensions = " or ".join(f"{ending} ({text})" for ending, text in descriptions.items())
+        raise ValueError(f"{printable_path(path)}: the file name must end in {allowed_extensions}")

@@ -1,0 +1,242 @@
+"""Contact properties of a joint for other programs: closure, stiffness, friction and true area against pressure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from stiction._checks import Floats, check_choice
+from stiction._estimate import Estimate
+from stiction._units import quantity
+from stiction.evaluate.combined_intervals import COMBINED_QUANTITIES, FRICTION_PERCENTILES
+from stiction.evaluate.member_values import find_tangential_stiffness_ratio, has_grooves
+from stiction.evaluate.point import list_sliding_rules_reported_first, read_estimate, select_sliding_rule
+from stiction.mechanics.onset import DEFAULT_POISSON_RATIO
+from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.study.study import Study
+
+MAX_LOAD_RATIO = 10 ** (1 / 16)
+"""Largest ratio of successive loads of a joint table.
+
+Other programs interpolate linearly between its rows; the closure of two profiles then deviates by less than 0.1 %.
+"""
+UnitSystem = Literal["mm,N,MPa", "m,N,Pa", "um,mN,GPa"]
+"""Consistent units of length, force and pressure of other programs."""
+
+DEFAULT_UNITS: UnitSystem = "mm,N,MPa"
+
+JOINT_QUANTITIES = (
+    "closure", "closure_stiffness", "unloading_closure_stiffness", "tangential_stiffness_per_area",
+    "contact_area_fraction",
+)  # fmt: skip
+"""Quantities of a joint table besides friction."""
+
+JOINT_TITLES = {
+    "nominal_pressure": "nominal pressure", "closure": "closure", "closure_stiffness": "normal stiffness",
+    "unloading_closure_stiffness": "normal stiffness while unloading",
+    "tangential_stiffness_per_area": "tangential stiffness", "contact_area_fraction": "true area over nominal area",
+    "friction_combined": "mu_s", **{f"friction_{each:g}": f"mu_s {each:g} %" for each in FRICTION_PERCENTILES},
+}  # fmt: skip
+"""Titles of the estimates of a row. Stiffnesses are per nominal area."""
+
+
+@dataclass(frozen=True)
+class JointUnits:
+    """Units of a joint table."""
+
+    length: str
+    force: str
+    pressure: str
+
+    @classmethod
+    def parse(cls, text: str) -> JointUnits:
+        """Parse one of the choices of `UnitSystem`."""
+        check_choice("units", text, UnitSystem)
+        return cls(*text.split(","))
+
+    def convert(self, estimate: Estimate) -> Estimate:
+        """Return an estimate in these units. Numbers without a unit are not changed."""
+        length, pressure = quantity(f"1 {self.length}", "length"), quantity(f"1 {self.pressure}", "pressure")
+        conversions = {
+            "um": (self.length, float(length)),
+            "GPa": (self.pressure, float(pressure)),
+            "MPa/mm": (f"{self.pressure}/{self.length}", STIFFNESS_PER_AREA_FACTOR * float(pressure) / float(length)),
+        }
+        if estimate.unit not in conversions:
+            return estimate
+        unit, factor = conversions[estimate.unit]
+        return estimate.in_unit(unit, factor)
+
+
+@dataclass(frozen=True)
+class JointRow:
+    """Contact properties per nominal area at one nominal pressure.
+
+    Attributes
+    ----------
+    load : float, mN
+        Load of a member of the pair.
+    is_computed : bool
+        True if the contacts were computed at this load, False between two such loads.
+    estimates : dict of Estimate
+        By name: "nominal_pressure", "closure", "closure_stiffness" (normal stiffness), "unloading_closure_stiffness",
+        "tangential_stiffness_per_area", "contact_area_fraction" (true area over nominal area), "friction_combined"
+        (coefficient of static friction), and its percentiles "friction_5", "friction_50" and "friction_95" in a single
+        test.
+    """
+
+    load: float
+    is_computed: bool
+    estimates: Mapping[str, Estimate]
+
+    @property
+    def pressure(self) -> Estimate:
+        """Nominal pressure: load over nominal area."""
+        return self.estimates["nominal_pressure"]
+
+    def friction(self, percentile: float) -> Estimate:
+        """Percentile 5, 50 or 95 of the coefficient of static friction."""
+        return self.estimates[f"friction_{percentile:g}"]
+
+
+@dataclass(frozen=True)
+class JointTable:
+    """Contact properties of a joint against pressure, as `Result.joint_table` returns them.
+
+    Attributes
+    ----------
+    rows : tuple of JointRow
+        By ascending pressure.
+    units : JointUnits
+    reference : JointRow
+        Row at the first load of the study.
+    mu0, tau0 : float
+        Values to which the friction belongs; tau0 in GPa.
+    notes : tuple of str
+        Definitions, assumptions and the range of validity, as sentences.
+    """
+
+    rows: tuple[JointRow, ...]
+    units: JointUnits
+    reference: JointRow
+    mu0: float
+    tau0: float
+    notes: tuple[str, ...]
+
+
+def choose_joint_loads(study: Study) -> Floats:
+    """Return the computed loads (mN) of a measured pair, and loads between them at ratios up to `MAX_LOAD_RATIO`.
+
+    Raises a `ValueError` if the bodies were generated.
+    """
+    if not study.is_measured:
+        raise ValueError("a joint table needs a measured pair, got generated surfaces; stiction table tabulates these")
+    steps = study.contact.loading_steps()
+    counts = np.maximum(np.ceil(np.log(steps[1:] / steps[:-1]) / math.log(MAX_LOAD_RATIO) - 1e-6), 1).astype(int)
+    series = [
+        np.geomspace(low, high, count, endpoint=False)
+        for low, high, count in zip(steps[:-1], steps[1:], counts, strict=True)
+    ]
+    return np.unique(np.concatenate([*(each[1:] for each in series), steps]))
+
+
+def build_joint_table(at: xarray.Dataset, study: Study, units: str) -> JointTable:
+    """Build the joint table of a dataset that `Result.at` returned for a measured pair, at its first mu0 and tau0.
+
+    Loads at which the pair has no closure are omitted.
+
+    Raises
+    ------
+    ValueError
+        If no load has a closure.
+    """
+    parsed_units = JointUnits.parse(units)
+    at = select_sliding_rule(at, list_sliding_rules_reported_first(study)[0]).isel(mu0=0, tau0=0)
+    at = at.isel(cut_off=0) if "cut_off" in at.dims else at
+    steps, area = study.contact.loading_steps(), float(at["nominal_area"])
+    rows = []
+    for load in at["load"].values.tolist():
+        estimates = _read_row(at.sel(load=load), load / area)
+        if math.isfinite(estimates["closure"].value):
+            converted = {name: parsed_units.convert(each) for name, each in estimates.items()}
+            rows.append(JointRow(load, bool(np.isin(load, steps)), converted))
+    if not rows:
+        raise ValueError("a joint table needs a closure, but the pair has none at these loads")
+    first_load = float(study.friction.load[0])
+    reference = min(rows, key=lambda row: abs(math.log(row.load / first_load)))
+    notes = (*_describe_definitions(study, at), *_describe_range(rows, parsed_units))
+    return JointTable(tuple(rows), parsed_units, reference, float(at["mu0"]), float(at["tau0"]), notes)
+
+
+def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
+    """Return the estimates of a row in core units."""
+    pressure = float(f"{pressure:.12g}")  # without round-off of the quotient
+    estimates = {"nominal_pressure": Estimate(pressure, name="nominal_pressure", unit="GPa")}
+    for name in (*JOINT_QUANTITIES, "friction_combined"):
+        estimate = read_estimate(point[name]) if name in point else Estimate(math.nan, name=name)
+        is_combined = name in COMBINED_QUANTITIES and "friction_combined" in point
+        kind = ("combined" if is_combined else estimate.kind) if estimate.has_interval else ""
+        is_missing = math.isnan(estimate.value)
+        estimates[name] = replace(estimate, kind=kind, status="not-computed" if is_missing else "ok")
+    for percentile in FRICTION_PERCENTILES.tolist():
+        has_percentiles = "friction_percentiles" in point
+        value = float(point["friction_percentiles"].sel(percentile=percentile)) if has_percentiles else math.nan
+        estimates[f"friction_{percentile:g}"] = Estimate(
+            value, name="friction_percentiles", kind="prediction", status="no-prediction" if math.isnan(value) else "ok"
+        )
+    return estimates
+
+
+# ---- Words -----------------------------------------------------------------------------------------------------------
+
+
+def _describe_definitions(study: Study, at: xarray.Dataset) -> list[str]:
+    rule = str(at["sliding"].values)
+    notes = [
+        "All quantities are per nominal area, for first loading and the normal load before sliding.",
+        "Closure: decrease of the mean gap since first contact, without bending of the bodies as a whole. "
+        "Normal stiffness: its derivative.",
+        describe_tangential_stiffness(study, at),
+        f"Coefficient of static friction: friction at {'all contacts' if rule == 'all' else 'opposing contacts only'}; "
+        "5, 50 and 95 % of single tests in one direction at one position have smaller values.",
+    ]
+    if "friction_percentiles" not in at or np.isnan(at["friction_percentiles"]).all():
+        notes.append("No percentiles: a prediction needs at least three positions.")
+    if study.is_gap:
+        notes.append(
+            "A map of the gap does not contain the slopes of the faces, so that its friction is an assumption."
+        )
+    return notes
+
+
+def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
+    """Return how the tangential stiffness follows from the normal stiffness, or why it is missing."""
+    if "tangential_stiffness_per_area" not in at or np.isnan(at["tangential_stiffness_per_area"]).all():
+        return "No tangential stiffness: the result was stored without the stiffness while unloading; compute it again."
+    start = "Tangential stiffness: before slip, equal to the normal stiffness while unloading"
+    if has_grooves(study):
+        return f"{start}, because parallel grooves across the motion deform in plane strain; assumes bodies alike."
+    contact: Any = study.contact
+    given = contact.poisson
+    ratios = np.unique(np.array(given or (DEFAULT_POISSON_RATIO,), float)).tolist()
+    poisson = " and ".join(f"{ratio:.3g}" for ratio in ratios) + ("" if given else " (assumed)")
+    return (
+        f"{start} times {find_tangential_stiffness_ratio(study):.3g}, Mindlin's ratio for isotropic surfaces with "
+        f"Poisson's ratio {poisson}."
+    )
+
+
+def _describe_range(rows: Sequence[JointRow], units: JointUnits) -> list[str]:
+    lowest, highest = rows[0].pressure.value, rows[-1].pressure.value
+    return [
+        f"Valid from {lowest:.4g} to {highest:.4g} {units.pressure}. Below, a straight line to zero closure is only a "
+        "continuation."
+    ]

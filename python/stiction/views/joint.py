@@ -1,0 +1,217 @@
+"""Joint tables as CSV and JSON, and as cards for Abaqus, CalculiX, Ansys and LIGGGHTS."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+from stiction._core import __version__
+from stiction._estimate import Estimate, estimate_column_titles
+from stiction.summary.joint_table import JOINT_TITLES
+from stiction.views.json_record import record_json
+from stiction.views.spreadsheet import frame_to_csv
+
+if TYPE_CHECKING:
+    import pandas
+
+    from stiction.summary.joint_table import JointRow, JointTable
+
+CARD_WIDTH = 100  # maximum number of characters in a comment line of a card
+_ASCII_REPLACEMENTS = {
+    "μ": "mu", "τ": "tau", "α": "alpha", "ν": "nu", "±": "+-", "²": "^2", "µ": "u", "–": "-", "′": "'", "×": "x",
+}  # fmt: skip
+
+
+# ---- Tables ----------------------------------------------------------------------------------------------------------
+
+
+def joint_frame(table: JointTable) -> pandas.DataFrame:
+    """Return a joint table as a data frame, with one row per pressure and units in the column names."""
+    import pandas
+
+    columns: dict[str, list[Any]] = {}
+    for name, title in JOINT_TITLES.items():
+        estimates = [row.estimates[name] for row in table.rows]
+        titles = estimate_column_titles(title, next((each.unit for each in estimates if each.unit != "1"), "1"))
+        columns[titles["value"]] = [each.value for each in estimates]
+        if any(each.has_interval for each in estimates):
+            columns[titles["lower"]] = [each.lower for each in estimates]
+            columns[titles["upper"]] = [each.upper for each in estimates]
+            columns[f"{title}: kind"] = [each.kind for each in estimates]
+    columns["computed"] = [int(row.is_computed) for row in table.rows]
+    return pandas.DataFrame(columns)
+
+
+def joint_csv(table: JointTable, source: str) -> str:
+    """Return a joint table as CSV. It does not contain the source and the notes."""
+    del source
+    return frame_to_csv(joint_frame(table))
+
+
+def joint_json(table: JointTable, source: str) -> str:
+    """Return a joint table as a JSON record, with its notes and the sentence that describes the pair."""
+    values = []
+    for row in table.rows:
+        at = {"load": row.load, "mu0": table.mu0, "tau0": table.tau0}
+        for name, estimate in row.estimates.items():
+            is_percentile = estimate.name == "friction_percentiles"
+            values.append(estimate.to_record(at | ({"percentile": float(name[9:])} if is_percentile else {})))
+    units = {"length": table.units.length, "force": table.units.force, "pressure": table.units.pressure}
+    return record_json("export", values, kind="joint", units=units, notes=list(table.notes), sentence=source) + "\n"
+
+
+# ---- Cards -----------------------------------------------------------------------------------------------------------
+
+
+def abaqus_card(table: JointTable, source: str) -> str:
+    """Return a surface interaction for Abaqus and CalculiX."""
+    row = table.reference
+    friction, stiffness = row.friction(50), row.estimates["tangential_stiffness_per_area"]
+    has_stick_slope = math.isfinite(stiffness.value)
+    lines = [
+        *_describe(table, source, "** "),
+        *_comment_table(table, "** "),
+        *_comment(
+            "Pressure, closure. The slave surface needs TYPE=NODE TO SURFACE in CalculiX. Below the first pressure the "
+            "curve is a straight line; above the last pressure it is not known.", "** ",
+        ),
+        "*SURFACE INTERACTION, NAME=JOINT",
+        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR",
+        "0, 0",
+        *(f"{_number(each.pressure)}, {_number(each.estimates['closure'])}" for each in _list_increasing_rows(table)),
+    ]  # fmt: skip
+    if not math.isfinite(friction.value):
+        return "\n".join([*lines, "** No coefficient of friction: see the notes above."]) + "\n"
+    lines += [
+        *_comment(
+            f"CalculiX: the median of mu_s and the stick slope (tangential stiffness) at {_pressure_text(row)}, "
+            "because *FRICTION holds one coefficient and one stick slope for all pressures. For a 5 % fractile of the "
+            f"sliding load, replace the coefficient by {_number(row.friction(5))}; for a 95 % fractile, by "
+            f"{_number(row.friction(95))}.", "** ",
+        ),
+        *([] if has_stick_slope else _comment("No stick slope: see the notes above.", "** ")),
+        "*FRICTION",
+        _number(friction) + (f", {_number(stiffness)}" if has_stick_slope else ""),
+        *_comment(
+            "Abaqus: replace *FRICTION and its line by the following lines, without the asterisks in front: the median "
+            "of mu_s and the pressure. For the tangential stiffness, add the parameter ELASTIC SLIP: mu_s times the "
+            "pressure over the tangential stiffness, at one pressure.", "** ",
+        ),
+        "** *FRICTION",
+    ]  # fmt: skip
+    lines += [f"** {_number(each.friction(50))}, , {_number(each.pressure)}" for each in table.rows]
+    return "\n".join(lines) + "\n"
+
+
+def ansys_card(table: JointTable, source: str) -> str:
+    """Return material tables for Ansys: a gasket with the closure curve, and friction that depends on the pressure."""
+    row, rows = table.reference, _list_increasing_rows(table)
+    stiffness = row.estimates["tangential_stiffness_per_area"]
+    lines = [
+        *_describe(table, source, "! "),
+        *_comment_table(table, "! "),
+        *_comment(
+            "Material 1: closure and pressure of interface elements (INTER192 to INTER195). They have no friction: use "
+            "either this material or contact elements with material 2.", "! ",
+        ),
+        f"TB,GASKET,1,,{len(rows)},COMP",
+        *(f"TBPT,,{_number(each.estimates['closure'])},{_number(each.pressure)}" for each in rows),
+    ]  # fmt: skip
+    if math.isfinite(stiffness.value):
+        lines += [
+            *_comment(f"Transverse shear stiffness; one value only, that at {_pressure_text(row)}.", "! "),
+            "TB,GASKET,1,,,TSS",
+            f"TBDATA,1,{_number(stiffness)}",
+        ]
+    if math.isfinite(row.friction(50).value):
+        lines += [
+            *_comment(
+                "Material 2: median of mu_s against pressure, for contact elements. Set FKN and FKT of the contact to "
+                "the normal and the tangential stiffness at the pressure of your joint (table above): a contact "
+                "element has one value each.", "! ",
+            ),
+            "TB,FRIC,2,,,ISO",
+        ]  # fmt: skip
+        for each in table.rows:
+            lines += [f"TBFIELD,NPRES,{_number(each.pressure)}", f"TBDATA,1,{_number(each.friction(50))}"]
+    return "\n".join(lines) + "\n"
+
+
+def liggghts_card(table: JointTable, source: str) -> str:
+    """Return properties for LIGGGHTS at the first load of the study."""
+    row = table.reference
+    stiffnesses = {"kn": row.estimates["closure_stiffness"], "kt": row.estimates["tangential_stiffness_per_area"]}
+    lines = [
+        *_describe(table, source, "# "),
+        *_comment_table(table, "# "),
+        *_comment(
+            f"LIGGGHTS holds one value each, here at {_pressure_text(row)}. Its kn and kt (model hooke/stiffness) "
+            "are forces over lengths: multiply the stiffnesses below by the area that a contact between two grains "
+            "represents. A dependence on the pressure must be updated by your script, from the table above.", "# ",
+        ),
+        *(
+            f"variable {name}_per_area equal {_number(each)}"
+            for name, each in stiffnesses.items()
+            if math.isfinite(each.value)
+        ),
+    ]  # fmt: skip
+    if math.isfinite(row.friction(50).value):
+        friction = _number(row.friction(50))
+        lines.append(f"fix joint_friction all property/global coefficientFriction peratomtypepair 1 {friction}")
+    return "\n".join(lines) + "\n"
+
+
+def _list_increasing_rows(table: JointTable) -> list[JointRow]:
+    """Return the rows whose closure exceeds that of all rows before, as tables of other programs require."""
+    rows: list[JointRow] = []
+    for row in table.rows:
+        if row.estimates["closure"].value > (rows[-1].estimates["closure"].value if rows else 0.0):
+            rows.append(row)
+    return rows
+
+
+def _number(estimate: Estimate) -> str:
+    """Return the value with as many digits as in the CSV file."""
+    return f"{estimate.value:.9g}"
+
+
+def _pressure_text(row: JointRow) -> str:
+    return f"{_number(row.pressure)} {row.pressure.unit}"
+
+
+def _comment(text: str, prefix: str) -> list[str]:
+    ascii_text = "".join(_ASCII_REPLACEMENTS.get(each, each) for each in text).encode("ascii", "replace").decode()
+    return [f"{prefix}{line}" for line in textwrap.wrap(ascii_text, CARD_WIDTH, break_long_words=False)]
+
+
+def _describe(table: JointTable, source: str, prefix: str) -> list[str]:
+    """Return comment lines with the version, the pair, the units and the notes."""
+    units = table.units
+    texts = [
+        f"Contact properties of a joint, computed with stiction {__version__}.",
+        f"Units: {units.length}, {units.force}, {units.pressure}; stiffness {units.pressure}/{units.length}.",
+        *table.notes,
+        f"Pair: {source}",
+    ]
+    return [line for text in texts for line in _comment(text, prefix)]
+
+
+_CARD_COLUMNS = (
+    "nominal_pressure", "closure", "closure_stiffness", "tangential_stiffness_per_area",
+    "friction_5", "friction_50", "friction_95",
+)  # fmt: skip
+"""Estimates in the comments of a card, whose lines must not exceed 256 characters for Abaqus."""
+
+
+def _comment_table(table: JointTable, prefix: str) -> list[str]:
+    """Return the main columns of the table as comment lines, with intervals."""
+    titles = "; ".join(JOINT_TITLES[name] for name in _CARD_COLUMNS)
+    lines = _comment(f"Table: {titles}. In brackets: 95 % intervals.", prefix)
+    for row in table.rows:
+        cells = []
+        for estimate in (row.estimates[name] for name in _CARD_COLUMNS):
+            interval = f" [{estimate.lower:.9g}, {estimate.upper:.9g}]" if estimate.has_interval else ""
+            cells.append(_number(estimate) + interval)
+        lines.append(prefix + "; ".join(cells))
+    return lines

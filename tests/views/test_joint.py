@@ -1,0 +1,183 @@
+"""Test joint tables against `Result.at`, their files, and the card of CalculiX in a finite-element model."""
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+from stiction import Study, pair, run, self_affine_surface
+from support.command import assert_rejected, call_stiction, check_stiction
+
+ROOT = Path(__file__).parents[2]
+SCANS = ROOT / "examples/scans"
+UNIT_SYSTEMS = {"mm,N,MPa": (1e3, 1e-3), "m,N,Pa": (1e6, 1e-9), "um,mN,GPa": (1.0, 1.0)}  # µm and GPa per unit
+NUMBER = r"[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("joint")
+
+
+@pytest.fixture(scope="module")
+def result(folder):
+    """Return the result of the pair in README, with fewer positions."""
+    return pair(
+        SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", upper="steel", lower="brass", hardness="120 HV ± 10 %",
+        mu0=0.2, tau0="50 MPa", load="50 MPa", offsets=16, onset=0, directory=folder / "pair",
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def table(result):
+    return result.joint_table()
+
+
+def closure_of(row):
+    return row.estimates["closure"].value
+
+
+def export_text(result, path, **options):
+    path.unlink(missing_ok=True)
+    result.export(path, **options)
+    return path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("units", UNIT_SYSTEMS)
+def test_joint_table_contains_the_values_of_the_result_at_each_pressure(result, units):
+    length, pressure = UNIT_SYSTEMS[units]
+    table = result.joint_table(units=units)
+    loads = np.array([row.load for row in table.rows])
+    steps = result.study.contact.loading_steps()
+    assert [row.load for row in table.rows if row.is_computed] == pytest.approx(steps)
+    assert (loads[1:] / loads[:-1]).max() < 1.16
+    at = result.at(loads).sel(sliding="all").squeeze()
+    pressures = [row.pressure.value * pressure for row in table.rows]
+    assert pressures == pytest.approx((loads / result.nominal_area).tolist())
+    factors = {
+        "closure": length, "closure_stiffness": 1e6 * pressure / length, "contact_area_fraction": 1.0,
+        "unloading_closure_stiffness": 1e6 * pressure / length, "friction_combined": 1.0,
+        "tangential_stiffness_per_area": 1e6 * pressure / length,
+    }  # fmt: skip
+    kinds = {}
+    for name, factor in factors.items():
+        estimates = [row.estimates[name] for row in table.rows]
+        values = np.array([[each.value, each.lower, each.upper] for each in estimates])
+        np.testing.assert_allclose(values * factor, at[name].sel(statistic=["mean", "lower", "upper"]), rtol=1e-12)
+        (kinds[name],) = {each.kind for each in estimates}
+    assert kinds.pop("closure") == "mean"
+    assert set(kinds.values()) == {"combined"}
+    for percentile in (5, 50, 95):
+        percentiles = [row.friction(percentile) for row in table.rows]
+        expected = at["friction_percentiles"].sel(percentile=percentile)
+        np.testing.assert_allclose([each.value for each in percentiles], expected)
+        assert {each.kind for each in percentiles} == {"prediction"}
+
+
+def test_tangential_stiffness_of_grooves_is_the_normal_stiffness_while_unloading(table):
+    for row in table.rows:
+        unloading = row.estimates["unloading_closure_stiffness"].value
+        assert row.estimates["tangential_stiffness_per_area"].value == pytest.approx(unloading)
+        assert row.estimates["closure_stiffness"].value <= unloading * 1.001
+    assert any("parallel grooves" in note for note in table.notes)
+
+
+def test_joint_table_of_maps_states_mindlins_ratio_and_missing_percentiles():
+    bodies = [
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    ]
+    result = pair(*bodies, load="10 MPa", young="200 GPa,100 GPa", poisson="0.3,0.35", mu0=0.2, shifts=1, onset=0)
+    table = result.joint_table("20 MPa", mu0=0.4)
+    compliances = [(1 - nu**2) / young for nu, young in ((0.3, 200), (0.35, 100))]
+    tangential = [(2 - nu) * (1 + nu) / (2 * young) for nu, young in ((0.3, 200), (0.35, 100))]
+    (row,) = table.rows
+    assert row.pressure.value == pytest.approx(20)
+    assert table.mu0 == 0.4
+    ratio = row.estimates["tangential_stiffness_per_area"].value / row.estimates["unloading_closure_stiffness"].value
+    assert ratio == pytest.approx(sum(compliances) / sum(tangential), rel=1e-2)
+    assert any("Mindlin's ratio" in note and "0.3 and 0.35" in note for note in table.notes)
+    assert any("at least three positions" in note for note in table.notes)
+    assert row.friction(5).status == "no-prediction"
+
+
+def test_numbers_in_all_files_are_those_of_the_csv_file(result, folder, table):
+    csv = export_text(result, folder / "joint.csv", joint=True)
+    frame = pandas.read_csv(folder / "joint.csv")
+    assert len(frame) == len(table.rows)
+    assert frame["closure (mm)"].tolist() == pytest.approx([closure_of(row) for row in table.rows])
+    assert set(frame["normal stiffness: kind"]) == {"combined"}
+    cells = {cell for line in csv.splitlines()[1:] for cell in line.split(",")}
+    card = export_text(result, folder / "card.inp")
+    data_lines = [line for line in card.splitlines() if re.match(rf"(\*\* )?{NUMBER}[,;]", line)]
+    assert len(data_lines) > 3 * len(frame)
+    assert set(re.findall(NUMBER, "\n".join(data_lines))) - {"0"} <= cells
+    assert max(map(len, card.splitlines())) < 256
+    assert card.isascii()
+    ansys = export_text(result, folder / "card.mac")
+    numbers = re.findall(rf"^(?:TBPT,|TBFIELD,NPRES|TBDATA,1),({NUMBER})(?:,({NUMBER}))?$", ansys, re.MULTILINE)
+    assert len(numbers) == 3 * len(frame) + 1
+    assert {each for pair_of_numbers in numbers for each in pair_of_numbers} - {""} <= cells
+    liggghts = export_text(result, folder / "card.liggghts")
+    assert set(re.findall(rf"({NUMBER})$", re.sub("#.*", "", liggghts), re.MULTILINE)) <= cells
+
+
+def test_card_states_units_source_interval_and_what_the_format_cannot_hold(result, folder):
+    texts = {ending: export_text(result, folder / f"card{ending}") for ending in (".inp", ".mac", ".liggghts")}
+    for text in texts.values():
+        words = " ".join(re.sub("(?m)^(\\*\\*|!|#) ", "", text).split())
+        for part in ("Units: mm, N, MPa", "mild steel on brass", "assessment:", "Valid from 5 to 500 MPa", "one value"):
+            assert part in words.replace("one coefficient", "one value"), part
+
+
+def test_joint_record_contains_units_notes_and_kinds(result, folder, table):
+    record = json.loads(export_text(result, folder / "joint.json", joint=True, units="um,mN,GPa"))
+    assert record["units"] == {"length": "um", "force": "mN", "pressure": "GPa"}
+    assert record["notes"][0] == table.notes[0]
+    values = [each for each in record["values"] if each["at"]["load"] == table.reference.load]
+    percentiles = {each["at"]["percentile"]: each["value"] for each in values if "percentile" in each["at"]}
+    assert percentiles == {percentile: table.reference.friction(percentile).value for percentile in (5, 50, 95)}
+    (closure,) = [each for each in values if each["name"] == "closure"]
+    assert (closure["unit"], closure["kind"]) == ("um", "mean")
+
+
+def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, folder):
+    check_stiction("export", "pair", "from_command.csv", "--joint", cwd=folder)
+    expected = export_text(result, folder / "joint.csv", joint=True)
+    assert (folder / "from_command.csv").read_text(encoding="utf-8") == expected
+    for arguments, message in (
+        (("x.tex", "--joint"), "must end in .csv"),
+        (("x.inp", "--units", "in,lbf,psi"), "units must be one of 'mm,N,MPa'"),
+        (("x.csv", "--units", "m,N,Pa"), "--units applies only to joint tables and cards"),
+        (("from_command.csv", "--joint"), "from_command.csv"),
+    ):
+        assert_rejected(call_stiction("export", "pair", *arguments, cwd=folder), message)
+    small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    with pytest.raises(ValueError, match="needs a measured pair, got generated surfaces"):
+        run(Study.named("quick").with_changes(small)).joint_table()
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+def test_block_on_the_card_has_the_closure_stiffness_and_sliding_load_of_the_table(result, folder, tmp_path):
+    """Run the example of the page on finite-element models: four pressures, a small push, and sliding."""
+    shutil.copy(ROOT / "examples/block.inp", tmp_path)
+    export_text(result, tmp_path / "card.inp")
+    completed = subprocess.run(["ccx", "block"], cwd=tmp_path, capture_output=True, text=True, timeout=100, check=False)
+    output = (tmp_path / "block.dat").read_text()
+    closures = [-float(line.split()[3]) for line in re.findall(r"^ +1 .*$", output, re.MULTILINE)]
+    forces = [float(line.split()[0]) for line in re.findall(r"force .*\n\n(.*)\n", output)]
+    assert (len(closures), len(forces)) == (4, 2), completed.stdout
+    table = result.joint_table()
+    pressures, in_table = zip(
+        *((row.pressure.value, row.estimates["closure"].value) for row in table.rows), strict=True
+    )
+    np.testing.assert_allclose(closures, np.interp([10, 50, 100, 200], pressures, in_table), rtol=1e-5)
+    at_pressures = result.joint_table([f"{pressure} MPa" for pressure in (10, 50, 100, 200)]).rows
+    np.testing.assert_allclose(closures, [closure_of(row) for row in at_pressures], rtol=1e-3)
+    reference = table.reference
+    stiffness = reference.estimates["tangential_stiffness_per_area"].value
+    assert forces == pytest.approx([stiffness * 100 * 2e-5, reference.friction(50).value * 200 * 100], rel=1e-3)
