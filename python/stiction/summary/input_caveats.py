@@ -164,7 +164,7 @@ def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) ->
     """Yield a caveat if two faces fit, such as those of a fracture, and the positions are not specified."""
     surfaces: Any = study.surfaces
     if (
-        surfaces.gap
+        study.is_gap
         or surfaces.positions
         or not isinstance(upper, (Profile, Surface))
         or type(upper) is not type(lower)
