@@ -13,7 +13,7 @@ from stiction._repr import figure_html, preformatted_html, render_png
 from stiction._units import short_repr
 from stiction.solve.store import open_stored_result
 from stiction.summary.evaluation import Evaluation
-from stiction.summary.joint_table import DEFAULT_UNITS, UnitSystem
+from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, UnitSystem
 from stiction.views.files import is_card, write_joint_table, write_result
 from stiction.views.rows import summary_table
 from stiction.views.sentence import quotable_sentences
@@ -117,7 +117,7 @@ class Result(Evaluation):
         path = parse_path("path", path)
         check_bool("joint", joint)
         if joint or is_card(path):
-            write_joint_table(self, path, DEFAULT_UNITS if units is None else units)
+            write_joint_table(self, path, DEFAULT_JOINT_UNITS if units is None else units)
             return
         if units is not None:
             raise ArgumentError("{units} applies only to joint tables and cards, got {value}", value=units)

@@ -18,6 +18,8 @@ from stiction.study.input_distributions import Z_95, parse_uncertain_input
 from stiction.study.inputs import Inputs
 from stiction.study.values import StudyError
 from stiction.summary.summary import summarize
+from stiction.views.rows import point_record
+from stiction.views.sentence import dwell_time_text
 from support.rough_surfaces import rough_maps
 from support.studies_of_files import pair_study
 
@@ -207,6 +209,11 @@ def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None
     if rms == 0.03:  # All contacts yield, so the exact area grows as a power of the dwell time.
         increase_per_log_time = 0.05 / 0.8 * (864000**0.04 - 1) / np.log(864000)
         assert aged_point.ageing == pytest.approx(increase_per_log_time, rel=0.02)
+    record = point_record(aged_point)["rate_and_state"]
+    median_area = aged_point.values["patch_area"].sel(fraction_below=0.5, statistic="mean").item()
+    assert record["b"]["value"] == aged_point.ageing
+    assert (record["D_c"]["value"], record["D_c"]["unit"]) == (pytest.approx(2 * np.sqrt(median_area / np.pi)), "um")
+    assert f"Rate and state: b = {aged_point.ageing:.2g}, " in dwell_time_text(aged_point)
 
 
 def test_range_of_creep_exponent_widens_only_intervals_after_a_dwell() -> None:

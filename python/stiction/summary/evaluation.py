@@ -36,7 +36,7 @@ from stiction.solve.store import StoreError
 from stiction.summary.assessment import Caveat
 from stiction.summary.input_caveats import find_study_caveats
 from stiction.summary.joint_table import (
-    DEFAULT_UNITS,
+    DEFAULT_JOINT_UNITS,
     JOINT_QUANTITIES,
     JointTable,
     UnitSystem,
@@ -350,7 +350,7 @@ class Evaluation(MemberSums):
 
     def joint_table(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
-        units: UnitSystem = DEFAULT_UNITS,
+        units: UnitSystem = DEFAULT_JOINT_UNITS,
     ) -> JointTable:  # fmt: skip
         """Tabulate closure, stiffness, friction and true area of a measured pair against the nominal pressure.
 

@@ -31,7 +31,7 @@ Other programs interpolate linearly between its rows; the closure of two profile
 UnitSystem = Literal["mm,N,MPa", "m,N,Pa", "um,mN,GPa"]
 """Consistent units of length, force and pressure of other programs."""
 
-DEFAULT_UNITS: UnitSystem = "mm,N,MPa"
+DEFAULT_JOINT_UNITS: UnitSystem = "mm,N,MPa"
 
 JOINT_QUANTITIES = (
     "closure", "closure_stiffness", "unloading_closure_stiffness", "tangential_stiffness_per_area",

@@ -42,6 +42,7 @@ from stiction.evaluate.pull_off import PullOffValues, find_pull_off_values
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_range_for_finer_scans
 from stiction.mechanics.friction import FrictionLaw
+from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.solve.alternative_preparations import ALTERNATIVE_CONDITIONS, AlternativeName
 from stiction.summary.assessment import (
     ASPERITY_CHECKS,
@@ -265,6 +266,16 @@ class PointSummary:
             return math.nan
         longest_wait = self.after_dwell[-1]
         return (longest_wait.value - self.value) / math.log(longest_wait.seconds)
+
+    @property
+    def contact_size(self) -> Estimate:
+        """Median size of the contacts (µm): diameter of a circle of the same area, or length across grooves."""
+        median = self.distributions.get("patch_area", {}).get(0.5, Estimate(math.nan))
+        sizes = [
+            2 * math.sqrt(area / math.pi) if self.study.is_areal else area / PROFILE_WIDTH
+            for area in (median.value, median.lower, median.upper)
+        ]
+        return Estimate(*sizes, name="contact_size", unit="um", kind=median.kind)
 
     @property
     def faults(self) -> tuple[Caveat, ...]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from stiction._files import check_replaceable, create_file_atomically, replace_file_atomically
 from stiction._text import printable_path
 from stiction.summary.evaluation import Evaluation
-from stiction.summary.joint_table import DEFAULT_UNITS, JointTable, UnitSystem
+from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, JointTable, UnitSystem
 from stiction.views.joint import abaqus_card, ansys_card, joint_csv, joint_json, liggghts_card
 from stiction.views.latex import latex_table
 from stiction.views.rows import summary_table
@@ -78,7 +78,7 @@ def write_result(result: Evaluation, path: Path) -> None:
     EXPORT_WRITERS[path.suffix.lower()][1](result, path)
 
 
-def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAULT_UNITS) -> None:
+def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
     """Write the joint table of a result to a new file, in a format of `JOINT_FORMATS`.
 
     Raises a `ValueError` as `write_result` does, or if the result has no joint table.

@@ -324,6 +324,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
             for entry in point.budget
         ],
         "after_dwell": [aged.to_record({"dwell_time": aged.seconds}) for aged in point.after_dwell],
+        "rate_and_state": _rate_and_state_record(point),
         "scans": _by_body(point.scans),
         "contact_status": point.contact_status,
         "pull_off": None if point.pull_off is None else pull_off_record(point.pull_off),
@@ -337,6 +338,13 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         else {"from": point.bracket[0], "to": point.bracket[1], "rule": "all", "hardness": point.hardness},
         "caveats": list(map(caveat_record, point.caveats)),
     }
+
+
+def _rate_and_state_record(point: PointSummary) -> dict[str, Any] | None:
+    """Return b and D_c of rate-and-state friction, or None without dwell times."""
+    if not math.isfinite(point.ageing):
+        return None
+    return {"b": Estimate(point.ageing, name="b").to_record(), "D_c": point.contact_size.to_record()}
 
 
 def _by_body(values: Iterable[Any]) -> dict[str, Any]:

@@ -373,7 +373,20 @@ def dwell_time_text(point: PointSummary) -> str:
         else ""
     )
     rate_text = f"; {format_significant(point.ageing)} for each factor e of time" if math.isfinite(point.ageing) else ""
-    return f"After a dwell time: {', '.join(estimate_texts)}{ageing_reason}{rate_text}." if estimate_texts else ""
+    rate_and_state = rate_and_state_text(point)
+    end = f". {rate_and_state}" if rate_and_state else "."
+    return f"After a dwell time: {', '.join(estimate_texts)}{ageing_reason}{rate_text}{end}" if estimate_texts else ""
+
+
+def rate_and_state_text(point: PointSummary) -> str:
+    """Return b and D_c of rate-and-state friction, or an empty string without a rate of ageing or a contact size."""
+    size = point.contact_size
+    if not (math.isfinite(point.ageing) and math.isfinite(size.value)):
+        return ""
+    return (
+        f"Rate and state: b = {format_significant(point.ageing)}, from growth of the contact area alone; D_c about "
+        f"{format_with_unit(size.value, 'um')}, the median contact size; a is not computed."
+    )
 
 
 def no_values_text(summary: Summary) -> str:
