@@ -132,7 +132,9 @@ def shear_test(
 
         Attributes: `peak`, `peak_displacement_um`, `peak_dilation_angle_deg`, `peak_shear_stress_GPa`, `end` (value at
         the end of the path), and `peak_status`, which is not "ok" if the faces lock. Of the lower face, along the
-        motion: `z2` and `jrc` (NaN outside its range), `rising_slope` and `falling_slope`.
+        motion: `z2` and `jrc` (NaN outside its range), `rising_slope` and `falling_slope`. Of
+        the closure at the start, by Bandis' law: `closure_initial_stiffness_GPa_per_um`, `maximum_closure_um` and
+        `closure_misfit`, the largest relative deviation; NaN if the faces do not close.
 
     Raises
     ------
@@ -194,12 +196,13 @@ def _compute(
     test = _add_intervals(box.to_dataset(offsets, rows), inputs)
     pressure = box.solve_peak_pressure(test, offsets, rows, record)
     test = test if pressure is None else test.assign(peak_pressure=pressure)
-    area = float(test["overlap_area"][0])
+    closure, area = box.solve_closure(record), float(test["overlap_area"][0])
     return test.assign_attrs(
         mu0=inputs["mu0"].short_text, tau0=inputs["tau0"].text, direction_deg=box.direction, load_mN=box.load,
         normal_stress_GPa=box.load / area, normal_stiffness_GPa_per_um=box.stiffness / area,
         effective_modulus_GPa=box.effective_modulus, hardness_GPa=math.nan if box.hardness is None else box.hardness,
-        tilt=box.tilt, boundary=box.boundary, **_describe_roughness(box),
+        tilt=box.tilt, boundary=box.boundary, closure_initial_stiffness_GPa_per_um=closure.initial_stiffness,
+        maximum_closure_um=closure.maximum_closure, closure_misfit=closure.misfit, **_describe_roughness(box),
     )  # fmt: skip
 
 
@@ -212,9 +215,9 @@ def _describe_roughness(box: ShearBox) -> dict[str, float]:
 
 
 def _describe_registration(registration: Registration) -> dict[str, float]:
-    shift = registration.shift
+    shifts = zip(("y", "x")[-len(registration.shift) :], registration.shift, strict=True)
     return {
-        "registration_shift_x_um": shift[-1], "registration_shift_y_um": shift[0] if len(shift) == 2 else 0.0,
+        **{f"registration_shift_{axis}_um": shift for axis, shift in shifts},
         "registration_rotation_deg": registration.rotation, "registration_correlation": registration.correlation,
         "registration_rms_gap_um": registration.rms_gap, "rms_gap_before_registration_um": registration.rms_gap_before,
     }  # fmt: skip
@@ -285,6 +288,8 @@ def _build_box(
     if register:
         if boundary == "periodic":
             raise ValueError("register must be False if the faces are periodic, got True")
+        if upper.is_flat or lower.is_flat:
+            raise ValueError("register must be False if a face is flat, got True")
         upper, lower, registration = register_faces(upper, lower)
     inputs = {}
     for name, value in (("mu0", mu0), ("tau0", tau0)):

@@ -7,6 +7,7 @@ import pytest
 import xarray
 from stiction import Profile, Surface, flipped, self_affine_surface, shear_test
 from stiction.solve import members_in_progress
+from stiction.views.figures.shear import shear_figure
 from stiction.views.shear import list_caveats, shear_text
 from support.command import assert_rejected, call_stiction, check_stiction
 
@@ -86,7 +87,7 @@ def test_table_names_displacements_at_which_the_face_slides_by_itself():
         upper, tooth, path="40 um", steps=8, mu0=0.05, load="1 MPa", effective_modulus="30 GPa", boundary="periodic"
     )
     assert "slides by itself" in shear_text(test)
-    assert any("the faces slide by themselves" in caveat for caveat in list_caveats(test))
+    assert any("the faces slide by themselves." in caveat for caveat in list_caveats(test))
 
 
 # ---- Storage ---------------------------------------------------------------------------------------------------------
@@ -199,3 +200,22 @@ def test_faces_that_lock_have_no_peak():
     )  # fmt: skip
     assert any("the faces lock" in caveat for caveat in list_caveats(locked))
     assert not shear_text(locked).startswith("peak:")
+
+
+def test_faces_that_lock_at_most_displacements_are_printed_and_drawn():
+    face = create_faces()[1]
+    steep = Surface(20 * face.heights, spacing=face.spacing)
+    test = shear_test(
+        Surface(flipped(steep).heights, spacing=steep.spacing), steep, path="0.5 mm", steps=2, mu0=3.0, **CONDITIONS
+    )
+    assert "locks" in shear_text(test)
+    shear_figure(test).canvas.draw()
+
+
+def test_peak_above_the_limit_of_rock_joints_has_a_caveat():
+    face = create_faces()[1]
+    steep = Surface(6 * face.heights, spacing=face.spacing)
+    upper = Surface(flipped(steep).heights, spacing=steep.spacing)
+    test = shear_test(upper, steep, path="0.5 mm", steps=2, mu0=0.6, hardness="150 MPa", **CONDITIONS)
+    assert test.attrs["peak"] > 2.75
+    assert list_caveats(test)[0].startswith("The peak is above 70°")

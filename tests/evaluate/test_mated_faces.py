@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from stiction import Surface, pair, self_affine_surface
+from stiction import Profile, Surface, pair, self_affine_surface
 
 
 @pytest.fixture(scope="module")
@@ -80,3 +80,11 @@ def test_caveat_names_faces_that_fit_unless_the_position_is_given(mated_faces):
     other = self_affine_surface(6, hurst_exponent=0.8, rms=6.0, shape=(64, 64), spacing=15.625)
     assert text not in list_caveat_texts(mated_faces[0], other, shifts=2)
     assert text not in list_caveat_texts(other, other, shifts=2)
+
+
+def test_caveat_names_profiles_and_lines_of_maps_that_fit(mated_faces):
+    options = {"load": "1 MPa", "effective_modulus": "16 GPa", "mu0": 0.6, "onset": 0, "cutoff": "none"}
+    lower = self_affine_surface(5, hurst_exponent=0.8, rms=6.0, shape=(4, 256), spacing=15.625).row(0)
+    for faces, more in (((Profile(-lower.heights, spacing=15.625), lower), {}), (mated_faces, {"lines": 2})):
+        texts = [caveat.text for caveat in pair(*faces, **options | more).input_caveats]
+        assert any("the faces fit into each other" in text for text in texts)

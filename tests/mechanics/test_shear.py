@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, flipped, self_affine_surface, shear_test
+from stiction import Profile, Surface, flipped, half_space, self_affine_surface, shear_test
+from stiction.mechanics.joint_closure import fit_bandis_law
 
 ANGLE = math.radians(10)
 FULL_FIT = {"load": "1 MPa", "effective_modulus": "30 GPa"}
@@ -251,7 +252,9 @@ def test_missing_points_are_not_part_of_the_overlap():
     missing = np.zeros(face.heights.shape, bool)
     missing[:8, :8] = True
     holed = Surface(face.heights, spacing=face.spacing, missing=missing)
-    test = shear_test(create_mate(face), holed, path="100 um", steps=2, mu0=0.5, **FULL_FIT)
+    test = shear_test(create_mate(face), holed, path="100 um", steps=2, mu0=0.5, level="mean", **FULL_FIT)
+    assert (test.status == "ok").all()
+    assert test.contact_area_fraction[0] == pytest.approx(1)
     assert test.overlap_area[0] == pytest.approx((64**2 - 64) * (1000 / 64) ** 2)
 
 
@@ -274,6 +277,45 @@ def test_registered_faces_start_where_they_fit():
     assert registered.attrs["peak"] > unregistered.attrs["peak"]
 
 
+def test_flat_faces_are_not_registered():
+    flat = Surface(np.zeros((40, 40)), spacing=10.0)
+    with pytest.raises(ValueError, match="register must be False if a face is flat, got True"):
+        shear(flat, path="50 um", mu0=0.6, register=True)
+
+
 def test_periodic_faces_are_not_registered():
     with pytest.raises(ValueError, match="register must be False if the faces are periodic, got True"):
         shear(create_rough_map(), path="50 um", mu0=0.6, boundary="periodic", register=True)
+
+
+# ---- Closure ---------------------------------------------------------------------------------------------------------
+
+
+def test_bandis_law_is_recovered_from_its_own_closures():
+    pressure = np.geomspace(1e-5, 1e-3, 8)
+    law = fit_bandis_law(pressure, pressure * 20.0 / (3e-6 * 20.0 + pressure))
+    assert (law.initial_stiffness, law.maximum_closure) == (pytest.approx(3e-6), pytest.approx(20.0))
+    assert law.misfit == pytest.approx(0, abs=1e-6)
+
+
+def test_bandis_law_is_undefined_if_closures_do_not_approach_a_maximum():
+    pressure = np.geomspace(1e-5, 1e-3, 8)
+    assert np.isnan(fit_bandis_law(pressure, 1e3 * pressure).maximum_closure)
+    assert np.isnan(fit_bandis_law(pressure, 0 * pressure).misfit)
+
+
+def test_closure_at_the_start_follows_from_the_gap_and_vanishes_for_a_perfect_fit():
+    face = create_rough_map()
+    noise = np.random.default_rng(1).normal(0, 0.5, face.heights.shape)
+    rough = create_mate(face).changed(create_mate(face).heights + noise, "noise")
+    options = {"path": "50 um", "steps": 1, "mu0": 0.6, "level": "none"} | FULL_FIT
+    attributes = shear_test(rough, face, **options).attrs
+    gap = flipped(rough).changed(flipped(rough).heights - face.heights, "gap")
+    flat = gap.changed(np.zeros_like(gap.heights), "flat")
+    curve = half_space(gap, flat, ["1 MPa"], effective_modulus=30.0)
+    pressure, maximum = 1e-3, attributes["maximum_closure_um"]
+    law = pressure * maximum / (attributes["closure_initial_stiffness_GPa_per_um"] * maximum + pressure)
+    assert law == pytest.approx(float(curve.closure[0]), rel=attributes["closure_misfit"] + 1e-3)
+    assert attributes["closure_misfit"] < 0.3
+    perfect = shear_test(create_mate(face), face, **options)
+    assert np.isnan(perfect.attrs["closure_misfit"])

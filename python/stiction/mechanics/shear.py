@@ -12,7 +12,7 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction._errors import NoSolutionError
@@ -31,6 +31,7 @@ from stiction.mechanics.friction import (
 )
 from stiction.mechanics.half_space import BoundaryCondition, HalfSpaceCurve, TiltMode, half_space
 from stiction.mechanics.half_space_problem import solver_thread_count
+from stiction.mechanics.joint_closure import BandisLaw, fit_bandis_law
 from stiction.mechanics.model import ContactModel
 from stiction.mechanics.patches import grid_slopes, patch_sums
 from stiction.mechanics.quantities import quantity_attributes
@@ -51,6 +52,12 @@ MAX_LOAD_TRIALS = 40  # maximum number of contacts that are solved for one step
 MAX_LOAD_FACTOR = 4.0  # maximum factor between the elastic loads of two consecutive trials
 MAX_ELASTIC_LOAD_RATIO = 100.0  # ratio of the elastic load to the target of the normal load at which the faces lock
 MIN_ELASTIC_LOAD_RATIO = 1e-4  # ratio of the elastic load to the initial load at which the faces count as separated
+
+MAX_ROUND_OFF_GAP = 1e-9
+"""Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
+
+NUM_CLOSURE_LOADS = 8  # number of loads at which the closure is computed
+MAX_CLOSURE_LOAD_RATIO = 50.0  # ratio of the normal load to the smallest of these loads
 
 _NUMBER_NAMES = (
     *LOAD_SUM_NAMES, "contact_area", "overlap_area", "contact_count", "load_fraction_at_hardness",
@@ -157,19 +164,22 @@ class ShearBox:
         if self.boundary == "periodic":
             axes = tuple(range(offset.size))
             heights = np.roll(self.upper.heights, tuple(map(int, offset)), axes)
-            return type(self.upper)(heights, spacing=self.upper.spacing), replace(self.lower, history=())  # type: ignore[arg-type]
+            upper = replace(self.upper, heights=heights, history=())
+            return _close_round_off_gap(upper, replace(self.lower, history=()))
         *starts, shape = self._find_overlap(offset)
-        faces = []
-        for body, start in zip((self.upper, self.lower), starts, strict=True):
-            index = _slices(start, shape)
-            missing = select_from_mask(body.missing, index)
-            faces.append(type(body)(body.heights[index], spacing=body.spacing, missing=missing))  # type: ignore[arg-type]
-        return faces[0], faces[1]
+        upper, lower = (
+            replace(
+                body, heights=body.heights[_slices(start, shape)], history=(),
+                missing=select_from_mask(body.missing, _slices(start, shape)),
+            )
+            for body, start in zip((self.upper, self.lower), starts, strict=True)
+        )  # fmt: skip
+        return _close_round_off_gap(upper, lower)
 
-    def solve_contact(self, offset: NDArray[np.int64], elastic_load: float) -> HalfSpaceCurve:
-        """Solve the contact at an offset under a given sum of the vertical contact forces (mN)."""
+    def solve_contact(self, offset: NDArray[np.int64], elastic_loads: ArrayLike) -> HalfSpaceCurve:
+        """Solve the contact at an offset under given sums of the vertical contact forces (mN)."""
         return half_space(
-            *self.faces_at(offset), [elastic_load], effective_modulus=self.effective_modulus,
+            *self.faces_at(offset), np.atleast_1d(elastic_loads), effective_modulus=self.effective_modulus,
             compliance_share=self.compliance_share, hardness=self.hardness, boundary=self.boundary, tilt=self.tilt,
             sliding="all", tolerance=self.tolerance,
         )  # fmt: skip
@@ -254,7 +264,8 @@ class ShearBox:
             rows.append(self._make_row(curve, offset, first_contact_height, elastic_load))
             if first is None:
                 return self._normal_load(rows[-1]) - self.load, self.load
-            target = self.load + self.stiffness * (float(rows[-1]["height"]) - float(first["height"]))
+            rise = float(rows[-1]["height"]) - float(first["height"])
+            target = self.load + (self.stiffness * rise if self.stiffness else 0.0)
             return self._normal_load(rows[-1]) - target, target
 
         guess = self.load if previous is None else float(previous["elastic_load"])
@@ -290,6 +301,20 @@ class ShearBox:
 
     def _normal_load(self, row: StepResult) -> float:
         return float(self.law.load("normal", row))
+
+    def solve_closure(self, record: SolutionRecord) -> BandisLaw:
+        """Solve the closure at the start of the path up to the normal load, and fit Bandis' law to it."""
+        loads = self.load * np.geomspace(1 / MAX_CLOSURE_LOAD_RATIO, 1.0, NUM_CLOSURE_LOADS)
+        offset = np.zeros(self.lower.heights.ndim, np.int64)
+
+        def solve_closures() -> StepResult:
+            return {"closure": self.solve_contact(offset, loads).closure}
+
+        try:
+            closure = record.run_step(solve_closures, NoSolutionError)["closure"]
+        except NoSolutionError:
+            closure = np.zeros(loads.size)
+        return fit_bandis_law(loads / self.initial_overlap_area, closure)
 
     def solve_peak_pressure(
         self, test: xr.Dataset, offsets: NDArray[np.int64], rows: list[StepResult], record: SolutionRecord
@@ -347,6 +372,15 @@ class ShearBox:
 
 def _slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
     return tuple(slice(first, first + count) for first, count in zip(start, shape, strict=True))
+
+
+def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
+    """Make the gap of two faces uniform if it varies by round-off only, because it has no solution otherwise."""
+    missing = combine_missing_masks(upper, lower)
+    gap = upper.heights - lower.heights if missing is None else (upper.heights - lower.heights)[~missing]
+    if np.ptp(gap) > MAX_ROUND_OFF_GAP * np.ptp(lower.heights):
+        return upper, lower
+    return replace(upper, heights=lower.heights + gap.mean()), lower
 
 
 def _measured_area(upper: Profile | Surface, lower: Profile | Surface) -> float:

@@ -163,17 +163,18 @@ The largest correlation of 3600 pairs of unrelated profiles was 0.86, and of 135
 def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
     """Yield a caveat if two faces fit, such as those of a fracture, and the positions are not specified."""
     surfaces: Any = study.surfaces
-    if (
-        study.is_gap
-        or surfaces.positions
-        or not isinstance(upper, (Profile, Surface))
-        or type(upper) is not type(lower)
-    ):
+    if study.is_gap or surfaces.positions:
         return
-    facing = flipped(rotated(upper, surfaces.rotate) if isinstance(upper, Surface) else upper)
+    facing: Any
+    if isinstance(upper, Surface) and isinstance(lower, Surface):
+        facing = flipped(rotated(upper, surfaces.rotate) if surfaces.press == "areas" else upper)
+    elif isinstance(upper, Profile) and isinstance(lower, Profile):
+        facing = flipped(upper)
+    else:
+        return
     if facing.is_flat or lower.is_flat or not np.allclose(facing.spacings, lower.spacings):
         return
-    if measure_fit(facing, lower) > MIN_FITS[type(lower)]:
+    if measure_fit(facing, lower) > MIN_FITS[type(facing)]:
         yield Caveat(
             "the faces fit into each other, but the result is a mean over positions at which they do not",
             "use stiction shear, which moves one face along the other",

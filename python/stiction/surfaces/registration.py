@@ -69,10 +69,10 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
             offset, turned.heights.shape, lower.heights.shape, lower.spacings, strict=True
         )
     ]
-    found = Registration(
+    registration = Registration(
         tuple(middle_distances), rotation, before, _measure_rms_gap(upper_part, lower_part), correlation
     )
-    return upper_part, lower_part, found
+    return upper_part, lower_part, registration
 
 
 def measure_fit(upper: Any, lower: Any) -> float:
@@ -190,9 +190,9 @@ def _find_rotation(upper: Surface, lower: Surface) -> float:
     angles = np.arange(-MAX_ROTATION, MAX_ROTATION + ROTATION_STEP / 2, ROTATION_STEP)
     best = float(angles[int(np.argmax([correlate(float(angle)) for angle in angles]))])
     bounds = best - ROTATION_STEP, best + ROTATION_STEP
-    found = minimize_scalar(lambda angle: measure_gap(float(angle)), bounds=bounds, options={"xatol": 0.01})
+    optimum = minimize_scalar(lambda angle: measure_gap(float(angle)), bounds=bounds, options={"xatol": 0.01})
     smallest = math.degrees(1 / max(lower.heights.shape))  # moves the ends of the map by half of a point
-    return float(found.x) if abs(found.x) > smallest else 0.0
+    return float(optimum.x) if abs(optimum.x) > smallest else 0.0
 
 
 def _find_offset(upper: Any, lower: Any) -> tuple[int, ...]:

@@ -18,6 +18,7 @@ from stiction.mechanics.friction import (
     STATUS_OK,
     STATUS_SELF_LOCKED,
 )
+from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT
 from stiction.surfaces.joint_roughness import MAX_Z2, MIN_Z2, SAMPLING_INTERVAL
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 MAX_PRINTED_DISPLACEMENTS = 13
 MAX_EDGE_LOAD_FRACTION = 0.2  # maximum fraction of the load at the edges of the faces without a caveat
 MAX_HARDNESS_LOAD_FRACTION = 0.5  # maximum fraction of the load at the hardness without a caveat
+MAX_USUAL_PEAK = math.tan(math.radians(70))  # largest peak that Barton and Choubey (1977) recommend to use
 MIN_REGISTERED_CORRELATION = 0.5  # minimum correlation of the slopes of registered faces without a caveat
 FIRST_CSV_TITLE = "displacement (um)"
 
@@ -104,6 +106,8 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
         peak = int(np.nanargmax(test["friction_coefficient"].values))
         if peak == displacement.size - 1:
             caveats.append("The coefficient is largest at the end of the path: choose a longer path.")
+        if float(test.attrs["peak"]) > MAX_USUAL_PEAK:
+            caveats.append("The peak is above 70°, the usual limit of rock joints: real asperities break before.")
         if peak == 1:
             caveats.append(
                 "The peak is at the first displacement, so the true peak may be higher and earlier: use more steps, or "
@@ -125,7 +129,8 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
             "The slopes of the faces hardly agree even where they fit best: check which faces belong together, and how "
             "they were scanned."
         )
-    edge_fraction = float(np.nanmax(test["load_fraction_at_edges"].values))
+    edge_fractions = test["load_fraction_at_edges"].values
+    edge_fraction = float(np.max(edge_fractions, initial=0.0, where=np.isfinite(edge_fractions)))
     if edge_fraction > MAX_EDGE_LOAD_FRACTION:
         caveats.append(
             f"Up to {format_percent(edge_fraction)} of the load is at the edges of the faces: a free tilt takes the "
@@ -133,8 +138,9 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
         )
     for name, words in ((STATUS_DOWNHILL, "slide by themselves"), (STATUS_NO_CONTACT, "lose contact")):
         if (status == name).any():
-            first = displacement[int(np.argmax(status == name))]
-            caveats.append(f"From a displacement of {format_with_unit(first, 'um')} on, the faces {words}.")
+            first = format_with_unit(displacement[int(np.argmax(status == name))], "um")
+            count_text = f"{int((status == name).sum())} of {status.size} displacements"
+            caveats.append(f"At {count_text}, first at {first}, the faces {words}.")
     return caveats
 
 
@@ -146,7 +152,7 @@ def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
         lines.append(
             f"peak: μ = {values['peak_friction_coefficient'].text()} at "
             f"{format_with_unit(values['displacement_at_peak'].value, 'um')}, dilation angle "
-            f"{values['dilation_angle_at_peak'].value:.0f}°"
+            f"{round(values['dilation_angle_at_peak'].value)}°"
         )
     end_status = values["end_friction_coefficient"].status
     end_text = (
@@ -158,6 +164,8 @@ def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
     rise = "" if math.isnan(dilation) else f", dilation {format_with_unit(dilation, 'um')}"
     lines.append(f"end:  {end_text} at {format_with_unit(end, 'um')}{rise}")
     lines.append(_roughness_text(test.attrs))
+    if not math.isnan(float(test.attrs["closure_misfit"])):
+        lines.append(_closure_text(test.attrs))
     if "registration_rms_gap_um" in test.attrs:
         lines.append(_registration_text(test.attrs))
     lines += ["", _curve_table(test, verbose=verbose)]
@@ -183,16 +191,28 @@ def _roughness_text(attributes: Mapping[Any, Any]) -> str:
     )
 
 
-def _registration_text(attributes: Mapping[Any, Any]) -> str:
-    before, after, x, y = (
-        format_with_unit(float(attributes[name]), "um")
-        for name in (
-            "rms_gap_before_registration_um", "registration_rms_gap_um", "registration_shift_x_um",
-            "registration_shift_y_um",
-        )
-    )  # fmt: skip
+def _closure_text(attributes: Mapping[Any, Any]) -> str:
+    stiffness = STIFFNESS_PER_AREA_FACTOR * float(attributes["closure_initial_stiffness_GPa_per_um"])
+    maximum = format_with_unit(float(attributes["maximum_closure_um"]), "um")
     return wrap_text(
-        f"registered: shift {x} along x, {y} along y, rotation {attributes['registration_rotation_deg']:.2f}°; rms gap "
+        f"closure at the start: initial stiffness {format_significant(stiffness, 2)} {STIFFNESS_PER_AREA_UNIT}, "
+        f"maximum closure {maximum} (Bandis' law, within {format_percent(float(attributes['closure_misfit']))})",
+        hanging_indent="  ",
+    )
+
+
+def _registration_text(attributes: Mapping[Any, Any]) -> str:
+    shifts = [
+        f"{format_with_unit(float(attributes[name]), 'um')} along {axis}"
+        for axis in ("x", "y")
+        if (name := f"registration_shift_{axis}_um") in attributes
+    ]
+    before, after = (
+        format_with_unit(float(attributes[name]), "um")
+        for name in ("rms_gap_before_registration_um", "registration_rms_gap_um")
+    )
+    return wrap_text(
+        f"registered: shift {', '.join(shifts)}, rotation {attributes['registration_rotation_deg']:.2f}°; rms gap "
         f"{after} (before: {before}), correlation of the slopes {attributes['registration_correlation']:.2f}",
         hanging_indent="  ",
     )
@@ -206,9 +226,8 @@ def _curve_table(test: xarray.Dataset, *, verbose: bool) -> str:
         if test.attrs["peak_status"] == STATUS_OK:
             indices = np.union1d(indices, [int(np.nanargmax(test["friction_coefficient"].values))])
     columns = [
-        _column(test, "displacement", float(test["displacement"][-1])),
-        _column(test, "dilation", float(np.nanmax(np.abs(test["dilation"].values)))),
-        _column(test, "shear_stress", float(np.nanmax(np.abs(test["shear_stress"].values)))),
+        _column(test, name, float(np.max(np.abs(test[name].values), initial=0.0, where=np.isfinite(test[name].values))))
+        for name in ("displacement", "dilation", "shear_stress")
     ]
     if test.attrs["normal_stiffness_GPa_per_um"] > 0:
         normal_stress = (test["normal_load"] / test["overlap_area"]).assign_attrs(units="GPa")

@@ -30,7 +30,7 @@ def shear_figure(test: xarray.Dataset) -> Figure:
         factor, unit = choose_prefixed_unit(float(test["displacement"][-1]), "um")
         displacement = test["displacement"].values / factor
         _draw_stress(panels[0], test, displacement)
-        dilation_factor, dilation_unit = choose_prefixed_unit(float(np.nanmax(np.abs(test["dilation"]))), "um")
+        dilation_factor, dilation_unit = choose_prefixed_unit(_largest(test["dilation"]), "um")
         panels[1].plot(displacement, test["dilation"] / dilation_factor, color=AREA_COLOUR, linewidth=1)
         panels[1].set(ylabel=f"dilation ({dilation_unit})", xlabel=f"displacement ({unit})")
         panels[1].sharex(panels[0])
@@ -44,9 +44,12 @@ def shear_figure(test: xarray.Dataset) -> Figure:
         return figure
 
 
+def _largest(values: xarray.DataArray) -> float:
+    return float(np.max(np.abs(values.values), initial=0.0, where=np.isfinite(values.values)))
+
+
 def _draw_stress(axes: Axes, test: xarray.Dataset, displacement: np.ndarray) -> None:
-    largest = float(np.nanmax(np.abs(test["shear_stress"])))
-    factor, unit = choose_prefixed_unit(largest, "GPa")
+    factor, unit = choose_prefixed_unit(_largest(test["shear_stress"]), "GPa")
     if "shear_stress_interval" in test:
         lower, upper = test["shear_stress_interval"].values / factor
         axes.fill_between(displacement, lower, upper, color=OPPOSING_COLOUR, alpha=0.2, linewidth=0)

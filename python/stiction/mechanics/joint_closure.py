@@ -1,0 +1,55 @@
+"""Closure of a joint under normal load: the hyperbola of Bandis, fitted to computed closures.
+
+Bandis, Lumsden & Barton, International Journal of Rock Mechanics and Mining Sciences 20 (1983) 249.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from stiction._checks import Floats
+
+MAX_EXTRAPOLATION = 10.0  # maximum ratio of the maximum closure to the largest computed closure
+
+
+@dataclass(frozen=True)
+class BandisLaw:
+    """Closure law p = K c / (1 - c/V) of a joint, and how well it fits.
+
+    Attributes
+    ----------
+    initial_stiffness : float, GPa/µm
+        K, the stiffness per area without a load.
+    maximum_closure : float, µm
+        V, the closure that no load exceeds.
+    misfit : float
+        Largest relative deviation of the computed closures from the law.
+    """
+
+    initial_stiffness: float
+    maximum_closure: float
+    misfit: float
+
+
+def fit_bandis_law(pressure: Floats, closure: Floats) -> BandisLaw:
+    """Fit Bandis' law to closures (µm) at nominal pressures (GPa) by least squares of relative deviations.
+
+    All numbers are NaN if the joint does not close, or if the closures are too small to determine the maximum.
+    """
+    from scipy.optimize import least_squares
+
+    if not (closure > 0).all():
+        return BandisLaw(math.nan, math.nan, math.nan)
+
+    def compute_deviations(logarithms: Floats) -> Floats:
+        stiffness, maximum = np.exp(logarithms)
+        return np.asarray(np.log(pressure * maximum / (stiffness * maximum + pressure) / closure))
+
+    found = least_squares(compute_deviations, np.log([pressure[0] / closure[0], 1.2 * closure[-1]]))
+    stiffness, maximum = np.exp(found.x)
+    if maximum > MAX_EXTRAPOLATION * closure[-1]:
+        return BandisLaw(math.nan, math.nan, math.nan)
+    return BandisLaw(float(stiffness), float(maximum), math.expm1(float(np.abs(found.fun).max())))
