@@ -334,6 +334,8 @@ def _iterate_intervals(
         if name in ("hardness", "junction_growth") and name not in inputs
     }
     shape = tuple(at.sizes[dim] for dim in dims)
+    all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
+    central_values: dict[tuple[int, ...], Any] = {}  # quantities at all mu0 and tau0, by the other indices
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))
         point = {name: values[position] for name, values in values_by_name.items()}
@@ -344,10 +346,15 @@ def _iterate_intervals(
             replace(study_inputs, mu0=float(point["mu0"]), tau0=float(point["tau0"])),
             float(stiffness_exponents[indices["load"]]),
         )
+        key = tuple(index for dim, index in indices.items() if dim not in ("mu0", "tau0"))
+        if key not in central_values:
+            central_values[key] = response.evaluate(all_inputs)
+        central = central_values[key].select(indices["mu0"], indices["tau0"])
+        scan_mean = scan_means.get(position)
         yield (
             position,
             CombinedIntervals(
-                point, response, study, inputs, sampler, strengths, scan_means.get(position), drifts, replaced_inputs
+                point, response, central, study, inputs, sampler, strengths, scan_mean, drifts, replaced_inputs
             ),
         )
 

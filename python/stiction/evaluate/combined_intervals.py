@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._estimate import Interval
 from stiction.evaluate.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean
-from stiction.evaluate.response import ContactResponse, InputValues, ResponseValues
+from stiction.evaluate.response import AreasBeforeShear, ContactResponse, InputValues, ResponseValues
 from stiction.mechanics.brackets import friction_range_for_finer_scans, max_friction_for_finer_scans
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, FrictionLaw
 from stiction.mechanics.quantities import QUANTITIES
@@ -96,7 +96,6 @@ class _InputSamples:
     values: dict[str, Floats]
     modulus: Floats | float  # ratio of E* to the E* in the study
     creep: Floats | None  # exponents of indentation creep
-    spare_scores: Floats  # normal scores that are independent of all inputs except creep
 
 
 class InputSampler:
@@ -106,7 +105,7 @@ class InputSampler:
         self._inputs = Inputs.from_study(study)
         self._creep = self._inputs.estimate("creep")
         self._cache: dict[Any, _InputSamples] = {}
-        self._areas: dict[Any, Floats] = {}
+        self._areas: dict[Any, AreasBeforeShear] = {}
 
     def draw(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
@@ -117,12 +116,12 @@ class InputSampler:
             self._cache[key] = self._draw_uncached(inputs, names, fixed)
         return self._cache[key]
 
-    def find_area(self, key: Any, response: ContactResponse, inputs: InputValues) -> Floats:
-        """Return the area before shear for samples with the given key, and cache it for other mu0 and tau0."""
+    def find_areas(self, key: Any, response: ContactResponse, inputs: InputValues) -> AreasBeforeShear:
+        """Return the areas before shear for samples with the given key, and cache them for other mu0 and tau0."""
         if key not in self._areas:
             if len(self._areas) == MAX_CACHED_AREAS:
                 self._areas.pop(next(iter(self._areas)))
-            self._areas[key] = response.area_before_shear(inputs)
+            self._areas[key] = response.areas_before_shear(inputs)
         return self._areas[key]
 
     def _draw_uncached(
@@ -140,23 +139,24 @@ class InputSampler:
             values,
             self._inputs.relative_modulus(values),
             None if self._creep is None else self._creep.quantile(points[:, -1]),
-            ndtri(points[:, -1]),
         )
 
 
 class CombinedIntervals:
     """Combined intervals of the values of `at_load` at one load, μ0 and τ0 under one sliding rule.
 
-    `names` lists the uncertain inputs and sources of sampling uncertainty; it is empty if there is no coefficient or no
-    interval. `drifts` contains, by source of sampling uncertainty, the standard deviations of the logarithm of the
-    slope of the gap between the scan of a part and the whole part. `replaced_inputs` are the inputs besides mu0 and
-    tau0 whose values the samples of `strengths` contain.
+    `central` contains the quantities at the central inputs of `response`. `names` lists the uncertain inputs and
+    sources of sampling uncertainty; it is empty if there is no coefficient or no interval. `drifts` contains, by source
+    of sampling uncertainty, the standard deviations of the logarithm of the slope of the gap between the scan of a part
+    and the whole part. `replaced_inputs` are the inputs besides mu0 and tau0 whose values the samples of `strengths`
+    contain.
     """
 
     def __init__(
-        self, point: Mapping[str, Any], response: ContactResponse, study: Study, inputs: Mapping[str, Any],
-        sampler: InputSampler, strengths: Sequence[StrengthArrays] = (), scan_mean: ScanPairMean | None = None,
-        drifts: Mapping[str, float] = MappingProxyType({}), replaced_inputs: Mapping[str, Any] = MappingProxyType({}),
+        self, point: Mapping[str, Any], response: ContactResponse, central: ResponseValues, study: Study,
+        inputs: Mapping[str, Any], sampler: InputSampler, strengths: Sequence[StrengthArrays] = (),
+        scan_mean: ScanPairMean | None = None, drifts: Mapping[str, float] = MappingProxyType({}),
+        replaced_inputs: Mapping[str, Any] = MappingProxyType({}),
     ) -> None:  # fmt: skip
         self.study, self.response, self._sampler = study, response, sampler
         self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
@@ -169,7 +169,7 @@ class CombinedIntervals:
         if strengths and not self.strengths:  # the inputs that the joint samples contained are needed again
             self.inputs |= {name: each.estimate for name, each in replaced_inputs.items()}
         self.drifts = drifts
-        self._central = response.at_central_inputs()
+        self._central = central
         self._scan_mean = scan_mean
         value, lower, upper = self.sampling_estimate.tolist()
         if study.is_gap:  # a gap has only one relative position
@@ -403,8 +403,8 @@ class CombinedIntervals:
         inputs, samples = self._sample_inputs(fixed, dwell_time, strength_index, drift_factor)
         # The area before shear is the same for all mu0 and tau0, unless an interface comes with its own hardness.
         key = self.response.load, id(self.response.area), tuple(self.inputs), self.names, (*fixed.items(),), dwell_time
-        area = None if self.strengths else self._sampler.find_area((*key, drift_factor), self.response, inputs)
-        values = self.response.evaluate(inputs, area)
+        areas = None if self.strengths else self._sampler.find_areas((*key, drift_factor), self.response, inputs)
+        values = self.response.evaluate(inputs, areas)
         is_seized = np.isinf(values.friction_coefficient)
         coefficients = self.value * (
             np.where(is_seized, 1.0, values.friction_coefficient) / self._central.friction_coefficient

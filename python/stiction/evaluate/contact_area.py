@@ -75,7 +75,7 @@ class AreaFunction:
 
     def __call__(
         self, load: ArrayLike, *, hardness: ArrayLike | None = None, modulus: ArrayLike = 1.0,
-        yield_exponent: ArrayLike | None = None,
+        yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
     ) -> Floats:  # fmt: skip
         """Return the true area (µm²) before shear. The hardness and the exponent are those of the study by default.
 
@@ -87,8 +87,10 @@ class AreaFunction:
         modulus : array_like of float
             Ratio of E* to the E* in the study.
         yield_exponent : array_like of float, optional
+        elastic_area : array of float, µm², optional
+            Result of `elastic_area` for this load and modulus, if it is known.
         """
-        elastic_area = self.elastic_area(load, modulus)
+        elastic_area = self.elastic_area(load, modulus) if elastic_area is None else elastic_area
         if self.hardness is None:
             return elastic_area
         area = yielded_area(
@@ -101,12 +103,14 @@ class AreaFunction:
 
     def onset(
         self, law: FrictionLaw, load: ArrayLike, *, hardness: ArrayLike | None = None, modulus: ArrayLike = 1.0,
-        yield_exponent: ArrayLike | None = None,
+        yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
     ) -> OnsetState:  # fmt: skip
         """Return the state of contacts that yield at the onset of sliding. Arguments are as for the area."""
 
         def area_at_pressure(pressure: Floats) -> Floats:
-            return self(load, hardness=pressure, modulus=modulus, yield_exponent=yield_exponent)
+            return self(
+                load, hardness=pressure, modulus=modulus, yield_exponent=yield_exponent, elastic_area=elastic_area
+            )
 
         return law.onset(load, self.hardness if hardness is None else hardness, self.nominal_area, area_at_pressure)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -58,6 +58,13 @@ class InputValues:
         return FrictionLaw(self.mu0, self.tau0, self.junction_growth)
 
 
+class AreasBeforeShear(NamedTuple):
+    """True areas (µm²) before shear: of elastic bodies, and of the bodies themselves."""
+
+    elastic: Floats
+    true: Floats
+
+
 @dataclass(frozen=True, kw_only=True)
 class ResponseValues:
     """Quantities of a contact for given inputs, as arrays of the broadcast shape.
@@ -78,6 +85,11 @@ class ResponseValues:
     area: Floats
     area_at_onset: Floats
     plastic_friction: Floats
+
+    def select(self, *indices: int) -> ResponseValues:
+        """Return the quantities at one position of the broadcast shape."""
+        shape = np.shape(self.friction_coefficient)
+        return ResponseValues(**{name: np.broadcast_to(each, shape)[indices] for name, each in vars(self).items()})
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,22 +114,21 @@ class ContactResponse:
     central: InputValues
     stiffness_exponent: float = 1.0
 
-    def area_before_shear(self, inputs: InputValues) -> Floats:
-        """Return the true area (µm²) before shear, which depends neither on mu0 nor on tau0."""
-        return self.area(
-            self.load, hardness=inputs.hardness, modulus=inputs.modulus * inputs.height_factor,
-            yield_exponent=inputs.yield_exponent,
-        )  # fmt: skip
+    def areas_before_shear(self, inputs: InputValues) -> AreasBeforeShear:
+        """Return the true areas before shear, which depend neither on mu0 nor on tau0."""
+        elastic_area = self.area.elastic_area(self.load, inputs.modulus * inputs.height_factor)
+        options = {"hardness": inputs.hardness, "yield_exponent": inputs.yield_exponent, "elastic_area": elastic_area}
+        return AreasBeforeShear(elastic_area, self.area(self.load, **options))
 
-    def evaluate(self, inputs: InputValues, area_before_shear: Floats | None = None) -> ResponseValues:
-        """Return all quantities for the given inputs, whose area before shear may be known already."""
-        area = self.area_before_shear(inputs) if area_before_shear is None else area_before_shear
+    def evaluate(self, inputs: InputValues, known_areas: AreasBeforeShear | None = None) -> ResponseValues:
+        """Return all quantities for the given inputs, whose areas before shear may be known already."""
+        elastic_area, area = self.areas_before_shear(inputs) if known_areas is None else known_areas
         central_area = self.area(self.load)
         law, yield_pressure, area_at_onset = inputs.law, np.asarray(inputs.hardness), area
         if np.any(inputs.junction_growth) and self.area.hardness is not None:
             onset = self.area.onset(
-                law, self.load, hardness=inputs.hardness, modulus=inputs.modulus * inputs.height_factor,
-                yield_exponent=inputs.yield_exponent,
+                law, self.load, hardness=inputs.hardness, yield_exponent=inputs.yield_exponent,
+                elastic_area=elastic_area,
             )  # fmt: skip
             yield_pressure, area_at_onset = onset.yield_pressure, onset.area
         # Without τ0, friction does not depend on the area.
