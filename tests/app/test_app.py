@@ -380,7 +380,7 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
     # the field, and the field changes the slider if the report has the value.
     move_slider = "const field = inside.getElementById('mu0'); field.value = 1;" + DISPATCH_INPUT_EVENT_SCRIPT
     for change_mu0, field_value, report_value in (
-        (lambda: run_script_in_report(empty_page, move_slider), "0.05", 0.05),
+        (lambda: run_script_in_report(empty_page, move_slider), "0.1", 0.1),
         (lambda: fill_fields(empty_page, {"mu0": "0.4"}), "0.4", 0.4),
         (lambda: fill_fields(empty_page, {"mu0": "0.35"}), "0.35", 0.4),
     ):

@@ -26,14 +26,14 @@ if TYPE_CHECKING:
     from stiction.evaluate.member_values import MemberKind
     from stiction.study.study import Study
 
-MEASURED_MU0_VALUES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
+MEASURED_MU0_VALUES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
 GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 """Values of mu0 in reports of measured and of generated surfaces, in addition to the values of the study.
 
 Reports of generated surfaces have more loads, and therefore fewer values of mu0 and tau0.
 """
 
-MAX_TAU0_STEPS = {True: 10, False: 5}  # largest number of steps of tau0, for measured (True) and generated surfaces
+MAX_TAU0_STEPS = {True: 6, False: 5}  # largest number of steps of tau0, for measured (True) and generated surfaces
 MAX_STUDY_VALUES = 9  # maximum number of values of mu0 or tau0 in a study that a report shows; more are thinned
 MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 as a fraction of E*, if no tau0 in the study is larger
 MAX_TAU0_OVER_HARDNESS = 0.7 * 27**-0.5
