@@ -128,7 +128,8 @@ def shear_test(
 
         Over `y` and `x` (µm): `peak_pressure` (GPa), the contacts at the peak.
 
-        With ranges, over `end` ("lower", "upper"): `friction_coefficient_interval` and `shear_stress_interval`, 95 %.
+        With ranges, over `end` ("lower", "upper"): `friction_coefficient_interval` and `shear_stress_interval`, 95 %,
+        for the contacts at the central mu0 and tau0.
 
         Attributes: `peak`, `peak_displacement_um`, `peak_dilation_angle_deg`, `peak_shear_stress_GPa`, `end` (value at
         the end of the path), and `peak_status`, which is not "ok" if the faces lock. Of the lower face, along the
