@@ -254,7 +254,7 @@ def test_missing_points_are_not_part_of_the_overlap():
     holed = Surface(face.heights, spacing=face.spacing, missing=missing)
     test = shear_test(create_mate(face), holed, path="100 um", steps=2, mu0=0.5, level="mean", **FULL_FIT)
     assert (test.status == "ok").all()
-    assert test.contact_area_fraction[0] == pytest.approx(1)
+    assert test.contact_area_fraction[0] == pytest.approx(1, abs=1e-3)
     assert test.overlap_area[0] == pytest.approx((64**2 - 64) * (1000 / 64) ** 2)
 
 

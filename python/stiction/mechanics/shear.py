@@ -165,7 +165,7 @@ class ShearBox:
             axes = tuple(range(offset.size))
             heights = np.roll(self.upper.heights, tuple(map(int, offset)), axes)
             upper = replace(self.upper, heights=heights, history=())
-            return _close_round_off_gap(upper, replace(self.lower, history=()))
+            return upper, replace(self.lower, history=())
         *starts, shape = self._find_overlap(offset)
         upper, lower = (
             replace(
@@ -174,12 +174,13 @@ class ShearBox:
             )
             for body, start in zip((self.upper, self.lower), starts, strict=True)
         )  # fmt: skip
-        return _close_round_off_gap(upper, lower)
+        return upper, lower
 
     def solve_contact(self, offset: NDArray[np.int64], elastic_loads: ArrayLike) -> HalfSpaceCurve:
         """Solve the contact at an offset under given sums of the vertical contact forces (mN)."""
+        upper, lower = _close_round_off_gap(*self.faces_at(offset))
         return half_space(
-            *self.faces_at(offset), np.atleast_1d(elastic_loads), effective_modulus=self.effective_modulus,
+            upper, lower, np.atleast_1d(elastic_loads), effective_modulus=self.effective_modulus,
             compliance_share=self.compliance_share, hardness=self.hardness, boundary=self.boundary, tilt=self.tilt,
             sliding="all", tolerance=self.tolerance,
         )  # fmt: skip
@@ -375,12 +376,12 @@ def _slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
 
 
 def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
-    """Make the gap of two faces uniform if it varies by round-off only, because it has no solution otherwise."""
+    """Make the gap of two faces 0 if it varies by round-off only, because it has no solution otherwise."""
     missing = combine_missing_masks(upper, lower)
     gap = upper.heights - lower.heights if missing is None else (upper.heights - lower.heights)[~missing]
     if np.ptp(gap) > MAX_ROUND_OFF_GAP * np.ptp(lower.heights):
         return upper, lower
-    return replace(upper, heights=lower.heights + gap.mean()), lower
+    return replace(upper, heights=lower.heights), lower
 
 
 def _measured_area(upper: Profile | Surface, lower: Profile | Surface) -> float:
