@@ -381,7 +381,7 @@ class MeasuredBodySettings(SettingsTable):
         body = None if self.body is None else self.body.body
         if not isinstance(body, (Profile, Surface)):
             return ()
-        return find_caveats(ScannedHeights(heights_with_nan(body), body.spacings, from_text=False))
+        return find_caveats(ScannedHeights(heights_with_nan(body), body.spacings, from_file=False, from_text=False))
 
     def checksum(self) -> str:
         """Compute the SHA-256 checksum of the file contents.

@@ -69,8 +69,9 @@ class DecodedText:
         return np.concatenate([[0], line_ends + 1])
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
-        """Return whether the given lines contain characters that do not occur in numbers, such as letters."""
-        return bool((self.character_type_bits[lines] & _NON_NUMBER_CHARACTER_BIT).any())
+        """Return whether the given lines may contain words for missing points, which are not written like numbers."""
+        has_words_like_numbers = any(not word.encode().translate(None, NUMERIC_CHARACTERS) for word in self.words)
+        return has_words_like_numbers or bool((self.character_type_bits[lines] & _NON_NUMBER_CHARACTER_BIT).any())
 
     def __len__(self) -> int:
         return self.line_starts.size - 1

@@ -54,7 +54,7 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
     r".*(?<![0-9])(?<![0-9] )(?:[×*·]\s*(?:10|1e)|x\s*(?:10\s*\^|10\s*[-−+][0-9]|1e[-+−]?[0-9]|10{3,6}\b)).*|"
     r".*\b(?:multiplied|multiply|divided|divide|scaled|multipliziert|dividiert|skaliert)\s+(?:by|mit|durch|um)\b.*|"
     rf"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|conversion|calibration|unit|multiplication|amplitude)[\s_-]*)*"
-    rf"(?:factor|faktor|multiplier|scaling|skalierung|sensitivity|empfindlichkeit)\b.{{0,20}}?{SEPARATOR_PATTERN}"
+    rf"(?:fa[ck]tor|multiplier|scaling|skalierung|sensitivity|empfindlichkeit)\b.{{0,20}}?{SEPARATOR_PATTERN}"
     rf"(?!1(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"
     r".*(?:[nuµpm]?m|volts?|V)\s*(?:/|per)\s*(?:V|volts?|mV|LSB|bits?|digits?|counts?|div|[nuµm]m)\b.*",
     re.IGNORECASE,
@@ -100,10 +100,20 @@ NON_LENGTH_UNIT_PATTERN = re.compile(
 
 NON_HEIGHT_NAME_PATTERN = re.compile(
     r"\b(slopes?|steigung|pente|phase|current|strom|voltage|spannung|intensity|intensität|luminance|brightness|"
-    r"deflection|friction|lateral force|force|kraft|time|zeit|curvature|krümmung|gradient|temperature)\b",
+    r"deflection|friction|lateral force|force|kraft|time|zeit|curvature|krümmung|gradient|temperature|"
+    r"psd|power spectr\w*|spectr(?:um|al density)|acf|autocorrelation|probability|frequency|frequenz|reflect\w*)\b",
     re.IGNORECASE,
 )
 """Pattern of the names of quantities that are not heights."""
+
+_NON_POSITION_NAME_PATTERN = re.compile(
+    r"(?<![^\W_])(?:(wave[ _-]?(?:lengths?|numbers?|vectors?)|wellenlängen?|frequenc(?:y|ies)|frequenz(?:en)?|freq|lag|"
+    r"load|force|kraft|(?:time|zeit)\w*)|temps|t|seconds?|sekunden?|sec|minutes?|date|angles?|winkel|theta|phi|degrees?|"
+    r"grad|radians?|f|q|k|pressure|druck|temp(?:eratur\w*)?|voltage|spannung|current|strom|cycles?|zyklen|"
+    r"speed|velocity|energy|intensity|probability)(?![^\W_])",
+    re.IGNORECASE,
+)
+"""Pattern of the names of axes that are not positions. The group has names that are none in any unit."""
 
 _HEIGHT_NAME_PATTERN = re.compile(
     r"(?<![^\W_])(?:z|heights?|höhen?|hauteurs?|altezz[ae]|alturas?|topograph\w*|elevations?|amplitudes?)(?![^\W_])",
@@ -118,7 +128,7 @@ _VALUE_PATTERN = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+
 
 _REMARK_PATTERN = re.compile(
     r"\W*|[0-9.]+|.{13,}|(?:(?:un)?(?:raw|filtered|level(?:l?ed)?|corrected|calibrated|measured|smoothed|processed)|trace|retrace|"
-    r"forwards?|backwards?|fwd|bwd|mean|average|avg|left|right|abs(?:olute)?|rel(?:ative)?|top|bottom|upper|lower|primary|"
+    r"forwards?|backwards?|fwd|bwd|mean|average|avg|left|right|abs|absolute|rel|relative|top|bottom|upper|lower|primary|"
     r"roughness|waviness|profile|p|r|w|heights?|depth|x|y|z|pos\w*|lateral|vertical|no|yes|optional|nominal|text|numbers?|"
     r"rows?|columns?|ch(?:annel)?|sensor|data|all)[\s_-]*[0-9]*",
     re.IGNORECASE,
@@ -272,6 +282,17 @@ def _has_number_outside_brackets(line: str) -> bool:
 def is_unit(word: str) -> bool:
     """Return whether a word is a unit, either of length or of another quantity."""
     return parse_length_unit(word) is not None or NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
+
+
+def find_other_axis(name: str, unit: str | None) -> str | None:
+    """Return the quantity in the name of a column of positions if it is not a length, such as "time", or None.
+
+    A unit that is not a length is rejected by itself.
+    """
+    match = _NON_POSITION_NAME_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", name))
+    if match is None or (unit is not None and (match[1] is None or parse_length_unit(unit) is None)):
+        return None
+    return match[0].lower()
 
 
 # ---- Column names ---------------------------------------------------------------------------------------------------

@@ -27,7 +27,7 @@ MIN_WRAPPED_LINES = 8  # minimum number of lines of such a profile
 # A profile continues from line to line if the mean square difference between the end of a line and the start of the
 # next is at most this multiple of that between neighbours in a line, or this fraction of that in a column.
 MAX_WRAP_DIFFERENCE, MAX_WRAP_DIFFERENCE_OVER_COLUMN = 1.7, 0.25
-MAX_DEVIATION_IN_LINES = 8.0  # heights of such a profile are clipped at this multiple of the median deviation
+MAX_DEVIATION_IN_LINES = 8.0  # larger heights of such a profile, in median deviations, are ignored
 MIN_COLUMN_DIFFERENCE = 2.0  # minimum mean square difference between neighbours in a column, relative to a line
 
 _STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
@@ -159,10 +159,10 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
     finite = values[np.isfinite(values)]
     if finite.size < values.size / 2:
         return ()
-    # clip outliers and codes for missing points, which would dominate the differences
-    middle = np.median(finite)
-    limit = MAX_DEVIATION_IN_LINES * np.median(np.abs(finite - middle))
-    heights = np.where(np.isfinite(values), np.clip(values, middle - limit, middle + limit), np.nan)
+    # ignore outliers and codes for missing points, which would dominate the differences
+    deviations = np.abs(values - np.median(finite))
+    limit = MAX_DEVIATION_IN_LINES * np.median(deviations[np.isfinite(values)])
+    heights = np.where(deviations <= limit, values, np.nan)
     along, across, wrap = (
         float(np.nanmean(difference**2)) if np.isfinite(difference).any() else np.nan
         for difference in (np.diff(heights, axis=1), np.diff(heights, axis=0), heights[1:, 0] - heights[:-1, -1])

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._repr import format_with_unit
@@ -20,7 +20,16 @@ MIN_MISSING_CODE_REPEATS = 2
 MIN_MISSING_CODE_DISTANCE = 2.0
 # A repeated height counts as a code for missing points only if there are at least this many other heights.
 MIN_DISTINCT_HEIGHTS = 5
-MAX_MISSING_CODES = 3  # maximum number of codes for missing points in a scan
+MAX_MISSING_CODES = 4  # maximum number of codes for missing points at either end of the heights
+# minimum distance of a code for missing points from the median height, in median deviations
+MIN_CODE_DEVIATION = 3.0
+MAX_SAMPLED_HEIGHTS = 65_536  # maximum number of heights from which medians and frequencies are estimated
+MIN_DIFFERENT_HEIGHTS = 20  # minimum number of different heights of a scan whose frequencies are compared
+NUM_NEIGHBOURS = 12  # number of next lower and next higher heights with which a frequency is compared
+# minimum frequency of a repeated height within the others: a multiple of the median frequency of its neighbours, and
+# a multiple of the standard deviation of this frequency
+MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
+MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4  # range of the fraction of such heights
 MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
 # Minimum spacing (one ångström), maximum spacing (one centimetre) and maximum extent (one metre), in µm.
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
@@ -33,6 +42,7 @@ class ScannedHeights:
     heights: Floats
     spacing: tuple[float, ...]  # µm, along (y and) x
     factor: float = 1.0  # conversion factor from the numbers in the file to µm
+    from_file: bool = True  # False for objects, whose heights may be computed
     from_text: bool = True  # True if the numbers were read from text; integers in text may be counts instead of heights
 
     @cached_property
@@ -72,50 +82,97 @@ def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
 
 
 def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
-    """Find extreme values that repeat exactly and are far from all other heights."""
+    """Find extreme values that repeat exactly and are far from all other heights, at either end or at both."""
     heights = scan.non_missing_heights
-    for _ in range(MAX_MISSING_CODES):
-        missing_code = _find_missing_point_marker(heights)
-        if missing_code is None:
-            return
-        value, count, distance = missing_code
-        number = float(f"{value / scan.factor:.12g}")
+    for code, count, distance in _find_missing_point_codes(heights):
+        number = float(f"{code / scan.factor:.12g}")
         yield (
             f"{count} of {scan.heights.size} heights are exactly {number:.12g}, which is "
             f"{format_with_unit(distance, 'µm')} from all others, like a code for missing points|{number:.12g}"
         )
-        heights = heights[heights != value]
 
 
-def _find_missing_point_marker(heights: Floats) -> tuple[float, int, float] | None:
-    """Return a repeated extreme value, its count, and its distance from the other heights.
+def _find_missing_point_codes(heights: Floats) -> list[tuple[float, int, float]]:
+    """Return the codes among the lowest and the highest heights, with their counts and distances from the others.
 
-    Returns None if there is no such value.
+    Several codes may be at the same end, and their distances from each other are not limited.
     """
     if heights.size < 2 * MIN_DISTINCT_HEIGHTS:
-        return None
-    for sign in (1.0, -1.0):
-        value = float(heights.min() if sign > 0 else heights.max())
-        is_extreme = heights == value
-        count = int(np.count_nonzero(is_extreme))
-        if not MIN_MISSING_CODE_REPEATS <= count < heights.size:
-            continue
-        low, high = _range_without_excluded(heights, is_extreme)
-        distance = low - value if sign > 0 else value - high
-        if (
-            distance > MIN_MISSING_CODE_DISTANCE * (high - low)
-            and np.unique(heights[~is_extreme][:1000]).size >= MIN_DISTINCT_HEIGHTS
-        ):
-            return value, count, distance
-    return None
-
-
-def _range_without_excluded(heights: Floats, is_excluded: NDArray[np.bool_]) -> tuple[float, float]:
-    is_included = ~is_excluded
-    return (
-        float(np.min(heights, where=is_included, initial=np.inf)),
-        float(np.max(heights, where=is_included, initial=-np.inf)),
+        return []
+    # only heights far from the median can be codes, unless most heights are equal
+    sample = heights[:: max(1, heights.size // MAX_SAMPLED_HEIGHTS)]
+    median = np.median(sample)
+    deviations = np.abs(heights - median)
+    is_far = deviations > MIN_CODE_DEVIATION * np.median(np.abs(sample - median))
+    others = heights[~is_far]
+    if not others.size or not is_far.any():
+        return []
+    far_values, counts = np.unique(heights[is_far], return_counts=True)
+    count_of = dict(zip(far_values.tolist(), counts.tolist(), strict=True))
+    low, high = far_values[far_values < others.min()].tolist(), far_values[far_values > others.max()].tolist()
+    values = np.array([*low, others.min(), others.max(), *high])
+    choices = itertools.product(
+        range(min(MAX_MISSING_CODES, len(low)) + 1), range(min(MAX_MISSING_CODES, len(high)) + 1)
     )
+    for num_low, num_high in sorted(choices, key=sum)[1:]:
+        rest = values[num_low : values.size - num_high]
+        ends = [low[:num_low], high[len(high) - num_high :]]
+        distances = [float(rest[0]) - code for code in ends[0]] + [code - float(rest[-1]) for code in ends[1]]
+        if (
+            min(sum(count_of[code] for code in codes) for codes in ends if codes) >= MIN_MISSING_CODE_REPEATS
+            and min(distances) > MIN_MISSING_CODE_DISTANCE * float(np.ptp(rest))
+            and np.unique(others[:1000]).size >= MIN_DISTINCT_HEIGHTS
+        ):
+            return [
+                (code, count_of[code], distance) for code, distance in zip([*ends[0], *ends[1]], distances, strict=True)
+            ]
+    return []
+
+
+def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
+    """Find values within the heights that occur much more often than their neighbours, such as filled-in zeros."""
+    if not scan.from_file:
+        return
+    heights = scan.non_missing_heights
+    step = max(1, heights.size // MAX_SAMPLED_HEIGHTS)
+    values, counts = np.unique(heights[:: step + (step + 1) % 2], return_counts=True)
+    if values.size < MIN_DIFFERENT_HEIGHTS:
+        return
+    total = int(counts.sum())
+    for place in np.argsort(counts)[::-1][:MAX_MISSING_CODES].tolist():
+        neighbours = np.delete(
+            counts[max(0, place - NUM_NEIGHBOURS) : place + NUM_NEIGHBOURS + 1], min(place, NUM_NEIGHBOURS)
+        )
+        usual = float(np.median(neighbours))
+        is_inside = 0 < place < values.size - 1
+        fraction = counts[place] / total
+        if (
+            counts[place] >= MIN_REPEAT_RATIO * usual + MIN_REPEAT_DEVIATIONS * usual**0.5
+            and MIN_REPEAT_FRACTION <= fraction <= MAX_REPEAT_FRACTION
+            and (is_inside or values[place] == 0)
+        ):
+            number = float(f"{values[place] / scan.factor:.12g}")
+            yield (
+                f"{100 * fraction:.2g} % of the heights are exactly {number:.12g}, which is "
+                f"{counts[place] / usual:.2g} times as frequent as similar heights, like a code for missing points"
+                f"|{number:.12g}"
+            )
+
+
+def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
+    """Find neighbouring rows or columns of a map that are equal, although most are not."""
+    if not scan.from_file or scan.heights.ndim != 2:
+        return
+    for kind, lines in (("rows", scan.heights), ("columns", scan.heights.T)):
+        if min(lines.shape) < MIN_DISTINCT_HEIGHTS or np.unique(lines[:, : lines.shape[1] // 2 + 1][0]).size < (
+            MIN_DISTINCT_HEIGHTS
+        ):
+            continue
+        is_repeated = (lines[1:] == lines[:-1]).all(axis=1) & (np.ptp(lines[1:], axis=1) > 0)
+        count = int(is_repeated.sum())
+        if 0 < count < lines.shape[0] / 3:
+            text = f"{count} of {lines.shape[0]} {kind} are equal to the {kind[:-1]} before"
+            yield f"{text}, like {kind} that were not measured"
 
 
 def _find_whole_number_heights(scan: ScannedHeights) -> Iterator[str]:
@@ -155,6 +212,12 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 
 PLAUSIBILITY_CHECKS = (
     PlausibilityCheck("repeated-extreme", _find_repeated_extremes, "--missing-value {} treats them as missing points"),
+    PlausibilityCheck(
+        "repeated-height",
+        _find_repeated_heights,
+        "--missing-value {} treats them as missing points; accept it if the surface is flat there",
+    ),
+    PlausibilityCheck("repeated-rows", _find_repeated_rows, "read the other part only (--crop), or accept it"),
     PlausibilityCheck(
         "whole-numbers",
         _find_whole_number_heights,

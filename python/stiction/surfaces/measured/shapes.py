@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._text import printable_text
 from stiction.surfaces.measured.grid import to_grid
-from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN, is_unit, unit_in_column_name
+from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN, find_other_axis, is_unit, unit_in_column_name
 from stiction.surfaces.measured.matrix_checks import (
     find_wrapped_profile_caveat,
     reject_other_tables,
@@ -53,7 +53,11 @@ MIN_STEP_DIGITS = 3.0
 NameOrIndex = str | int
 
 _NUMBERING_NAME_PATTERN = re.compile(
-    r"|index|unnamed: ?0|no\.?|nr\.?|#|n|i|points?|pt\.?|punkt|zeile|line|row|dataline|trace", re.I
+    r"|index|idx|unnamed: ?0|(?:lfd\.? ?)?(?:no\.?|nr\.?|number|num|nummer)|#|n|i|id|(?:data ?)?points?|pt\.?|"
+    r"(?:mess)?punkt\w*|"
+    r"zeile|line|row|dataline|trace|samples?|frames?|pixels?|px|counter|"
+    r"(?:points?|samples?|punkt)[ _-]?(?:no|nr|number|index)\.?",
+    re.IGNORECASE,
 )
 _VALID_NAME_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
@@ -211,6 +215,12 @@ def _read_profile_columns(table: ColumnTable, *places: int) -> RawHeights:
             caveats += (FileCaveat("points", text, "remove what is not a height, or accept it"),)
         return replace(raw, heights=heights, history=history, caveats=(*raw.caveats, *caveats))
     positions = table.values[:, places[0]]
+    name = table.names[places[0]] if table.names else ""
+    if (quantity := find_other_axis(name, _column_units(table)[places[0]])) is not None:
+        raise FormatError(
+            f"has positions in a column named {printable_text(name)!r}, but {quantity} is not a length; choose "
+            f"only the heights (--columns {_column_numbers(table)[places[-1]]}) and give their spacing (--spacing)"
+        )
     # these rows lie below the end of the shorter of two adjacent tables in the file
     is_empty = np.isnan(positions) & np.isnan(heights)
     end = heights.size - int(np.argmin(is_empty[::-1])) if not is_empty.all() else heights.size
@@ -285,18 +295,19 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
     name = table.names[place] if table.names else ""
     if _column_units(table)[place] is not None or (name and not _NUMBERING_NAME_PATTERN.fullmatch(name.strip())):
         return ()
-    first = positions[0] if positions.size else np.nan
-    if (
-        positions.size < 4
-        or first not in (0.0, 1.0)
-        or not np.array_equal(positions, first + np.arange(positions.size))
-    ):
+    if positions.size < 4 or not np.isfinite(positions).all():
+        return ()
+    first, second, third = positions[:3].tolist()
+    step = second - first
+    counts_points = step == 1 and first in (0, 1)
+    counts_by_name = bool(name) and step.is_integer() and first.is_integer()  # for example each tenth frame
+    if not (counts_points or counts_by_name) or not np.array_equal(positions, first + step * np.arange(positions.size)):
         return ()
     number = _column_numbers(table)[place]
     return (
         FileCaveat(
             "numbering",
-            f"column {number} counts {first:.0f}, {first + 1:.0f}, {first + 2:.0f}, ... and is used as positions",
+            f"column {number} counts {first:.0f}, {second:.0f}, {third:.0f}, ... and is used as positions",
             "if it numbers the points, choose the height column by --columns and give --spacing",
         ),
     )

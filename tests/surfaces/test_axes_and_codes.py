@@ -1,0 +1,180 @@
+"""Axes that are not lengths, codes for missing points within heights, and maps in formats that declare their size."""
+
+import numpy as np
+import pytest
+from stiction import FormatError, read_measurement, read_surface
+from stiction.surfaces.measured.reading import read_with_interpretation
+
+RNG = np.random.default_rng(11)
+PROFILE = np.round(np.cumsum(RNG.normal(size=240)) / 50, 4)
+MAP = np.round(np.cumsum(np.cumsum(RNG.normal(size=(24, 60)), axis=0), axis=1)[:, 10:40] / 100, 4)
+
+
+def write_columns(path, names, step=0.5, first=0):
+    rows = "".join(f"{first + at * step:g};{z}\n" for at, z in enumerate(PROFILE))
+    path.write_text(f"{names}\n{rows}", encoding="utf-8")
+    return path
+
+
+def write_map(path, heights):
+    path.write_text("".join(",".join(f"{z:.10g}" for z in row) + "\n" for row in heights))
+    return path
+
+
+def error_message(path, **options):
+    with pytest.raises(FormatError) as caught:
+        read_measurement(path, **options)
+    return str(caught.value)
+
+
+def caveats_of(path, **options):
+    return {caveat.name: str(caveat) for caveat in read_with_interpretation(path, **options).caveats}
+
+
+# ---- Axes -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "name", ["time", "t", "Zeit", "t [-]", "angle", "Winkel", "theta", "frequency", "q", "load", "scan time"]
+)
+def test_column_of_another_quantity_is_not_read_as_positions(tmp_path, name):
+    path = write_columns(tmp_path / "a.csv", f"{name};z")
+    assert f"has positions in a column named {name!r}" in error_message(path, unit="um")
+    assert "choose only the heights (--columns 1) and give their spacing" in error_message(path, unit="um")
+    assert read_measurement(path, unit="um", columns="z", spacing="0.5 um").heights.tolist() == PROFILE.tolist()
+
+
+@pytest.mark.parametrize("name", ["wavelength (nm)", "lag (um)", "frequency (m)"])
+def test_axis_of_a_spectrum_in_a_unit_of_length_is_not_read_as_positions(tmp_path, name):
+    assert "is not a length" in error_message(write_columns(tmp_path / "a.csv", f"{name};z (um)"))
+
+
+@pytest.mark.parametrize("name", ["PSD", "power spectral density", "ACF", "probability"])
+def test_column_of_a_spectrum_is_not_read_as_heights(tmp_path, name):
+    assert "is not a height" in error_message(write_columns(tmp_path / "a.csv", f"x;{name}"), unit="um")
+
+
+@pytest.mark.parametrize("name", ["sample", "frame", "Pixel", "data point", "Messpunkt", "lfd. Nr.", "idx"])
+@pytest.mark.parametrize("step", [1, 10])
+def test_column_that_numbers_the_points_has_a_caveat(tmp_path, name, step):
+    path = write_columns(tmp_path / "a.csv", f"{name};z", step, first=5 * (step - 1))
+    assert "numbering" in caveats_of(path, unit="um")
+
+
+@pytest.mark.parametrize("name", ["x", "position", "t (um)", "distance", "Weg", "lateral", "X-Achse"])
+def test_column_of_positions_is_read_without_a_caveat(tmp_path, name):
+    assert not caveats_of(write_columns(tmp_path / "a.csv", f"{name};z"), unit="um")
+
+
+# ---- Codes ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "codes", [(-9999, -9998), (-999, -999.9, -1000), (-524287, -524288), (32767, -32768), (-9999, 9999, 9998)]
+)
+def test_several_codes_for_missing_points_are_reported_with_their_numbers(tmp_path, codes):
+    heights = MAP.copy()
+    for place, code in enumerate(codes):
+        heights[3 + place :: 7, 2 + 3 * place] = code
+    texts = [
+        str(caveat)
+        for caveat in read_with_interpretation(
+            write_map(tmp_path / "a.csv", heights), unit="um", spacing="1 mm"
+        ).caveats
+        if caveat.name == "repeated-extreme"
+    ]
+    assert sorted(codes) == sorted(float(text.split("--missing-value ")[1].split()[0]) for text in texts)
+
+
+@pytest.mark.parametrize("kind", ["scattered zeros", "block of zeros", "two values between the others"])
+def test_value_that_is_much_more_frequent_than_similar_heights_is_reported(tmp_path, kind):
+    heights = MAP.copy()
+    if kind == "scattered zeros":
+        heights.ravel()[::16] = 0
+    elif kind == "block of zeros":
+        heights[5:9, 4:13] = 0
+    else:
+        heights.ravel()[::23], heights.ravel()[5::31] = 0.0501, -0.0501
+    text = caveats_of(write_map(tmp_path / "a.csv", heights), unit="um", spacing="1 mm")["repeated-height"]
+    assert "times as frequent as similar heights" in text
+    assert "--missing-value" in text
+
+
+def test_zeros_in_a_profile_are_reported(tmp_path):
+    heights = PROFILE.copy()
+    heights[7::20] = 0
+    path = tmp_path / "a.txt"
+    path.write_text("".join(f"{z:.4f}\n" for z in heights))
+    assert "exactly 0" in caveats_of(path, unit="um", spacing="1 um")["repeated-height"]
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_rows_that_repeat_the_row_before_are_reported(tmp_path, axis):
+    heights = MAP.copy() if axis == 0 else MAP.T.copy()
+    heights[10:13] = heights[9]
+    path = write_map(tmp_path / "a.csv", heights if axis == 0 else heights.T)
+    kind = "rows" if axis == 0 else "columns"
+    assert (
+        f"3 of {heights.shape[0]} {kind} are equal to the {kind[:-1]} before"
+        in caveats_of(path, unit="um", spacing="1 um")["repeated-rows"]
+    )
+
+
+@pytest.mark.parametrize("digit", [1e-4, 1e-3, 1e-2, 0.05])
+def test_rounded_heights_have_no_caveat_about_repeated_values(tmp_path, digit):
+    rng = np.random.default_rng(2)
+    heights = np.round(np.cumsum(np.cumsum(rng.normal(size=(80, 80)), axis=0), axis=1) / 50 / digit) * digit
+    assert not caveats_of(write_map(tmp_path / "a.csv", heights), unit="um", spacing="1 mm")
+
+
+@pytest.mark.parametrize("word", [".", "-", "...", "+", "-9,99E+99"])
+def test_missing_value_may_consist_of_the_characters_of_numbers(tmp_path, word):
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{at / 2};{word if at % 17 == 3 else z}\n" for at, z in enumerate(PROFILE))
+    path.write_text(f"x (um);z (um)\n{rows}")
+    profile = read_measurement(path, missing="mask", missing_value=(word,))
+    assert profile.missing.tolist() == [at % 17 == 3 for at in range(PROFILE.size)]
+
+
+# ---- Formats that declare their size --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("per_line", [7, 30])
+@pytest.mark.parametrize("suffix", [".grd", ".asc", ".txt"])
+def test_surfer_grid_is_read_with_the_spacings_of_its_header(tmp_path, suffix, per_line):
+    heights = MAP.copy()
+    heights[2, 3] = np.nan
+    numbers = ["1.70141e+38" if np.isnan(z) else f"{z:.4f}" for z in heights.ravel()]
+    lines = [" ".join(numbers[at : at + per_line]) for at in range(0, len(numbers), per_line)]
+    path = tmp_path / f"a{suffix}"
+    path.write_text("\n".join(["DSAA", "30 24", "0 14.5", "0 5.75", "-3 3", *lines, ""]))
+    surface = read_surface(path, unit="um", missing="mask")
+    assert surface.spacings == pytest.approx((0.25, 0.5))
+    assert np.argwhere(surface.missing).tolist() == [[2, 3]]
+    assert np.array_equal(surface.heights[surface.missing == 0], MAP[surface.missing == 0])
+    assert "has a spacing of 0.25 µm, but the given spacing is 0.5 um" in error_message(
+        path, unit="um", missing="mask", spacing="0.5 um"
+    )
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [("30 23\n0 1\n0 1\n0 1", "declares 23 rows of 30 heights, but has 720 heights"),
+     ("30 24\n1 1\n0 1\n0 1", "range of x or y that does not increase"),
+     ("30\n0 1\n0 1\n0 1", "lacks the counts and ranges")],
+)  # fmt: skip
+def test_surfer_grid_with_an_impossible_header_is_rejected(tmp_path, header, message):
+    path = tmp_path / "a.grd"
+    path.write_text(f"DSAA\n{header}\n" + "\n".join(f"{z:.4f}" for z in MAP.ravel()))
+    assert message in error_message(path, unit="um")
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [("\\*File list\n\\Samps/line: 30\n\\*File list end\nHeight(nm)", "is a NanoScope list with one height per line"),
+     ("a surface\nGRD 30 24 SUR WVL 0.6328 SSZ 1000 NDA -32768", "is a CODE V interferogram")],
+)  # fmt: skip
+def test_list_of_a_map_is_not_read_as_a_profile(tmp_path, header, message):
+    path = tmp_path / "a.txt"
+    path.write_text(header + "\n" + "\n".join(f"{1000 * z:.0f}" for z in MAP.ravel()))
+    assert message in error_message(path, unit="nm", spacing="1 um")
