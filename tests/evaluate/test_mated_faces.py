@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, pair, self_affine_surface
+from stiction import Profile, Surface, pair, self_affine, self_affine_surface
 
 
 @pytest.fixture(scope="module")
@@ -88,3 +88,10 @@ def test_caveat_names_profiles_and_lines_of_maps_that_fit(mated_faces):
     for faces, more in (((Profile(-lower.heights, spacing=15.625), lower), {}), (mated_faces, {"lines": 2})):
         texts = [caveat.text for caveat in pair(*faces, **options | more).input_caveats]
         assert any("the faces fit into each other" in text for text in texts)
+
+
+def test_random_maps_with_the_spectra_of_two_scans_have_no_caveat_about_faces_that_fit():
+    profile = self_affine(5, hurst_exponent=0.8, rms=0.02, points=64, spacing=0.1, longest_wavelength=3.2)
+    options = {"load": "1 MPa", "effective_modulus": "10 GPa", "mu0": 0.6, "onset": 0, "mechanics": "asperities"}
+    caveats = pair(profile, profile, lay="isotropic", **options).input_caveats
+    assert not any("fit into each other" in caveat.text for caveat in caveats)

@@ -163,7 +163,7 @@ The largest correlation of 3600 pairs of unrelated profiles was 0.86, and of 135
 def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
     """Yield a caveat if two faces fit, such as those of a fracture, and the positions are not specified."""
     surfaces: Any = study.surfaces
-    if study.is_gap or surfaces.positions:
+    if study.is_gap or surfaces.press == "surrogates" or surfaces.positions:  # surrogates have no position
         return
     facing: Any
     if isinstance(upper, Surface) and isinstance(lower, Surface):
