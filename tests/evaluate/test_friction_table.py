@@ -4,12 +4,15 @@ import csv
 import re
 
 import numpy as np
+import pandas
 import pytest
 import xarray
-from stiction import half_space, pair_of, run
+from stiction import half_space, material, open_result, pair_of, run
 from stiction.evaluate.friction_table import friction_table, table_study
 from stiction.views.friction_table import friction_table_csv, friction_table_text
+from stiction.views.joint import joint_frame
 from support.command import assert_rejected, call_stiction, check_stiction
+from support.studies_of_files import write_profiles
 
 TABLE_OPTIONS = {
     "hurst_exponents": [0.6, 0.8], "rms": [0.01, 0.03], "pressures": [0.003, 0.01, 0.03, 0.1], "points": 48,
@@ -155,9 +158,44 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     assert len((tmp_path / "table" / "table.csv").read_text().splitlines()) == 1 + 2 * 3
 
 
+def test_table_command_takes_materials_hardness_and_interface(tmp_path):
+    materials = ["--upper", "steel", "--lower", "brass"]
+    check_stiction("table", *materials, *COMMAND_OPTIONS[2:], "--output", "soft", cwd=tmp_path)
+    interface = ["--hardness", "5 GPa", "--interface", "rock on rock, below 200 MPa", "--output", "hard"]
+    check_stiction("table", *materials, *interface, *COMMAND_OPTIONS[2:], cwd=tmp_path)
+    soft, hard = (pandas.read_csv(tmp_path / name / "table.csv") for name in ("soft", "hard"))
+    hardness = {name: open_result(tmp_path / name).study.contact.hardness for name in ("soft", "hard")}
+    brass = material("brass").hardness
+    assert float(hardness["soft"]) == pytest.approx(float(brass), rel=1e-5)
+    assert float(hardness["hard"]) == 5.0
+    areas = [each.groupby("pressure (MPa)")["A/A0 (%)"].first() for each in (soft, hard)]
+    assert (areas[0] > areas[1]).all()
+    assert sorted(soft["mu0"].unique()) == [0.2, 0.4, 0.6]
+    assert hard["mu0"].nunique() == hard["tau0 (MPa)"].nunique() == 1
+
+
+def test_table_command_tabulates_measured_profiles_as_their_joint_table(tmp_path):
+    write_profiles(tmp_path)
+    options = ["--unit", "um", "--spacing", "0.02 um", "--upper", "steel", "--lower", "brass", "--hardness", "2 GPa"]
+    arguments = ["--mu0", "0.2,0.3", "--tau0", "50 MPa", "--load", "5 MPa,50 MPa"]
+    check_stiction("table", "upper.npy", "lower.npy", *options, *arguments, cwd=tmp_path)
+    frame = pandas.read_csv(tmp_path / "table" / "table.csv")
+    result = open_result(tmp_path / "table")
+    for mu0 in (0.2, 0.3):
+        expected = joint_frame(result.joint_table(mu0=mu0, tau0=0.05))
+        rows = frame[frame["mu0"] == mu0].reset_index(drop=True)
+        for name in ("nominal pressure (MPa)", "closure (mm)", "tangential stiffness (MPa/mm)", "mu_s 5 %"):
+            np.testing.assert_allclose(rows[name], expected[name], rtol=1e-8)
+    assert_rejected(
+        call_stiction("table", "upper.npy", "lower.npy", *options, *arguments, "--hurst", "0.8", cwd=tmp_path),
+        "--hurst applies only to generated surfaces",
+    )
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
+        (["--mu0", "0.2", "--interface", "steel on ice"], "--interface must not be combined with --mu0 or --tau0"),
         (["--load", "1 mN"], "--load must be a pressure"),
         (["--wavelengths", "1 um"], "--wavelengths must be two lengths"),
         (["--hurst", "rough"], "--hurst must be one or more numbers"),

@@ -39,6 +39,7 @@ def table_study(
     mu0: Sequence[float] = (0.2, 0.4, 0.6),
     tau0: Sequence[float] = (0.0,),
     effective_modulus: float = 10.0,
+    hardness: str | float | None = None,
     extent: float = 10.0,
     points: int = 256,
     longest_wavelength: float = 2.5,
@@ -62,6 +63,8 @@ def table_study(
         Adhesive shear strengths.
     effective_modulus : float, GPa
         E*; see `effective_modulus`.
+    hardness : str or float, GPa, optional
+        Hardness of the softer body, which limits the pressure. By default, the bodies are elastic.
     extent : float, µm
         Side of the square nominal area, and period of the surfaces.
     points : int
@@ -119,6 +122,7 @@ def table_study(
             "contact": {
                 "mechanics": "half-space", "boundary": "periodic",
                 "effective_modulus": exact_quantity(effective_modulus, "GPa"),
+                **({} if hardness is None else {"hardness": _to_hardness_entry(hardness)}),
                 "direction": list(AVERAGED_DIRECTIONS), "sliding": ["opposing", "all"],
                 "load": [
                     exact_quantity(pressure * area, "mN")
@@ -135,6 +139,12 @@ def table_study(
         },
         "table_study",
     )  # fmt: skip
+
+
+def _to_hardness_entry(hardness: str | float) -> Any:
+    if isinstance(hardness, str):
+        return hardness
+    return exact_quantity(validate_number("hardness", hardness, unit="GPa", above=0), "GPa")
 
 
 def _require_positive_values(name: str, values: ArrayLike) -> list[float]:
