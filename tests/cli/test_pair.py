@@ -409,6 +409,26 @@ def test_pair_command_evaluates_the_members_only_once_at_each_load(scans_folder,
     assert [request for request in set(requests) if requests.count(request) > 1] == []
 
 
+def test_pair_command_interrupted_while_it_draws_keeps_the_printed_result(scans_folder, tmp_path, monkeypatch):
+    def interrupt(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("stiction.views.figures.draw_figures", interrupt)
+    monkeypatch.setattr("stiction.cli.application.signal.signal", lambda *_: None)  # do not ignore Ctrl-C afterwards
+    monkeypatch.setattr("os._exit", sys.exit)  # an interrupted command ends its process
+    arguments = ["pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, "--load", "7 MPa", "--shifts", 2, "--onset", 0]
+    arguments += ["-o", tmp_path / "out"]
+    interrupted = call_stiction(*arguments, cwd=scans_folder, without_report=True)
+    assert interrupted.returncode == 130
+    assert "μ_s = " in interrupted.stdout
+    assert "interrupted; the result is stored in" in interrupted.stderr
+    monkeypatch.undo()
+    finished = call_stiction(*arguments, cwd=scans_folder, without_figures=True, without_report=True)
+    assert finished.returncode == 0
+    assert "already contains this study" in finished.stdout
+    assert (tmp_path / "out" / "friction.png").exists()
+
+
 def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_path):
     options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--shifts", 4, "--direction", "0,90", "--onset", 0]
     call_stiction(

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stiction._text import printable_text
-from stiction.cli.application import command, is_stderr_terminal, print_message, print_output
+from stiction._text import printable_path, printable_text
+from stiction.cli.application import command, is_stderr_terminal, print_message, print_output, report_interruption
 from stiction.cli.options import (
     JsonOption,
     PartOption,
@@ -194,8 +194,12 @@ def pair(
         if check_records:
             fields["check"] = check_records
         print_result_json(results[0], "pair", **fields)
-    for result in results:
-        write_pair_files(result, print_written=print_written)
+    try:
+        for result in results:
+            write_pair_files(result, print_written=print_written)
+    except KeyboardInterrupt:
+        advice = "run the same command again to write its report, table and figure"
+        raise report_interruption(f"; the result is stored in {printable_path(output)}: {advice}") from None
 
 
 def compute_preview_line(study: Study) -> str:

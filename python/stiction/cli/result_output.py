@@ -101,6 +101,7 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     """
     folder = result.path
     assert folder is not None, "the result of the command is stored"
+    show_status(f"the result is stored in {printable_path(folder)}; writing its table, figure and report")
     file_names: list[str] = []
     for _ in range(MAX_OUTPUT_ATTEMPTS):
         stored_result = open_stored_result(folder)
@@ -120,7 +121,6 @@ def _write_result_files(result: Result, folder: Path) -> list[str]:
     from stiction.views.report import save_report
 
     replace_text_file(folder / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_SIGNATURES[RESULT_TABLE_NAME])
-    show_status("drawing")
     figure_paths = draw_figures(result, folder, first=True)
     report_path = folder / "report.html"
     save_report(result, report_path, name=folder.resolve().name)
