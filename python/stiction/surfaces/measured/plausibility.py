@@ -101,12 +101,16 @@ def _find_missing_point_codes(heights: Floats) -> list[tuple[float, int, float]]
         return []
     # only heights far from the median can be codes, unless most heights are equal
     sample = heights[:: max(1, heights.size // MAX_SAMPLED_HEIGHTS)]
-    median = np.median(sample)
-    deviations = np.abs(heights - median)
-    is_far = deviations > MIN_CODE_DEVIATION * np.median(np.abs(sample - median))
-    others = heights[~is_far]
-    if not others.size or not is_far.any():
+    median = float(np.median(sample))
+    limit = MIN_CODE_DEVIATION * float(np.median(np.abs(sample - median)))
+    near_sample = sample[np.abs(sample - median) <= limit]
+    is_far = (heights < median - limit) | (heights > median + limit)
+    # a gap beside a code is at least as wide between the sampled heights as between all heights
+    gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
+    is_wide = gaps > MIN_MISSING_CODE_DISTANCE * float(np.ptp(near_sample))
+    if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not is_wide.any()):
         return []
+    others = heights[~is_far]
     far_values, counts = np.unique(heights[is_far], return_counts=True)
     count_of = dict(zip(far_values.tolist(), counts.tolist(), strict=True))
     low, high = far_values[far_values < others.min()].tolist(), far_values[far_values > others.max()].tolist()
