@@ -3,6 +3,7 @@
 The surfaces are two quarters of a measured AFM map. The script takes a minute on one core.
 """
 
+import math
 import os
 from pathlib import Path
 
@@ -24,7 +25,7 @@ PAIRS = [
 
 BUDGET_COLUMNS = {
     "the hardness": "fraction of the hardness",
-    "the junction growth": "fraction of α",
+    "the ratio of hardness": "fraction of H/k",
     "the exponent": "fraction of the exponent m",
 }
 """First words of inputs in the uncertainty budget, and titles of their columns."""
@@ -48,13 +49,14 @@ def compute_friction(bodies, upper, lower, mu0, tau0, **options):
         title: 1 - entry.width / width
         for words, title in BUDGET_COLUMNS.items()
         for entry in point.budget
-        if entry.label.startswith(words)
+        if entry.label.startswith(words) and math.isfinite(width)
     }
-    return f"{rule.value:.3f} [{rule.lower:.3f}, {rule.upper:.3f}]", fractions
+    upper_text = f"{rule.upper:.3f}]" if math.isfinite(rule.upper) else "∞)"
+    return f"{rule.value:.3f} [{rule.lower:.3f}, {upper_text}", fractions
 
 
 def main():
-    titles = ["materials", "μ0", "τ0", "μ_s, α = 0", "μ_s, default α", *BUDGET_COLUMNS.values()]
+    titles = ["materials", "μ0", "τ0", "μ_s, no growth", "μ_s, slip lines", *BUDGET_COLUMNS.values()]
     rows = [f"| {' | '.join(titles)} |", "|---" * len(titles) + "|"]
     bodies = read_quarters()
     for upper, lower, mu0, tau0 in PAIRS:

@@ -165,7 +165,7 @@ def test_server_rejects_jobs_that_the_page_does_not_offer(app, options):
         ("load", "5 apples", '"load" must be a force or a pressure'),
         ("shifts", "0", '"positions" must be a whole number'),
         ("crop", "5", '"crop" of UPPER must be "x0,x1"'),
-        ("junction-growth", "a", '"junction growth α" must be a number'),
+        ("junction-growth", "a", '"junction growth" must be a number'),
     ],
 )
 def test_invalid_entry_is_reported_with_its_option_before_a_job_is_added(app, map_scans, option, text, reason):

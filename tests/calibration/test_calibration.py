@@ -208,8 +208,9 @@ def test_uncertainty_of_a_shared_hardness_cancels_in_the_prediction(tmp_path) ->
 
 def test_friction_tests_at_several_dwell_times_separate_mu0_from_tau0() -> None:
     rough_result = pair(
-        *rough_surface_pair(0.03), hardness="0.8 GPa", wait=["1 s", "300 d"], creep=0.05, **PAIR_OPTIONS
-    )
+        *rough_surface_pair(0.03), hardness="0.8 GPa", junction_growth=0, wait=["1 s", "300 d"], creep=0.05,
+        **PAIR_OPTIONS,
+    )  # fmt: skip
     table, tests = rough_result.at("20 MPa"), []
     ratio = (table["contact_area"].sel(statistic="mean") / table["load"]).item()
     for wait, seconds in (("1 s", 1.0), ("1 h", 3600.0), ("300 d", 300 * 86400.0)):
@@ -395,6 +396,28 @@ def test_calibration_with_junction_growth_recovers_mu0_and_tau0(truth: float) ->
     assert interface.about[GROWTH_HEADER_ENTRY] == f"{truth:g}"
 
 
+def test_calibration_with_slip_lines_recovers_mu0_and_tau0_and_shares_the_ratio(tmp_path) -> None:
+    tests = simulate_junction_growth_tests("slip-line", "slip-line", mu0=0.2, tau0=0.02)
+    interface = calibrate(tests, common=0.0, sliding="all")
+    assert interface.mu0[1] < 0.2 < interface.mu0[2]
+    assert interface.tau0[1] < 0.02 < interface.tau0[2]
+    ratios = interface.fits[0].junction_growth
+    assert 5.14 <= ratios.min() < 5.4 < 5.8 < ratios.max() <= 6.05
+    assert interface.about[GROWTH_HEADER_ENTRY] == "slip-line"
+    write_interface(interface, tmp_path / "film.csv")
+    assert read_interface(tmp_path / "film.csv").junction_growth.uses_slip_lines
+    value, lower, upper = interface.predict(compute_plastic_pair("slip-line"), "20 MPa")
+    assert lower < solve_coefficient(0.2, 0.02, "slip-line") < upper < 0.3
+    assert value == pytest.approx(solve_coefficient(0.2, 0.02, "slip-line"), rel=0.02)
+
+
+def test_prediction_for_an_interface_stronger_than_the_softer_body_has_no_upper_limit() -> None:
+    interface = calibrate(simulate_ball_tests(mu0=0.3, tau0=0.05), sliding="all")
+    value, lower, upper = interface.predict(compute_plastic_pair("slip-line"), "20 MPa")
+    assert 0.1 < lower <= value < 0.45
+    assert upper == math.inf
+
+
 def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation() -> None:
     tests = simulate_junction_growth_tests(27.0, 27.0)
     interface = calibrate(tests, common=0.0, sliding="all")
@@ -458,7 +481,7 @@ def test_prediction_that_neglects_junction_growth_exceeds_the_direct_solution() 
 
 def test_prediction_issues_a_warning_if_result_and_tests_have_different_junction_growth() -> None:
     interface = calibrate(simulate_junction_growth_tests(9.0, 9.0), sliding="all")
-    with pytest.warns(UserWarning, match=r"calibrated with α = 9 .* the result has α = 0"):
+    with pytest.warns(UserWarning, match="calibrated with junction growth 9, and the result has 0"):
         interface.predict(compute_plastic_pair(0), "20 MPa")
     interface.predict(STEEL_BALL, 50.0)  # This prediction causes no warning, because the ball does not yield.
 
@@ -484,7 +507,7 @@ def test_interface_file_preserves_junction_growth(tmp_path) -> None:
     # The given range of α alone would give an interval that is four times as wide.
     assert np.ptp(table.values[1:]) < 2 * np.ptp(expected[1:])
     contradicting_result = pair(*rough_surface_pair(0.03), **options, interface=path, junction_growth=20)
-    assert any("calibrated with α = 0..27" in caveat.text for caveat in contradicting_result.caveats)
+    assert any("calibrated with junction growth 0..27" in caveat.text for caveat in contradicting_result.caveats)
 
 
 def test_outlier_does_not_shift_a_robust_fit() -> None:

@@ -364,7 +364,7 @@ def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new
     result_at_other_mu0 = pair(*bodies, directory=tmp_path, **kwargs | {"mu0": 0.4})
     table = result_at_other_mu0.at(height_scale=[1, 2])
     assert table["mu0"].values.tolist() == [0.4]
-    assert (mean_values(table["mean_friction"]) > 0.4).all()
+    assert (mean_values(table["mean_friction"]) > 2 / 6.05).all()  # a softer body that shears
     stiffer_result = pair(*bodies, directory=tmp_path, replace=True, **kwargs | {"effective_modulus": "160 GPa"})
     assert list(open_results_by_factor(stiffer_result.source, "both")) == [1.0]
     table = stiffer_result.at(height_scale=2, compute=True)

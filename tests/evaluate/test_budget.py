@@ -119,7 +119,7 @@ def test_replacing_a_result_also_replaces_its_solutions_at_other_hardnesses(tmp_
 # The range of E* in the third case is so wide that it needs solutions at other loads.
 @pytest.mark.parametrize(("rms", "modulus"), [(0.03, "70..90 GPa"), (0.003, "70..90 GPa"), (0.003, "48..112 GPa")])
 def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solutions(rms, modulus) -> None:
-    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **THREE_POSITION_OPTIONS)
+    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", junction_growth=0, **THREE_POSITION_OPTIONS)
     result = pair(
         *rough_surfaces(rms=rms, points=LARGE_MAP_POINTS), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs
     )
@@ -140,7 +140,7 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
             effective_modulus=effective_modulus,
             **kwargs,
         )
-        friction_samples = samples._sample_friction(
+        friction_samples, _ = samples._sample_friction(
             {"hardness": probability, "effective_modulus": probability, "yield_exponent": 0.5}
         )
         assert friction_samples[0] == pytest.approx(
@@ -186,7 +186,7 @@ def test_percentiles_of_a_single_test_agree_with_random_samples() -> None:
 
 @pytest.mark.parametrize("rms", [0.03, 0.003])  # These are a plastic and an elastic-plastic contact.
 def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None:
-    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS)
+    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", junction_growth=0, effective_modulus="80 GPa", **PAIR_OPTIONS)
     aged_point = (
         pair(
             *rough_surfaces(rms=rms, points=LARGE_MAP_POINTS),
@@ -217,7 +217,15 @@ def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None
 
 
 def test_range_of_creep_exponent_widens_only_intervals_after_a_dwell() -> None:
-    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="0.3 GPa", **PAIR_OPTIONS)
+    kwargs = dict(
+        load="20 MPa",
+        mu0=0.2,
+        tau0="50 MPa",
+        junction_growth=0,
+        effective_modulus="80 GPa",
+        hardness="0.3 GPa",
+        **PAIR_OPTIONS,
+    )
     kwargs["yield_exponent"] = 1.25
     exact_point, ranged_point = (
         pair(*rough_surfaces(rms=0.03, points=LARGE_MAP_POINTS), wait="1 d", creep=m, **kwargs).summary().points[0]
@@ -415,7 +423,7 @@ def test_combined_interval_contains_the_confidence_interval_due_to_sampling_for_
 def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
     result = pair(
         *rough_surfaces(), load="2 MPa", mu0="0.2±0.025", tau0="20..80 MPa", young="6..16 GPa,6..16 GPa",
-        poisson="0.3,0.3", hardness="1 GPa", yield_exponent=1.25, **PAIR_OPTIONS,
+        poisson="0.3,0.3", hardness="1 GPa", yield_exponent=1.25, junction_growth=0, **PAIR_OPTIONS,
     )  # fmt: skip
     budget_shares = result.budget.set_index("input")["fraction"]
     upper, lower = (budget_shares[f"Young's modulus of the {side} body"] for side in ("upper", "lower"))
@@ -426,7 +434,7 @@ def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
 def test_budget_of_a_yielding_pair_lists_positions_and_unresolved_roughness() -> None:
     result = pair(
         *rough_surfaces(), load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="1 GPa",
-        yield_exponent=1.15, **PAIR_OPTIONS,
+        yield_exponent=1.15, junction_growth=0, **PAIR_OPTIONS,
     )  # fmt: skip
     fractions = result.budget.set_index("input")["fraction"]
     assert set(fractions.index) == {"positions", "unresolved roughness"}

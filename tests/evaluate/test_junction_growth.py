@@ -1,9 +1,13 @@
 """Test junction growth of a measured pair, in which plastic contacts grow under shear."""
 
+import math
+
 import numpy as np
 import pytest
 from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
+from stiction.evaluate.at_load import at_load
 from stiction.mechanics.friction import FrictionLaw
+from stiction.solve.member_sums import MemberSums
 
 pytestmark = pytest.mark.usefixtures("no_contact_pictures")
 
@@ -17,8 +21,8 @@ INTERFACE_STRENGTH = {"mu0": 0.2, "tau0": 0.05}
 PLASTIC_OPTIONS = {"effective_modulus": 100.0, "hardness": 0.5, "load": "20 MPa", "cutoff": "none", "shifts": 8}
 
 
-def rough_surfaces(rms=0.05):
-    roughness = {"shape": (48, 48), "spacing": 0.1, "hurst_exponent": 0.8, "rms": rms, "shortest_wavelength": 0.4}
+def rough_surfaces(rms=0.05, size=48):
+    roughness = {"shape": (size, size), "spacing": 0.1, "hurst_exponent": 0.8, "rms": rms, "shortest_wavelength": 0.4}
     return tuple(
         Surface(self_affine_surface(5, side=side, **roughness).heights, spacing=0.1) for side in ("upper", "lower")
     )
@@ -62,12 +66,14 @@ def test_friction_with_junction_growth_equals_solution_at_hardness_under_shear(h
     )
 
 
-def test_result_at_zero_junction_growth_equals_default_result(result_without_growth):
-    default_result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH)
-    assert result_without_growth.study.contact.junction_growth == 0
-    assert default_result.study.contact.junction_growth is None
-    assert result_without_growth.at().equals(default_result.at())
-    assert result_without_growth.interval == default_result.interval
+def test_result_at_zero_junction_growth_equals_result_without_the_key(result_without_growth):
+    study = result_without_growth.study
+    assert study.contact.junction_growth == 0
+    result = MemberSums.of(result_without_growth)
+    without_key = result.with_study(study.with_changes({"contact.junction_growth": None}))
+    names = ["mean_friction", "friction_coefficient", "contact_area"]
+    values, expected = (at_load(each, [20.0], names=names)[names] for each in (result, without_key))
+    assert values.equals(expected)
 
 
 def test_friction_without_adhesive_strength_is_independent_of_junction_growth(growth_result, result_without_growth):
@@ -135,7 +141,7 @@ def test_uncertainty_budget_includes_junction_growth_if_seizure_occurs_in_few_sa
         **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"hardness": "0.23..1.7 GPa"},
         junction_growth="0..27",
     )
-    assert 0 < result.at()["fraction_seizing"].sel(sliding="all").item() < 0.025
+    assert 0 < result.at()["fraction_unlimited"].sel(sliding="all").item() < 0.025
     assert np.isfinite(result.interval[1])
     budget = result.budget.set_index("input")
     assert 0.01 < budget.loc["the junction growth α", "fraction"] < budget.loc["the hardness", "fraction"] < 1
@@ -150,15 +156,16 @@ def test_junction_growth_after_a_dwell_uses_the_reduced_hardness():
     assert aged_coefficient == pytest.approx(mean_coefficient(softer_result), rel=0.01)
 
 
-@pytest.mark.parametrize(("upper", "lower", "text"), [
-    ("steel", "brass", "0..27"), ("PMMA", "steel", None), ("silicon", "silicon", None),
+@pytest.mark.parametrize(("options", "text"), [
+    ({"upper": "steel", "lower": "brass"}, "slip-line"), ({"upper": "PMMA", "lower": "steel"}, "slip-line"),
+    ({"effective_modulus": 100.0, "hardness": 0.5}, "slip-line"), ({"upper": "rubber", "lower": "steel"}, None),
+    ({"effective_modulus": 100.0}, None), ({"upper": "steel", "lower": "brass", "junction_growth": 0}, None),
+    ({"upper": "steel", "lower": "brass", "work_of_adhesion": "50 mJ/m^2"}, None),
 ])  # fmt: skip
-def test_junction_growth_is_included_for_metals_by_default(upper, lower, text):
-    result = pair(
-        *rough_surfaces(), upper=upper, lower=lower, load="10 MPa", mu0=0.2, tau0=0.001, shifts=2, cutoff="none"
-    )
+def test_bodies_that_yield_use_slip_lines_by_default(options, text):
+    result = pair(*rough_surfaces(), load="1 MPa", mu0=0.2, tau0=0.001, shifts=2, cutoff="none", **options)
     growth = result.study.contact.junction_growth
-    assert (growth and growth.text) == text
+    assert (growth and growth.text) == (text or growth)
 
 
 @pytest.mark.parametrize(("arguments", "term"), [
@@ -166,7 +173,8 @@ def test_junction_growth_is_included_for_metals_by_default(upper, lower, text):
     ({"junction_growth": "27..0"}, "smaller"), ({"junction_growth": 9, "hardness": None}, "hardness"),
     ({"junction_growth": 9, "mechanics": "asperities", "hardness": None}, "half-space"),
     ({"junction_growth": 9, "work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion"),
-    ({"junction_growth": float("nan")}, "junction_growth"),
+    ({"junction_growth": float("nan")}, "junction_growth"), ({"junction_growth": "slip-line 9"}, "from 5 to 6.5"),
+    ({"junction_growth": "slip lines"}, "slip lines"),
 ])  # fmt: skip
 def test_pair_function_rejects_invalid_values_of_junction_growth(arguments, term):
     with pytest.raises(ValueError, match=term):
@@ -178,3 +186,77 @@ def test_pressure_under_shear_satisfies_the_yield_condition(alpha):
     hardness, mu = np.array([0.5, 2.0]), np.array([0.2, 0.6])
     pressure = FrictionLaw(mu, 0.0, alpha).yield_pressure(hardness)
     assert pressure**2 + alpha * (mu * pressure) ** 2 == pytest.approx(hardness**2, rel=1e-12)
+
+
+# ---- Slip lines ------------------------------------------------------------------------------------------------------
+
+WEAK_INTERFACE = {"mu0": 0.2, "tau0": 0.03}
+
+
+def test_slip_lines_give_the_friction_of_fully_plastic_contacts():
+    options = PLASTIC_OPTIONS | WEAK_INTERFACE | {"effective_modulus": 1e4, "junction_growth": "slip-line 5.6"}
+    expected = FrictionLaw(0.2, 0.03, 5.6, uses_slip_lines=True).plastic_coefficient(0.5)
+    assert mean_coefficient(pair(*rough_surfaces(0.01), **options)) == pytest.approx(float(expected), rel=0.01)
+
+
+@pytest.mark.parametrize(("hardness", "mu0", "tau0"), [(2.0, 0.2, 0.1), (5.0, 0.1, 0.5)])
+def test_slip_lines_agree_with_solutions_at_the_hardness_under_shear(hardness, mu0, tau0):
+    options = {**PLASTIC_OPTIONS, "mu0": mu0, "tau0": tau0, "load": "50 MPa", "onset": 0}
+    del options["hardness"]
+    pressure = float(hardness_under_shear(hardness, mu0, tau0, "slip-line"))
+    direct_result, result = (
+        pair(*rough_surfaces(size=128), **options, hardness=each, junction_growth=growth)
+        for each, growth in ((pressure, 0), (hardness, "slip-line 5.6"))
+    )
+    assert mean_coefficient(result) == pytest.approx(mean_coefficient(direct_result), rel=0.02)
+    area = float(result.at()["contact_area_at_onset"].sel(statistic="mean").squeeze())
+    assert area == pytest.approx(float(direct_result.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02)
+
+
+def solve_slip_lines(hardness, mu0, tau0, ratio):
+    """Return the pressure of a yielding contact at the onset of sliding, by bisection over many samples."""
+    low, high = 0.5 * hardness, hardness
+    for _ in range(60):
+        pressure = 0.5 * (low + high)
+        fraction = np.minimum(ratio * (mu0 * pressure + tau0) / hardness, 1.0)
+        limit = hardness * (1 + np.pi / 2 + np.arccos(fraction) + np.sqrt(1 - fraction**2)) / (2 + np.pi)
+        low, high = np.where(pressure < limit, pressure, low), np.where(pressure < limit, high, pressure)
+    return pressure
+
+
+@pytest.mark.parametrize(("tau0", "limits"), [(0.025, (0.02, 0.03)), (0.05, (0.04, 0.06))])
+def test_interval_of_plastic_contacts_by_slip_lines_agrees_with_brute_force(tau0, limits):
+    text = f"uniform {limits[0]} GPa .. {limits[1]} GPa"
+    options = PLASTIC_OPTIONS | {"effective_modulus": 1e4, "hardness": "0.5 GPa ± 5 %", "mu0": 0.2, "tau0": text}
+    result = pair(*rough_surfaces(0.01), **options, junction_growth="slip-line")
+    random, count = np.random.default_rng(3), 200_000
+    ratio, strength = random.uniform(5.14, 6.05, count), random.uniform(*limits, count)
+    hardness = 0.5 * (1 + 0.05 * random.standard_normal(count))
+    coefficient = 0.2 + strength / solve_slip_lines(hardness, 0.2, strength, ratio)
+    is_stronger = coefficient > 2 / ratio / 0.95  # a reduction of the friction by 5 % is neglected
+    coefficient = np.where(is_stronger, 2 / ratio, coefficient)
+    lower = np.quantile(coefficient, 0.025)
+    upper = np.quantile(np.where(is_stronger, np.inf, coefficient), 0.975, method="inverted_cdf")
+    tolerance = 0.03 * (np.quantile(coefficient, 0.975) - lower)
+    assert result.interval[0] == pytest.approx(lower, abs=tolerance)
+    assert result.interval[1] == (pytest.approx(upper, abs=tolerance) if tau0 < 0.03 else math.inf)
+    assert result.at()["fraction_unlimited"].max() == pytest.approx(is_stronger.mean(), abs=0.01)
+
+
+@pytest.mark.parametrize("strength", [{"mu0": 0.2, "tau0": 0.11}, {"mu0": 0.6, "tau0": 0.0}])
+def test_interface_stronger_than_the_softer_body_gives_a_lower_limit(strength):
+    result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | strength, junction_growth="slip-line")
+    assert (result.at()["status"] == "bulk-shear").all()
+    assert 2 / 6.05 < result.value < 1.05 * 2 / 5.6 + 0.02
+    assert math.isinf(result.interval[1])
+    assert 2 / 6.05 <= result.interval[0] <= result.value
+    assert result.assessment == "Do not quote"
+    assert np.isfinite(result.at()["friction_coefficient"].sel(statistic="mean")).all()
+
+
+def test_elastic_pair_with_high_mu0_is_independent_of_slip_lines():
+    options = PLASTIC_OPTIONS | {"mu0": 0.6, "tau0": 0.0, "hardness": 60.0}
+    result, without_growth = (pair(*rough_surfaces(), **options, junction_growth=each) for each in ("slip-line", 0))
+    assert (result.at()["status"] == "ok").all()
+    assert result.value == without_growth.value
+    assert result.interval == pytest.approx(without_growth.interval, rel=1e-3)

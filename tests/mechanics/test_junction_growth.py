@@ -90,3 +90,92 @@ def test_friction_law_carries_the_hardness_of_yielding_contacts_under_shear():
     assert without_growth.yield_pressure(1.27) == 1.27
     assert without_growth.plastic_coefficient(1.27) == 0.2 + 0.05 / 1.27
     assert np.isnan(FrictionLaw(0.2, 1.0, 9.0).plastic_coefficient(1.27))  # tau0 exceeds H/√α
+
+
+# ---- Slip lines ------------------------------------------------------------------------------------------------------
+
+SLIP_LINE_TOLERANCE = 1e-10
+CENTRAL_RATIO = 5.6
+
+
+def solve_slip_lines(hardness, mu0, tau0, ratio):
+    """Return H', or None if the interface is stronger than the bulk, by bracketing the root in the pressure."""
+
+    def residual(pressure):
+        traction_over_strength = min(ratio * (mu0 * pressure + tau0) / hardness, 1.0)
+        angle = 1 + np.pi / 2 + np.arccos(traction_over_strength) + np.sqrt(1 - traction_over_strength**2)
+        return pressure / hardness - angle / (2 + np.pi)
+
+    if ratio * (0.5 * mu0 + tau0 / hardness) > 1:
+        return None
+    return brentq(residual, 0.5 * hardness, hardness, xtol=1e-15, rtol=1e-15)
+
+
+def random_slip_line_parameters(count=300):
+    random = np.random.default_rng(11)
+    for _ in range(count):
+        hardness, ratio = 10 ** random.uniform(-2, 1.5), random.uniform(5.14, 6.05)
+        yield hardness, random.uniform(0, 0.35), random.uniform(0, 0.15) * hardness, ratio
+
+
+def test_hardness_under_shear_by_slip_lines_agrees_with_a_bracketed_root():
+    num_stronger = 0
+    for hardness, mu0, tau0, ratio in random_slip_line_parameters():
+        expected = solve_slip_lines(hardness, mu0, tau0, ratio)
+        num_stronger += expected is None
+        result = float(hardness_under_shear(hardness, mu0, tau0, "slip-line", ratio=ratio))
+        assert result == pytest.approx(0.5 * hardness if expected is None else expected, rel=SLIP_LINE_TOLERANCE)
+    assert 20 < num_stronger < 280
+
+
+@pytest.mark.parametrize(("hardness", "mu0", "tau0", "plane_strain", "circle"), [
+    (1.27, 0.2, 0.05, (0.258, 1.48), (0.262, 1.58)), (0.625, 0.2, 0.05, (0.343, 1.78), None),
+    (0.625, 0.1, 0.02, (0.138, 1.19), (0.139, 1.22)), (0.625, 0.0, 0.1, (0.220, 1.37), (0.241, 1.51)),
+    (1.27, 0.1, 0.05, (0.148, 1.21), (0.149, 1.25)), (0.625, 0.2, 0.1, None, None),
+])  # fmt: skip
+def test_slip_lines_give_friction_and_growth_of_plastic_contacts(hardness, mu0, tau0, plane_strain, circle):
+    for ratio, expected in ((2 + np.pi, plane_strain), (5.69, circle)):
+        law = FrictionLaw(mu0, tau0, ratio, uses_slip_lines=True)
+        friction, growth = law.plastic_coefficient(hardness), hardness / law.yield_pressure(hardness)
+        assert law.is_stronger_than_body(hardness) == (expected is None)
+        expected_friction, expected_growth = expected or (2 / ratio, 2.0)
+        assert friction == pytest.approx(expected_friction, abs=5e-4)
+        assert growth == pytest.approx(expected_growth, abs=5e-3)
+
+
+@pytest.mark.parametrize("ratio", [5.14, CENTRAL_RATIO, 6.05])
+def test_slip_lines_reach_both_limits_of_the_traction(ratio):
+    without_shear = FrictionLaw(0.0, 0.0, ratio, uses_slip_lines=True)
+    assert float(without_shear.yield_pressure(1.27)) == pytest.approx(1.27, rel=1e-15)
+    strength = 1.27 / ratio
+    at_strength = FrictionLaw(0.0, strength, ratio, uses_slip_lines=True)
+    assert float(at_strength.yield_pressure(1.27)) == pytest.approx(0.635, rel=1e-7)
+    coulomb = FrictionLaw(0.2, 0.0, ratio, uses_slip_lines=True)
+    assert float(coulomb.plastic_coefficient(1.27)) == 0.2
+    approach = FrictionLaw(0.2, strength * (0.9 - 1e-12) - 0.1 * 1.27 + 0.1 * strength, ratio, uses_slip_lines=True)
+    assert float(approach.plastic_coefficient(1.27)) == pytest.approx(2 / ratio, rel=1e-5)
+
+
+@pytest.mark.parametrize(("hardness", "mu0", "tau0_over_hardness"), [
+    (0.6, 0.6, 0.0), (1.2, 0.4, 0.1), (2.5, 0.2, 0.15), (5.0, 0.6, 0.0), (10.0, 0.6, 0.0),
+])  # fmt: skip
+def test_lower_limit_in_bulk_shear_agrees_with_the_sum_over_the_points_of_the_contact(
+    hardness, mu0, tau0_over_hardness
+):
+    roughness_options = {"hurst_exponent": 0.8, "rms": 0.03, "shape": (128, 128), "shortest_wavelength": 0.6}
+    bodies = (self_affine_surface(3, side=side, spacing=0.1, **roughness_options) for side in ("upper", "lower"))
+    curve = half_space(
+        *bodies, ["5 MPa"], effective_modulus=60.0, hardness=0.5 * hardness, boundary="periodic", sliding="all"
+    )
+    pressure = curve.contact(0).pressure
+    pressure = pressure[pressure > 0]
+    law = FrictionLaw(mu0, tau0_over_hardness * hardness, CENTRAL_RATIO, uses_slip_lines=True)
+    traction = law.force(pressure, 1.0)
+    limited = np.minimum(traction, hardness / CENTRAL_RATIO).sum()
+    load, area = pressure.sum(), float(pressure.size)
+    onset = law.onset(load, hardness, 1e9, lambda largest: np.full(np.shape(largest), area))
+    expected = limited / traction.sum()
+    if expected < 0.95:
+        assert 0.93 * expected < onset.friction_fraction < 1.03 * expected
+    else:  # a small reduction is neglected
+        assert onset.friction_fraction == 1

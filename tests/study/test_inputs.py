@@ -30,7 +30,10 @@ def compute_pair(directory=None, **options):
     ("contact.hardness", "120 HV ± 10 %", 1.269, (1.0204, 1.5180)),
     ("contact.hardness", "0.6 GPa (0.2..1.7 GPa)", 0.6, (0.2, 1.7)), ("contact.hardness", "2 GPa", 2.0, (2.0, 2.0)),
     ("contact.effective_modulus", "80 GPa ± 5 %", 80.0, (72.16, 87.84)), ("contact.junction_growth", 9, 9.0, (9, 9)),
-    ("contact.junction_growth", "11 (0..27)", 11.0, (0, 27)), ("friction.mu0", "0.2 ± 0.02", 0.2, (0.1608, 0.2392)),
+    ("contact.junction_growth", "11 (0..27)", 11.0, (0, 27)),
+    ("contact.junction_growth", "slip-line", 5.6, (5.14, 6.05)),
+    ("contact.junction_growth", "slip-line 5.3..5.7", 5.5, (5.3, 5.7)),
+    ("friction.mu0", "0.2 ± 0.02", 0.2, (0.1608, 0.2392)),
     ("friction.mu0", 0.3, 0.3, (0.3, 0.3)), ("friction.mu0", ["0.2..0.4"], 0.3, (0.2, 0.4)),
     ("friction.tau0", "20..80 MPa", 0.04, (0.02, 0.08)), ("friction.tau0", "50 MPa", 0.05, (0.05, 0.05)),
     ("friction.creep", "0.02..0.05", 0.035, (0.02, 0.05)), ("contact.yield_exponent", 1.2, 1.2, (1.2, 1.2)),
@@ -55,6 +58,7 @@ def test_one_entry_of_a_study_has_the_central_value_and_the_range_of_an_input(ke
     ({"contact.hardness": "0 GPa"}, "contact.hardness", "must be above 0, got '0 GPa'"),
     ({"contact.hardness": 2.0}, "contact.hardness", "must be a pressure with its unit"),
     ({"contact.hardness": "20 kg"}, "contact.hardness", "unit of pressure .*; HV and HRC are also accepted"),
+    ({"contact.junction_growth": "slip-line 4"}, "contact.junction_growth", "shear strength from 5 to 6.5"),
     ({"contact.junction_growth": "0..200"}, "contact.junction_growth", "must be from 0 to 100, got '0..200'"),
     ({"contact.poisson": ["0.4..0.6", 0.3]}, "contact.poisson", "must be from 0 to 0.5, including its uncertainty"),
     ({"contact.young": "80 GPa", "contact.effective_modulus": "80 GPa"}, "contact.effective_modulus",
@@ -104,11 +108,14 @@ def test_pair_of_materials_stores_their_ranges_in_the_study():
     steel, brass = material("steel"), material("brass")
     values = {
         "hardness": brass.hardness, "young_upper": steel.young_modulus, "poisson_upper": steel.poisson_ratio,
-        "young_lower": brass.young_modulus, "junction_growth": brass.junction_growth,
+        "young_lower": brass.young_modulus,
     }  # fmt: skip
     for name, value in values.items():
         estimate = inputs.uncertain[name].estimate
         assert (estimate.low, estimate.high) == (value.low, value.high)
+    growth = inputs.uncertain["junction_growth"]
+    assert (growth.central, growth.estimate.low, growth.estimate.high) == (5.6, 5.14, 6.05)
+    assert growth.label == "the ratio of hardness to shear strength"
     assert inputs.entries["hardness"].label == "the hardness of the brass"
     assert inputs.entries["young_upper"].label == "Young's modulus of the mild steel"
     assert "poisson_lower" not in inputs.uncertain  # the source has a single value

@@ -178,4 +178,4 @@ def test_report_states_alpha_of_junction_growth(tmp_path):
     contact = 'load = ["1 mN", "2 mN"]\nhardness = "2 GPa"\njunction_growth = 9'
     study = create_study_from_files(tmp_path, spacing=spacing, members=3, contact=contact)
     page = html.unescape(report_page(run(study)))
-    assert "hardness 2 GPa, junction growth α = 9." in page
+    assert "hardness 2 GPa, junction growth: α = 9." in page

@@ -185,10 +185,14 @@ class CalibrationProblem:
                 )
                 if key not in cached_factors:
                     # The area of sliding contacts depends on the ratio of their forces, however it is split.
-                    strengths = (self.measured[test], 0.0) if mu0 is None or tau0 is None else (mu0, tau0)
-                    cached_factors[key] = equation.area_factor.area_factor_for_probabilities(
-                        probability, FrictionLaw(*strengths)
+                    law = (
+                        FrictionLaw(self.measured[test], 0.0) if mu0 is None or tau0 is None else FrictionLaw(mu0, tau0)
                     )
+                    area, fraction = equation.area_factor.onset_factors(
+                        equation.area_factor.input_values(probability), law
+                    )
+                    # Tests measure the interface only if it is weaker than the softer body.
+                    cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
                 factor = factor * cached_factors[key]
             if equation.scatter > 0:
                 factor = factor * np.exp(
@@ -363,7 +367,8 @@ class CalibrationProblem:
                 step_residuals = residuals_with_growth(
                     x + step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
                 )
-                test_rows = np.nan_to_num((step_residuals[1:] - step_residuals[0]).T / step)
+                # A step may cross the limit at which the interface is stronger than the softer body.
+                test_rows = np.nan_to_num((step_residuals[1:] - step_residuals[0]).T / step, posinf=0.0, neginf=0.0)
             else:
                 free_scores = x[len(free_indices) :] + step * np.concatenate(
                     [np.zeros((1, len(score_indices))), np.eye(len(score_indices))]

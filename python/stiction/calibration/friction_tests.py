@@ -28,16 +28,11 @@ from stiction.study.study import parse_study_of_dataset
 if TYPE_CHECKING:
     pass
 
-VON_MISES_GROWTH_COEFFICIENT = (
-    27.0  # value of α for which the shear strength of a body is its hardness divided by √27 (von Mises)
-)
-
-
 MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
-"""Limits above which a coefficient depends on α.
+"""Limits above which a coefficient depends on junction growth.
 
 The first limit is the ratio of the true area to the area of plastic contact, and the second limit is the relative
-increase of the coefficient due to junction growth. A coefficient depends on α if both limits are exceeded.
+change of the coefficient due to junction growth. A coefficient depends on it if both limits are exceeded.
 """
 
 
@@ -109,7 +104,7 @@ class _FrictionTestSums:
 class AreaFactor:
     """Area factor, i.e. the ratio of true area to computed area, as a function of uncertain inputs."""
 
-    # uncertain inputs by name: hardness, creep exponent, moduli and α of junction growth
+    # uncertain inputs by name: hardness, creep exponent, moduli and junction growth
     known: Mapping[str, UncertainInput]
 
     def nuisance_name(self, name: str) -> str:
@@ -127,18 +122,14 @@ class AreaFactor:
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α, or None if contacts do not grow."""
+        """Junction growth, or None if contacts do not grow."""
         return None
 
-    def area_factor_for_probabilities(self, columns: Mapping[Any, Floats], law: FrictionLaw | None = None) -> Floats:
-        """Compute the ratio of true area to computed area from cumulative probabilities of nuisance parameters."""
-        return self.area_factor_for_inputs(self.input_values(columns), law)
+    def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
+        """Return the ratio of the true area at the onset of sliding to the computed area, and the friction fraction.
 
-    def area_factor_for_inputs(self, samples: Mapping[str, Floats], law: FrictionLaw | None = None) -> Floats:
-        """Return the ratio of the true area to the computed area for given values of the inputs.
-
-        If mu0 and tau0 are given by a law, the true area is the area at the onset of sliding. Their junction growth is
-        that of the test. At seizure the area is infinite, or the nominal area if tau0 is 0.
+        The friction fraction is that of `OnsetState`. `samples` are values of the inputs. The junction growth of the
+        law is replaced by that of the test. At seizure the area is infinite, or the nominal area if tau0 is 0.
         """
         raise NotImplementedError
 
@@ -149,9 +140,9 @@ class _BallAreaFactor(AreaFactor):
 
     moduli: UncertainModulus
 
-    def area_factor_for_inputs(self, samples: Mapping[str, Floats], law: FrictionLaw | None = None) -> Floats:
-        """Return the true area divided by the true area for the central moduli. The law is ignored."""
-        return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
+    def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
+        """Return the true area divided by the true area for the central moduli, and 1."""
+        return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3), np.ones(())
 
 
 @dataclass(frozen=True)
@@ -181,28 +172,30 @@ class _AreaFactorFromResult(AreaFactor):
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α, or None if contacts do not grow."""
+        """Junction growth, or None if contacts do not grow."""
         return self.inputs.estimate("junction_growth")
 
-    def area_factor_for_inputs(self, samples: Mapping[str, Floats], law: FrictionLaw | None = None) -> Floats:
-        """Return the ratio of the true area to the computed area for given values of the inputs.
+    def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
+        """Return the ratio of the true area at the onset of sliding to the computed area, and the friction fraction.
 
-        If mu0 and tau0 are given by a law, the true area is the area at the onset of sliding. Their junction growth is
-        that of the test. At seizure the area is infinite, or the nominal area if tau0 is 0.
+        The friction fraction is that of `OnsetState`. `samples` are values of the inputs. The junction growth of the
+        law is replaced by that of the test. At seizure the area is infinite, or the nominal area if tau0 is 0.
         """
-        exponent = samples.get("yield_exponent", self.area.yield_exponent)
-        modulus = self.inputs.relative_modulus(samples)
-        hardness: Any = None
+        inputs: dict[str, Any] = {
+            "modulus": self.inputs.relative_modulus(samples),
+            "yield_exponent": samples.get("yield_exponent", self.area.yield_exponent),
+        }
         if self.area.hardness is not None:
             hardness = samples.get("hardness", np.asarray(self.area.hardness))
-            hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
-        if self.junction_growth is not None and law is not None:
-            law = replace(law, junction_growth=samples.get("junction_growth", self.inputs.central("junction_growth")))
-            area = self.area.onset(law, self.load, hardness=hardness, modulus=modulus, yield_exponent=exponent).area
-            area = np.where(law.tau0 > 0, area, np.minimum(area, self.area.nominal_area))
-        else:
-            area = self.area(self.load, hardness=hardness, modulus=modulus, yield_exponent=exponent)
-        return np.asarray(area / self.area(self.load))
+            inputs["hardness"] = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
+        central_area = self.area(self.load)
+        if (estimate := self.junction_growth) is None:
+            return self.area(self.load, **inputs) / central_area, np.ones(())
+        growth = samples.get("junction_growth", self.inputs.central("junction_growth"))
+        law = replace(law, junction_growth=growth, uses_slip_lines=estimate.uses_slip_lines)
+        onset = self.area.onset(law, self.load, **inputs)
+        area = np.where(law.tau0 > 0, onset.area, np.minimum(onset.area, self.area.nominal_area))
+        return area / central_area, onset.friction_fraction
 
 
 MIN_COEFFICIENT_UNCERTAINTY = 1e-15
@@ -310,14 +303,10 @@ class FrictionTest:
 
 
 def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: float) -> bool:
-    """Return whether junction growth with α = 27 (von Mises) would noticeably change the friction coefficient."""
+    """Return whether yield by slip lines would noticeably change the friction coefficient."""
     if not friction.sums["tangential_adhesive"] * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
-    coefficient = FrictionLaw(mu0, tau0).plastic_coefficient(friction.hardness)
-    coefficient_with_growth = FrictionLaw(mu0, tau0, VON_MISES_GROWTH_COEFFICIENT).plastic_coefficient(
-        friction.hardness
-    )
-    return not coefficient_with_growth <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * coefficient
+    return abs(FrictionLaw(mu0, tau0).growth_effect(friction.hardness)) > NEGLIGIBLE_GROWTH_EFFECT
 
 
 def list_sliding_rules(result: Any) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Hashable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -62,7 +63,8 @@ class Interface(InterfaceStrength):
         -------
         (float, float, float)
             Median, lower limit and upper limit. The interval includes the joint uncertainty of mu0 and tau0, and the
-            scatter of the area between positions. A limit is infinite at seizure. For measured bodies, the interval is
+            scatter of the area between positions. The upper limit is infinite if the interface may be
+            stronger than the softer body. For measured bodies, the interval is
             the combined interval that `pair` computes with this interface, without alternative preparations of the
             scans. If the tests have the same surfaces or a modulus with the same uncertainty, the interval includes
             only these and the other inputs, because such errors cancel.
@@ -70,7 +72,7 @@ class Interface(InterfaceStrength):
         Warns
         -----
         UserWarning
-            If α of junction growth differs between the tests and the result.
+            If the junction growth differs between the tests and the result.
         """
         if not (isinstance(result, (Ball, FrictionCurve)) or hasattr(result, "dataset") or hasattr(result, "attrs")):
             raise ValueError(f"result must be a Result, a curve or a Ball, got {type(result).__name__}")
@@ -93,28 +95,29 @@ class Interface(InterfaceStrength):
             if "junction_growth" in samples and self.has_equal_junction_growth(area_factor.known["junction_growth"]):
                 samples["junction_growth"] = fit.junction_growth
         growth = None if area_factor is None else area_factor.junction_growth
-        depends_on_alpha = growth is not None or depends_on_junction_growth(
+        depends_on_growth = growth is not None or depends_on_junction_growth(
             test_sums, float(np.median(fit.mu0)), float(np.median(fit.tau0))
         )
-        if depends_on_alpha and self.junction_growth is not None and not self.has_equal_junction_growth(growth):
-            test_alpha, result_alpha = (
+        if depends_on_growth and self.junction_growth is not None and not self.has_equal_junction_growth(growth):
+            test_growth, result_growth = (
                 estimate.short_text if estimate is not None else "0" for estimate in (self.junction_growth, growth)
             )
             warnings.warn(
-                f"the interface was calibrated with α = {test_alpha} of junction growth, and the result has "
-                f"α = {result_alpha}; press both with the same junction_growth",
+                f"the interface was calibrated with junction growth {test_growth}, and the result has "
+                f"{result_growth}; press both with the same junction_growth",
                 stacklevel=2,
             )
 
-        def compute_coefficients(mu0: Floats, tau0: Floats) -> Floats:
-            law = FrictionLaw(mu0, tau0)
-            total_area = (
-                area_samples if area_factor is None else area_samples * area_factor.area_factor_for_inputs(samples, law)
-            )
-            values = law.coefficient(test_sums.sums, np.where(tau0 > 0, total_area, 1.0))
-            return np.where(np.isfinite(values), values, np.inf)
+        def compute_coefficients(mu0: Floats, tau0: Floats, *, upper: bool) -> Floats:
+            law, fraction, total_area = FrictionLaw(mu0, tau0), np.ones(()), area_samples
+            if area_factor is not None:
+                area, fraction = area_factor.onset_factors(samples, law)
+                total_area = area_samples * area
+            values = law.coefficient(test_sums.sums, np.where(tau0 > 0, total_area, 1.0), fraction)
+            return np.where(np.isfinite(values) & ~(upper & (fraction < 1)), values, np.inf)
 
-        value, lower, upper = self.interval_of(compute_coefficients)
+        value, lower, _ = self.interval_of(partial(compute_coefficients, upper=False))
+        _, _, upper = self.interval_of(partial(compute_coefficients, upper=True))
         has_shared_errors = test_sums.surfaces in fit.scores or (
             area_factor is not None and bool(fit.scores.keys() & self._list_separate_nuisances(area_factor))
         )

@@ -168,7 +168,7 @@ def _evaluate_uncertainty(
         np.full((len(input_names), *shape), np.nan),
     )
     percentiles = np.full((*shape, FRICTION_PERCENTILES.size), np.nan)
-    dwell_intervals, seizing_fractions = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
+    dwell_intervals, unlimited_fractions = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
     quantities = _CombinedQuantities(at, dims)
     for position, samples in _iterate_intervals(result, at, dims, inputs, strengths, scan_means, drifts):
         quantities.add(position, samples)
@@ -178,7 +178,7 @@ def _evaluate_uncertainty(
         coefficient_intervals[position] = samples.value, *samples.interval()
         if not tests:
             continue
-        seizing_fractions[position] = samples.seizing_fraction
+        unlimited_fractions[position] = samples.unlimited_fraction
         test_intervals[position] = samples.value, *samples.predict_next_test()
         percentiles[position] = samples.predict_percentiles()
         for index, wait in enumerate(study.friction.wait):
@@ -217,7 +217,7 @@ def _evaluate_uncertainty(
         ]
         coordinates |= {"input": ("input", input_names), "input_label": ("input", labels)}
     if "junction_growth" in Inputs.from_study(study).entries:
-        tables["fraction_seizing"] = dims, seizing_fractions
+        tables["fraction_unlimited"] = dims, unlimited_fractions
     if study.friction.wait:
         tables["friction_after_dwell"] = (*dims, "dwell_time", "statistic"), dwell_intervals
         coordinates["dwell_time"] = ("dwell_time", np.array(study.friction.wait, float), {"units": "s"})
@@ -322,6 +322,7 @@ def _iterate_intervals(
         hardness=np.nan if contact.hardness is None else float(contact.hardness),
         yield_exponent=areas[0].yield_exponent,
         junction_growth=0.0 if growth is None else growth.central,
+        uses_slip_lines=growth is not None and growth.estimate.uses_slip_lines,
     )  # fmt: skip
     values_by_name = _get_arrays_over_dims(
         {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}, at, dims

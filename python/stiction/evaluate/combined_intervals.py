@@ -50,7 +50,7 @@ NORMAL_DECILE_RANGE = 2.563103131089201
 MAX_CACHED_AREAS = 64  # number of arrays of area samples that are kept
 
 StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
-"""Samples of mu0, tau0 (GPa), hardness (GPa) and α of junction growth. Each of the last two may be None."""
+"""Samples of mu0, tau0 (GPa), hardness (GPa) and junction growth. Each of the last two may be None."""
 
 _NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
 
@@ -289,25 +289,25 @@ class CombinedIntervals:
         )
 
     @property
-    def seizing_fraction(self) -> float:
-        """Fraction of input samples for which the contacts seize."""
+    def unlimited_fraction(self) -> float:
+        """Fraction of input samples that leave the coefficient without an upper limit."""
         if not np.any(self.response.central.junction_growth):
             return 0.0
-        return float(np.isinf(self._sample_friction({})).mean())
+        return float(np.isinf(self._sample_friction({})[1]).mean())
 
     def predict_next_test(self) -> Interval:
         """Return the 95 % prediction interval for a test of one new member in one direction of motion."""
-        first, *others = map(compute_equal_tailed_interval, self._sample_next_tests())
-        return first.extended_to(*others, (self.value, self.value))
+        first, *others = (compute_equal_tailed_interval(*each) for each in self._sample_next_tests())
+        return first.extended_to(*others, (self.value, self.value), *self._open_intervals)
 
     def predict_percentiles(self) -> Floats:
         """Return the `FRICTION_PERCENTILES` of the coefficients of such tests. The outer ones enclose the value."""
-        by_strength = [compute_quantiles(each, FRICTION_PERCENTILES / 100) for each in self._sample_next_tests()]
+        by_strength = [compute_quantiles(FRICTION_PERCENTILES / 100, *each) for each in self._sample_next_tests()]
         value = np.where(FRICTION_PERCENTILES == 50.0, np.nan, self.value)
         return extend_percentiles(by_strength[0], [*by_strength[1:], value])
 
-    def _sample_next_tests(self) -> list[Floats]:
-        """Return samples of the coefficient of a test of one new member in one direction of motion.
+    def _sample_next_tests(self) -> list[tuple[Floats, Floats]]:
+        """Return samples of the coefficient, and of its upper limit, of a test of one new member in one direction.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a part whose roughness drifts, so that the drift counts twice. With joint samples of
@@ -336,7 +336,8 @@ class CombinedIntervals:
         if not math.isfinite(ratio):
             return math.nan, math.nan, math.nan
         value = self.value * ratio
-        return value, *self._compute_interval_of_samples({}, dwell_time).extended_to((value, value))
+        upper = math.inf if final.has_no_upper_limit else value
+        return value, *self._compute_interval_of_samples({}, dwell_time).extended_to((value, upper))
 
     # ---- Other quantities --------------------------------------------------------------------------------------------
 
@@ -374,31 +375,38 @@ class CombinedIntervals:
 
     def _compute_sampled_interval(self, fixed: Mapping[str, float]) -> Interval:
         if self.names == tuple(self.standard_errors) and not fixed and not self.drifts:
-            return Interval(max(self.sampling[0], 0.0), self.sampling[1])
+            upper = math.inf if self._central.has_no_upper_limit else self.sampling[1]
+            return Interval(max(self.sampling[0], 0.0), upper)
         return self._compute_interval_of_samples(fixed)
 
     def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
         """Return the limits of the 95 % interval, extended to include the samples with mu0 or tau0 at its bound."""
-        first, *others = map(compute_equal_tailed_interval, self._sample_all_strengths(fixed, dwell_time))
-        return first.extended_to(*others)
+        first, *others = (
+            compute_equal_tailed_interval(*each) for each in self._sample_all_strengths(fixed, dwell_time)
+        )
+        return first.extended_to(*others, *self._open_intervals)
+
+    @property
+    def _open_intervals(self) -> list[Interval]:
+        """Interval without an upper limit, if the coefficient at the central inputs has none."""
+        return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
         drift_factor: float = 1.0,
-    ) -> list[Floats]:  # fmt: skip
-        """Return the coefficient samples times a factor, for each entry of `strengths`."""
+    ) -> list[tuple[Floats, Floats]]:  # fmt: skip
+        """Return the samples of `_sample_friction` times a factor, for each entry of `strengths`."""
         num_strengths = 1 if INTERFACE_INPUT_NAME in fixed else max(len(self.strengths), 1)
-        return [
-            self._sample_friction(fixed, dwell_time, index, drift_factor) * factor for index in range(num_strengths)
-        ]
+        samples = (self._sample_friction(fixed, dwell_time, index, drift_factor) for index in range(num_strengths))
+        return [(lower * factor, upper * factor) for lower, upper in samples]
 
     def _sample_friction(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0
-    ) -> Floats:
-        """Return samples of the coefficient. `strength_index` selects an entry of `strengths`, if there are any.
+    ) -> tuple[Floats, Floats]:
+        """Return samples of the coefficient, and of its upper limit, which is infinite if there is none.
 
-        If unresolved roughness may change the coefficient, it lies between the lowest and the highest coefficient for
-        finer scans.
+        `strength_index` selects an entry of `strengths`, if there are any. If unresolved roughness may change
+        the coefficient, it lies between the lowest and the highest coefficient for finer scans.
         """
         inputs, samples = self._sample_inputs(fixed, dwell_time, strength_index, drift_factor)
         # The area before shear is the same for all mu0 and tau0, unless an interface comes with its own hardness.
@@ -423,7 +431,9 @@ class CombinedIntervals:
             sum(error * samples.scores[name] for name, error in self.standard_errors.items())
         )
         coefficients = np.where(is_seized, np.inf, np.maximum(coefficients, 0.0))
-        return np.broadcast_to(coefficients, (NUM_INPUT_SAMPLES,))
+        coefficients = np.broadcast_to(coefficients, (NUM_INPUT_SAMPLES,))
+        has_no_limit = values.has_no_upper_limit & ~is_seized
+        return coefficients, np.where(has_no_limit, np.inf, coefficients) if has_no_limit.any() else coefficients
 
     def _sample_inputs(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0,
@@ -438,7 +448,10 @@ class CombinedIntervals:
         }
         values["hardness"] = values["hardness"] * creep_factor
         height_factor = np.exp(drift) if self.drifts else 1.0
-        inputs = InputValues(**values, modulus=samples.modulus, height_factor=height_factor)
+        inputs = InputValues(
+            **values, uses_slip_lines=self.response.central.uses_slip_lines, modulus=samples.modulus,
+            height_factor=height_factor,
+        )  # fmt: skip
         if self.strengths:
             inputs = self._insert_interface_samples(inputs, samples, strength_index)
         return inputs, samples
@@ -459,7 +472,8 @@ class CombinedIntervals:
             hardness=central.hardness if hardness is None else hardness,
             junction_growth=central.junction_growth if growth is None else growth,
         )
-        order = np.argsort(self.response.evaluate(joint).friction_coefficient)
+        values = self.response.evaluate(joint)
+        order = np.argsort(np.where(values.has_no_upper_limit, np.inf, values.friction_coefficient))
         indices = order[(samples.probabilities[INTERFACE_INPUT_NAME] * order.size).astype(int)]
         changes: dict[str, Any] = {"mu0": mu0[indices], "tau0": tau0[indices]}
         if growth is not None:
@@ -474,21 +488,21 @@ def _compute_friction_angle_difference(ends: tuple[float, float]) -> float:
     return math.atan(ends[1]) - math.atan(ends[0])
 
 
-def compute_equal_tailed_interval(values: NDArray[Any]) -> Interval:
-    """Return the limits of the equal-tailed interval that contains 95 % of the samples.
-
-    The upper limit is infinite if more than 2.5 % of the samples are infinite.
+def compute_equal_tailed_interval(values: NDArray[Any], upper_values: NDArray[Any] | None = None) -> Interval:
+    """Return the limits of the equal-tailed interval that contains 95 % of the samples, as `compute_quantiles`.
 
     Raises
     ------
     ValueError
         If a sample has no coefficient.
     """
-    return Interval(*compute_quantiles(values, np.array([0.025, 0.975])).tolist())
+    return Interval(*compute_quantiles(np.array([0.025, 0.975]), values, upper_values).tolist())
 
 
-def compute_quantiles(values: NDArray[Any], probabilities: Floats) -> Floats:
+def compute_quantiles(probabilities: Floats, values: NDArray[Any], upper_values: NDArray[Any] | None = None) -> Floats:
     """Return quantiles of samples, which are infinite where too many samples are infinite.
+
+    Quantiles above the median are those of `upper_values`, if given.
 
     Raises
     ------
@@ -501,9 +515,14 @@ def compute_quantiles(values: NDArray[Any], probabilities: Floats) -> Floats:
             f"the inputs are too uncertain, because {num_undefined} of {values.size} samples have no coefficient; "
             "specify narrower ranges"
         )
+
     # Quantiles are not interpolated if samples are infinite.
     method: Literal["inverted_cdf", "linear"] = "inverted_cdf" if np.isinf(values).any() else "linear"
-    return np.asarray(np.quantile(values, probabilities, method=method))
+    quantiles = np.asarray(np.quantile(values, probabilities, method=method))
+    if upper_values is None or not np.isinf(upper_values).any():
+        return quantiles
+    upper_quantiles = np.quantile(upper_values, probabilities, method="inverted_cdf")
+    return np.where(probabilities > 0.5, upper_quantiles, quantiles)
 
 
 def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:

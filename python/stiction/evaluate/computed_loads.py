@@ -8,7 +8,12 @@ import numpy as np
 
 from stiction.evaluate.maps import find_cell_dimensions
 from stiction.evaluate.point import is_unloaded
-from stiction.mechanics.friction import STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLVED, STATUS_OK
+from stiction.mechanics.friction import (
+    STATUS_BELOW_RANGE,
+    STATUS_NOT_REACHED,
+    STATUS_NOT_SOLVED,
+    STATUSES_WITH_COEFFICIENT,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -31,7 +36,7 @@ def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> lis
     other_dims = [dim for dim in statuses.dims if dim != "load"]
     loads = np.atleast_1d(values["load"].values)
     is_computed = np.atleast_1d((~statuses.isin(NOT_COMPUTED_STATUSES)).any(other_dims).values)
-    has_coefficient = np.atleast_1d((statuses == STATUS_OK).any(other_dims).values)
+    has_coefficient = np.atleast_1d(statuses.isin(STATUSES_WITH_COEFFICIENT).any(other_dims).values)
     outside_loads = [] if has_coefficient.all() else find_loads_outside_range(result, values)
     is_missing = ~has_coefficient & (~is_computed | np.isin(loads, outside_loads))
     return [float(load) for load in loads[is_missing] if not is_unloaded(values.sel(load=load))]

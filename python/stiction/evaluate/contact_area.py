@@ -184,19 +184,22 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
     return functions
 
 
-def compute_area_growth(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
-    """Return the ratio of the true area at the onset of sliding to the true area before shear.
+def compute_onset_factors(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
+    """Return the ratio of the true area at the onset of sliding to that before shear, and the friction fraction.
 
-    The ratio has the shape (cells, loads, mu0, tau0), and is infinite at seizure. The pressure at the onset is also
-    applied to contacts that do not oppose the motion, so that the ratio is an upper bound under the sliding rule
-    "opposing".
+    The friction fraction is that of `OnsetState`. Both arrays have the shape (cells, loads, mu0, tau0). The ratio is
+    infinite at seizure. The pressure at the onset is also applied to contacts that do not oppose the motion, so that
+    the ratio is an upper bound under the sliding rule "opposing".
     """
     law = Inputs.from_study(result.study).friction_law(mu0[:, np.newaxis], tau0)
     loads = loads[:, np.newaxis, np.newaxis]
-    return np.stack([
-        area.onset(law, loads).area / area(loads)
-        for area in result.compute_once(build_area_functions)
-    ])  # fmt: skip
+    shape = loads.size, mu0.size, tau0.size
+    ratios, fractions = [], []
+    for area in result.compute_once(build_area_functions):
+        onset = area.onset(law, loads)
+        ratios.append(np.broadcast_to(onset.area / area(loads), shape))
+        fractions.append(np.broadcast_to(onset.friction_fraction, shape))
+    return np.stack(ratios), np.stack(fractions)
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:

@@ -139,7 +139,7 @@ def average_members(
         "spread_low": (dims_of_mean, np.maximum(low, 0.0), quantity_attributes("spread_low")),
         "spread_high": (dims_of_mean, np.maximum(high, 0.0), quantity_attributes("spread_high")),
         "status": (dims, statuses, quantity_attributes("status")),
-        "ok": (dims, (status == friction.STATUS_OK).sum(axis=0), quantity_attributes("ok")),
+        "ok": (dims, np.isin(status, friction.STATUSES_WITH_COEFFICIENT).sum(axis=0), quantity_attributes("ok")),
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
     }
     return xarray.Dataset(variables, coordinates | {"statistic": intervals.INTERVAL_STATISTICS}, members.attrs)
@@ -239,11 +239,14 @@ def include_interpolation_error(
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
-    """Return "ok" where a member (first axis) has a coefficient, and elsewhere the most frequent status."""
+    """Return the status of a coefficient where a member (first axis) has one, and elsewhere the most frequent one."""
     counts = np.stack([(statuses == each).sum(axis=0) for each in STATUSES])
     most_frequent_statuses = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
-    has_coefficient = (statuses == friction.STATUS_OK).any(axis=0)
-    return np.where(has_coefficient, np.array(friction.STATUS_OK, STATUS_DTYPE), most_frequent_statuses)
+    with_coefficient = friction.STATUSES_WITH_COEFFICIENT
+    return np.select(
+        [(statuses == each).any(axis=0) for each in with_coefficient],
+        [np.array(each, STATUS_DTYPE) for each in with_coefficient], most_frequent_statuses,
+    )  # fmt: skip
 
 
 def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, float_array
 from stiction._units import short_repr
-from stiction.evaluate.contact_area import compute_area_growth, iterate_pieces_with_true_areas
+from stiction.evaluate.contact_area import compute_onset_factors, iterate_pieces_with_true_areas
 from stiction.evaluate.intervals import LoadCrossings
 from stiction.evaluate.load_range import replace_zero_load
 from stiction.evaluate.maps import MOTION_DIMENSIONS, choose_mu0_and_tau0, find_cell_dimensions
@@ -20,6 +20,7 @@ from stiction.mechanics.friction import (
     LOAD_SUM_NAMES,
     STATUS_DTYPE,
     STATUSES,
+    STATUSES_WITH_COEFFICIENT,
     VALIDITY_RATIOS,
     FrictionLaw,
     validity_ratio,
@@ -134,10 +135,10 @@ def _evaluate_members_uncached(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition = "elastic",
     member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    growth = compute_area_growth(result, loads, mu0, tau0) if result.study.contact.junction_growth else None
+    onset = compute_onset_factors(result, loads, mu0, tau0) if result.study.contact.junction_growth else None
 
     def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
-        return _evaluate_piece(piece, result.study, loads, mu0, tau0, load_definition, names, growth)
+        return _evaluate_piece(piece, result.study, loads, mu0, tau0, load_definition, names, onset)
 
     return _evaluate_pieces(result, member_kind, evaluate_piece)
 
@@ -192,12 +193,12 @@ def _evaluate_pieces(
 
 def _evaluate_piece(
     piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition,
-    names: Collection[str] | None, growth: Floats | None,
+    names: Collection[str] | None, onset: tuple[Floats, Floats] | None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate one piece (group of members) of a result at given loads.
 
-    `names` lists quantities to evaluate besides `_FRICTION_VARIABLES`; None stands for all. `growth` is the ratio of
-    the area at the onset of sliding to the area before shear, with the shape (cells, loads, mu0, tau0).
+    `names` lists quantities to evaluate besides `_FRICTION_VARIABLES`; None stands for all. `onset` is the result
+    of `compute_onset_factors`, or None if contacts do not grow.
     """
     import xarray
 
@@ -210,12 +211,14 @@ def _evaluate_piece(
         are_steps_loads = find_step_dimension(piece) == "load"
         forces = _MemberForces.at_normal_loads(sums_at_steps, loads, mu0, tau0, interpolates_ratio=are_steps_loads)
     status = _determine_member_status(piece, loads, forces)
-    if growth is not None:
-        forces, status = _grow_contacts(forces, status, FrictionLaw(mu0[:, np.newaxis], tau0), growth, *(
-            load_crossings.interpolate(sums_at_steps[f"{name}_adhesive"]) for name in ("normal", "tangential")
-        ))  # fmt: skip
+    if onset is not None:
+        strength_sums = {
+            name: load_crossings.interpolate(values)[..., np.newaxis, np.newaxis]
+            for name, values in sums_at_steps.items() if not name.endswith("_elastic")
+        }  # fmt: skip
+        forces, status = _grow_contacts(forces, status, FrictionLaw(mu0[:, np.newaxis], tau0), strength_sums, *onset)
     with np.errstate(divide="ignore", invalid="ignore"):
-        coefficient = np.where(status == friction.STATUS_OK, forces.tangential / forces.normal, np.nan)
+        coefficient = np.where(np.isin(status, STATUSES_WITH_COEFFICIENT), forces.tangential / forces.normal, np.nan)
     dims = (*member_dims, *MOTION_DIMENSIONS, "load", "mu0", "tau0")
     variables: dict[str, Any] = {
         "friction_coefficient": (dims, coefficient, quantity_attributes("friction_coefficient")),
@@ -240,7 +243,8 @@ def _evaluate_piece(
             quantity_attributes("tangential_stiffness_per_area"),
         )
     variables = _replace_sums_by_ratios(variables, piece.coords.get("nominal_area"))
-    if growth is not None:
+    if onset is not None:
+        growth, _ = onset
         area = np.asarray(variables["contact_area"][1])[..., np.newaxis, np.newaxis]
         area_at_onset = area * np.where(np.isfinite(growth), growth, np.nan)[:, np.newaxis]
         variables["contact_area_at_onset"] = (
@@ -308,25 +312,27 @@ def _compute_loads(sums: Mapping[str, Floats], mu0: Floats, tau0: Floats) -> tup
 
 
 def _grow_contacts(
-    forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, growth: Floats, normal: Floats, tangential: Floats
-) -> tuple[_MemberForces, NDArray[Any]]:
-    """Return the loads and statuses of members whose area grows by a factor before they slide.
+    forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, sums: Mapping[str, Floats], growth: Floats,
+    fraction: Floats,
+) -> tuple[_MemberForces, NDArray[Any]]:  # fmt: skip
+    """Return the loads and statuses of members whose contacts grow, or whose softer body shears, before they slide.
 
-    `normal` and `tangential` are the sums that tau0 multiplies, at the loads.
+    `sums` are the contact sums that mu0 and tau0 multiply, at the loads. `growth` and `fraction` are the results of
+    `compute_onset_factors`.
     """
-    added_area = np.where(law.tau0 > 0, growth - 1, 0.0)[:, np.newaxis, np.newaxis, np.newaxis]
+    growth, fraction = (each[:, np.newaxis, np.newaxis, np.newaxis] for each in (growth, fraction))
+    added_area = np.where(law.tau0 > 0, growth * fraction - 1, 0.0)
     with np.errstate(invalid="ignore"):
-        grown = replace(
-            forces,
-            normal=forces.normal + law.force(0.0, added_area * normal[..., np.newaxis, np.newaxis]),
-            tangential=forces.tangential + law.force(0.0, added_area * tangential[..., np.newaxis, np.newaxis]),
+        normal, tangential = (
+            load + law.force((fraction - 1) * sums[f"{name}_frictional"], added_area * sums[f"{name}_adhesive"])
+            for name, load in (("normal", forces.normal), ("tangential", forces.tangential))
         )
     has_coefficient = status == friction.STATUS_OK
-    status = np.where(
-        has_coefficient & (grown.normal <= 0), np.array(friction.STATUS_SELF_LOCKED, STATUS_DTYPE), status
-    )
+    status = np.array(np.broadcast_to(status, normal.shape))
+    status[has_coefficient & (fraction < 1)] = friction.STATUS_BULK_SHEAR
+    status[has_coefficient & (normal <= 0)] = friction.STATUS_SELF_LOCKED
     status[has_coefficient & np.isinf(added_area)] = friction.STATUS_SEIZURE
-    return grown, status
+    return replace(forces, normal=normal, tangential=tangential), status
 
 
 def _compute_opposing_share(

@@ -247,10 +247,10 @@ def get_study_hardness(study: Study) -> float:
 def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | None:
     """Return the friction coefficient if all contacts yield and friction acts at all of them.
 
-    The value is NaN at seizure, or None without a hardness.
+    The shear strength of the softer body does not limit it. The value is NaN at seizure, or None without a hardness.
     """
     hardness = get_study_hardness(study)
     if math.isnan(hardness) or not study.uses_half_space:
         return None
     law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))
-    return float(law.plastic_coefficient(hardness))
+    return float(law.force(1.0, 1.0 / law.yield_pressure(hardness)))

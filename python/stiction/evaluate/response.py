@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.evaluate.contact_area import AreaFunction
-from stiction.mechanics.friction import FrictionLaw
+from stiction.mechanics.friction import FrictionLaw, OnsetState
 
 UNLOADING_STIFFNESS_EXPONENT, LOADING_STIFFNESS_EXPONENT = 0.55, -0.4
 """Exponents of the stiffness as powers of the area that yielding adds, fitted to solutions at other hardnesses.
@@ -41,7 +42,8 @@ class InputValues:
     yield_exponent : float or array
         Exponent of the yielding area.
     junction_growth : float or array
-        α of junction growth; 0 if contacts do not grow.
+        α of junction growth, or with slip lines the ratio of hardness to shear strength; 0 if contacts do not grow.
+    uses_slip_lines : bool
     """
 
     mu0: Any
@@ -51,11 +53,12 @@ class InputValues:
     height_factor: Any = 1.0
     yield_exponent: Any = np.nan
     junction_growth: Any = 0.0
+    uses_slip_lines: bool = False
 
     @property
     def law(self) -> FrictionLaw:
         """Law of friction of the contacts."""
-        return FrictionLaw(self.mu0, self.tau0, self.junction_growth)
+        return FrictionLaw(self.mu0, self.tau0, self.junction_growth, self.uses_slip_lines)
 
 
 class AreasBeforeShear(NamedTuple):
@@ -72,7 +75,9 @@ class ResponseValues:
     Attributes
     ----------
     friction_coefficient : array
-        Infinite at seizure.
+        Infinite at seizure. A lower limit if the softer body shears.
+    has_no_upper_limit : array of bool
+        True at seizure, and if the softer body shears.
     area : array, µm²
         True area before shear.
     area_at_onset : array, µm²
@@ -82,6 +87,7 @@ class ResponseValues:
     """
 
     friction_coefficient: Floats
+    has_no_upper_limit: NDArray[np.bool_]
     area: Floats
     area_at_onset: Floats
     plastic_friction: Floats
@@ -124,22 +130,24 @@ class ContactResponse:
         """Return all quantities for the given inputs, whose areas before shear may be known already."""
         elastic_area, area = self.areas_before_shear(inputs) if known_areas is None else known_areas
         central_area = self.area(self.load)
-        law, yield_pressure, area_at_onset = inputs.law, np.asarray(inputs.hardness), area
+        law = inputs.law
         if np.any(inputs.junction_growth) and self.area.hardness is not None:
             onset = self.area.onset(
                 law, self.load, hardness=inputs.hardness, yield_exponent=inputs.yield_exponent,
                 elastic_area=elastic_area,
             )  # fmt: skip
-            yield_pressure, area_at_onset = onset.yield_pressure, onset.area
+        else:
+            onset = OnsetState(law.plastic_coefficient(np.asarray(inputs.hardness)), area, np.ones(()))
         # Without τ0, friction does not depend on the area.
-        is_seized = np.isinf(area_at_onset) & (np.asarray(inputs.tau0) > 0)
-        sliding_area = np.where(np.isinf(area_at_onset), area, area_at_onset)
-        coefficient = law.coefficient(self.sums, sliding_area / central_area)
+        is_seized = np.isinf(onset.area) & (np.asarray(inputs.tau0) > 0)
+        sliding_area = np.where(np.isinf(onset.area), area, onset.area)
+        coefficient = law.coefficient(self.sums, sliding_area / central_area, onset.friction_fraction)
         return ResponseValues(
             friction_coefficient=np.where(is_seized, np.inf, coefficient),
+            has_no_upper_limit=is_seized | (onset.friction_fraction < 1),
             area=area,
-            area_at_onset=area_at_onset,
-            plastic_friction=law.force(1.0, 1.0 / yield_pressure),
+            area_at_onset=onset.area,
+            plastic_friction=onset.plastic_coefficient,
         )
 
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, Floats]:

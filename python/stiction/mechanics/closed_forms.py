@@ -14,7 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, float_array, unwrap_scalar
 from stiction._units import short_repr
-from stiction.mechanics.friction import FrictionLaw, validate_friction_parameter, warn_if_tau0_is_large
+from stiction.mechanics.friction import (
+    CENTRAL_SHEAR_RATIO,
+    FrictionLaw,
+    validate_friction_parameter,
+    warn_if_tau0_is_large,
+)
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import SlidingRule
 
@@ -761,7 +766,10 @@ def slope_friction(
 
 
 @reject_overflow
-def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
+def hardness_under_shear(
+    hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike | Literal["slip-line"], *,
+    ratio: ArrayLike = CENTRAL_SHEAR_RATIO,
+) -> Floats:  # fmt: skip
     """Compute the largest pressure H' of a sliding plastic contact after junction growth.
 
     Parameters
@@ -772,15 +780,18 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
         Molecular friction coefficient, at least 0.
     tau0 : array_like of float, GPa
         Adhesive shear strength, at least 0.
-    alpha : array_like of float
-        Junction growth α, at least 0. 0 leaves H unchanged; at 27 the material shears at H/(3 sqrt(3)) without pressure
-        (von Mises, H of three yield strengths).
+    alpha : array_like of float or "slip-line"
+        Yield by slip lines, or junction growth α, at least 0. 0 leaves H unchanged; at 27 the material shears at
+        H/(3 sqrt(3)) without pressure (von Mises, H of three yield strengths).
+    ratio : array_like of float
+        R, ratio of hardness to shear strength, for slip lines only: 2 + π in plane strain, 5.7 to 6.05 for a circle.
 
     Returns
     -------
     hardness : ndarray of float, GPa
-        H', with the broadcast shape of the arguments. NaN where tau0 >= H/sqrt(α): the interface is stronger than the
-        bulk, and no pressure satisfies both laws.
+        H', with the broadcast shape of the arguments. If the interface is stronger than the bulk, no pressure satisfies
+        both laws: with slip lines, the result is then H/2, the pressure of a junction whose softer body shears. With α,
+        it is NaN where tau0 >= H/sqrt(α).
 
     Raises
     ------
@@ -794,18 +805,28 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
 
     Notes
     -----
-    Pressure p and shear traction s act on the same material, which yields at p² + α s² = H². During sliding
-    s = mu0 p + tau0. Tabor, Proceedings of the Royal Society A 251 (1959) 378.
+    Pressure p and shear traction s act on the same material. During sliding s = mu0 p + tau0.
+
+    Slip lines of a flat junction on a half-space in plane strain give p/H = (1 + π/2 + arccos f + sqrt(1 - f²))/(2 + π)
+    with f = s/k, where k = H/R is the shear strength. Green, Journal of the Mechanics and Physics of Solids 2 (1954)
+    197; Johnson, the same journal 16 (1968) 395. With α, the material yields at p² + α s² = H². Tabor, Proceedings of
+    the Royal Society A 251 (1959) 378.
 
     Examples
     --------
     >>> from stiction import hardness_under_shear
+    >>> hardness_under_shear(0.625, mu0=0.2, tau0=[0.02, 0.05, 0.1], alpha="slip-line").round(3)
+    array([0.411, 0.312, 0.312])
     >>> hardness_under_shear(0.625, mu0=0.2, tau0=[0.05, 0.1, 0.125], alpha=[0, 27, 27]).round(3)
     array([0.625, 0.094,   nan])
     """
-    parameters = {"mu0": mu0, "tau0": tau0, "alpha": alpha}
-    mu, tau, alpha_value = (validate_friction_parameter(name, value) for name, value in parameters.items())
+    mu, tau = validate_friction_parameter("mu0", mu0), validate_friction_parameter("tau0", tau0)
     plastic_hardness = validate_positive_arguments(hardness=hardness)[0]
+    if isinstance(alpha, str):
+        check_choice("alpha", alpha, Literal["slip-line"])
+        shear_ratio = validate_positive_arguments(ratio=ratio)[0]
+        return np.asarray(FrictionLaw(mu, tau, shear_ratio, uses_slip_lines=True).yield_pressure(plastic_hardness))
+    alpha_value = validate_friction_parameter("alpha", alpha)
     pressure = FrictionLaw(mu, tau, alpha_value).yield_pressure(plastic_hardness)
     return np.where(alpha_value == 0, plastic_hardness, pressure)
 
@@ -844,7 +865,7 @@ def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: 
     >>> tabor_friction(0.625, mu0=0.2, tau0=0.05, alpha=[0, 9, 27]).round(3)
     array([0.28 , 0.309, 0.375])
     """
-    pressure = hardness_under_shear(hardness, mu0, tau0, alpha)
+    pressure = hardness_under_shear(hardness, mu0, tau0, validate_friction_parameter("alpha", alpha))
     return np.asarray(FrictionLaw(float_array("mu0", mu0), float_array("tau0", tau0)).force(1.0, 1.0 / pressure))
 
 

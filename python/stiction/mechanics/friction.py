@@ -8,6 +8,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 
 import numpy as np
@@ -24,8 +25,13 @@ from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved", "seizure", "downhill"]
-"""Status of a point of a curve: "ok" if a friction coefficient exists, and otherwise the reason why none exists."""
+Status = Literal[
+    "ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved", "seizure", "downhill", "bulk-shear"
+]  # fmt: skip
+"""Status of a point of a curve: "ok" if a friction coefficient exists, and otherwise the reason why none exists.
+
+The coefficient of a point with the status "bulk-shear" is a lower limit, because the softer body shears.
+"""
 
 # The sequence of the statuses must not change, because files store the index of a status in this sequence.
 STATUSES: tuple[Status, ...] = get_args(Status)
@@ -37,6 +43,8 @@ STATUS_BELOW_RANGE: Status = "below-range"
 STATUS_NOT_SOLVED: Status = "not-solved"
 STATUS_SEIZURE: Status = "seizure"
 STATUS_DOWNHILL: Status = "downhill"
+STATUS_BULK_SHEAR: Status = "bulk-shear"
+STATUSES_WITH_COEFFICIENT: tuple[Status, ...] = (STATUS_OK, STATUS_BULK_SHEAR)
 STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")  # data type of arrays of statuses
 _LOAD_CONTRIBUTIONS = ("elastic", "frictional", "adhesive")
 
@@ -53,21 +61,41 @@ The ratio of rubber on glass is usually 0.1 to 0.3. A unit that is wrong by a fa
 """
 
 
+PLANE_STRAIN_RATIO = 2 + np.pi
+"""Ratio of hardness to shear strength of a flat punch in plane strain, in units of which slip lines are written."""
+
+MIN_SHEAR_RATIO, CENTRAL_SHEAR_RATIO, MAX_SHEAR_RATIO = 5.14, 5.6, 6.05
+"""Ratios of hardness to shear strength: plane strain, central value, and a rough circular flat punch.
+
+Shield, Proceedings of the Royal Society A 233 (1955) 267; Eason & Shield, ZAMP 11 (1960) 33.
+"""
+
+MAX_BULK_SHEAR_EFFECT = 0.05
+"""Relative reduction of the friction force by the shear strength of the softer body, up to which it is neglected."""
+
+NUM_PRESSURE_STEPS = 4  # number of Newton steps for the yield pressure of slip lines; three are exact to round-off
+
+
 @dataclass(frozen=True)
 class FrictionLaw:
     """Law of friction of a contact: a contact with force F and true area A carries mu0 F + tau0 A.
+
+    Contacts that yield carry less pressure while they are sheared. Their pressure at the onset of sliding follows from
+    slip lines, or from p² + α s² = H².
 
     Attributes
     ----------
     mu0 : float or array
     tau0 : float or array, GPa
     junction_growth : float or array
-        α of junction growth; 0 if contacts do not grow.
+        α of junction growth, or with slip lines the ratio of hardness to shear strength; 0 if contacts do not grow.
+    uses_slip_lines : bool
     """
 
     mu0: Any
     tau0: Any
     junction_growth: Any = 0.0
+    uses_slip_lines: bool = False
 
     def contributions(self, force: Any, area: Any) -> tuple[Any, Any]:
         """Return the friction forces (mN) due to mu0 and to tau0 of contacts with given forces (mN) and areas (µm²)."""
@@ -78,35 +106,58 @@ class FrictionLaw:
         frictional, adhesive = self.contributions(force, area)
         return frictional + adhesive
 
-    def load(self, name: str, sums: Any, area: Any = 1.0) -> Floats:
+    def load(self, name: str, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
         """Compute the "normal", "tangential", "lateral" or "unloaded" load (mN) from contact sums.
 
-        The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums.
+        The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums, and the
+        contacts carry a fraction of mu0 F + tau0 A (see `OnsetState`).
         """
         elastic, *strength_sums = (_get_sum(sums, f"{name}_{part}") for part in _LOAD_CONTRIBUTIONS)
         frictional, adhesive = self.contributions(*strength_sums)
-        return np.asarray(elastic + frictional + adhesive * area)
+        return np.asarray(elastic + frictional * fraction + adhesive * (area * fraction))
 
-    def coefficient(self, sums: Any, area: Any = 1.0) -> Floats:
+    def coefficient(self, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
         """Compute the friction coefficient from contact sums, with arguments as for `load`."""
-        return np.asarray(self.load("tangential", sums, area) / self.load("normal", sums, area))
+        tangential, normal = (self.load(name, sums, area, fraction) for name in ("tangential", "normal"))
+        return np.asarray(tangential / normal)
 
     def yield_pressure(self, hardness: Any) -> Any:
         """Return the pressure (GPa) of yielding contacts at the onset of sliding; NaN at seizure.
 
-        It is the hardness (GPa) if contacts do not grow.
+        It is the hardness (GPa) if contacts do not grow. With slip lines, it is at least half the hardness.
         """
         if not np.any(self.junction_growth):
             return hardness
-        return solve_yield_condition(hardness, self.mu0, self.tau0, self.junction_growth)
+        solve = _solve_slip_lines if self.uses_slip_lines else _solve_yield_condition
+        return solve(hardness, self.mu0, self.tau0, self.junction_growth)
 
     def plastic_coefficient(self, hardness: Any) -> Any:
-        """Return the friction coefficient if all contacts yield; NaN at seizure."""
-        return self.mu0 + self.tau0 / self.yield_pressure(hardness)
+        """Return the friction coefficient if all contacts yield; NaN at seizure.
+
+        With slip lines, it is at most the coefficient 2/R of contacts in which the softer body shears.
+        """
+        coefficient = self.mu0 + self.tau0 / self.yield_pressure(hardness)
+        return np.minimum(coefficient, 2 / self.junction_growth) if self.uses_slip_lines else coefficient
+
+    def growth_effect(self, hardness: float) -> float:
+        """Return by how much yield by slip lines would change the friction coefficient if all contacts yield.
+
+        The change is relative to contacts that do not grow, and negative if the softer body shears.
+        """
+        without = float(FrictionLaw(self.mu0, self.tau0).plastic_coefficient(hardness))
+        slip_lines = FrictionLaw(self.mu0, self.tau0, CENTRAL_SHEAR_RATIO, uses_slip_lines=True)
+        return float(slip_lines.plastic_coefficient(hardness)) / without - 1 if without > 0 else 0.0
+
+    def is_stronger_than_body(self, hardness: Any) -> Any:
+        """Return whether the interface of yielding contacts is stronger than the softer body with a hardness (GPa)."""
+        if not self.uses_slip_lines:
+            return self.bulk_strength_ratio(hardness) >= 1
+        return self.force(0.5 * hardness, 1.0) > hardness / self.junction_growth
 
     def bulk_strength_ratio(self, hardness: Any) -> Any:
-        """Return tau0 over the shear strength H/√α of bodies with a hardness (GPa)."""
-        return self.tau0 * np.sqrt(self.junction_growth) / hardness
+        """Return tau0 over the shear strength, H/R or H/√α, of bodies with a hardness (GPa)."""
+        ratio = self.junction_growth if self.uses_slip_lines else np.sqrt(self.junction_growth)
+        return self.tau0 * ratio / hardness
 
     def onset(self, load: Any, hardness: Any, nominal_area: float, area: Callable[[Any], Floats]) -> OnsetState:
         """Return the state of contacts at the onset of sliding.
@@ -120,8 +171,37 @@ class FrictionLaw:
             Function from the largest pressure (GPa) to the true area (µm²) at this load.
         """
         pressure = self.yield_pressure(hardness)
-        is_carried = pressure > load / nominal_area  # False at seizure, where the pressure is NaN
-        return OnsetState(pressure, np.where(is_carried, area(np.where(is_carried, pressure, hardness)), np.inf))
+        plastic_coefficient = self.mu0 + self.tau0 / pressure
+        if not self.uses_slip_lines:
+            is_carried = pressure > load / nominal_area  # False at seizure, where the pressure is NaN
+            area_at_onset = np.where(is_carried, area(np.where(is_carried, pressure, hardness)), np.inf)
+            return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
+        area_at_onset = area(pressure)
+        # Junctions that cannot carry the load cover the nominal area.
+        can_shear = self.is_stronger_than_body(hardness) | (pressure <= load / nominal_area)
+        if not np.any(can_shear):
+            return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
+        fraction = self._limited_fraction(load, area_at_onset, np.maximum(pressure, load / nominal_area), hardness)
+        fraction = np.where(can_shear, fraction, 1.0)
+        limited_coefficient = np.minimum(plastic_coefficient, 2 / self.junction_growth)
+        return OnsetState(np.where(fraction < 1, limited_coefficient, plastic_coefficient), area_at_onset, fraction)
+
+    def _limited_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
+        """Return the fraction of the friction force that remains if no traction exceeds the shear strength.
+
+        The traction at each point is the smaller of mu0 p + tau0 and the shear strength H/R. The pressures p follow a
+        Weibull distribution over the true area, which is limited at `pressure` and has the mean load/area. The
+        fraction is 1 if the reduction is negligible.
+        """
+        strength = hardness / self.junction_growth
+        mean_pressure = np.minimum(load / area, pressure)
+        frictional, adhesive = self.contributions(mean_pressure, 1.0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            largest = np.where(np.asarray(self.mu0) > 0, (strength - self.tau0) / np.asarray(self.mu0), np.inf)
+            part = np.clip(largest / pressure, 0.0, 1.0)  # pressure that reaches the shear strength
+            limited = frictional * _fraction_below(part, mean_pressure / pressure) + np.minimum(adhesive, strength)
+            fraction = limited / (frictional + adhesive)
+        return np.where(fraction < 1 - MAX_BULK_SHEAR_EFFECT, fraction, 1.0)
 
 
 @dataclass(frozen=True)
@@ -130,18 +210,81 @@ class OnsetState:
 
     Attributes
     ----------
-    yield_pressure : float or array, GPa
-        Largest pressure: the hardness H, or H' if contacts grow. NaN at seizure.
+    plastic_coefficient : float or array
+        Friction coefficient if all contacts yield. NaN at seizure. Where hardly a contact yields, the shear strength of
+        the softer body does not limit it.
     area : array, µm²
         True area; infinite at seizure, which includes junctions that cannot carry the load on the nominal area.
+    friction_fraction : array
+        Fraction of mu0 F + tau0 A that contacts carry. It is below 1 where the interface is stronger than the softer
+        body, which shears instead: the friction force is then a lower limit, because junctions grow while they slide.
     """
 
-    yield_pressure: Any
+    plastic_coefficient: Any
     area: Floats
+    friction_fraction: Floats
 
 
-def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
-    """Solve for the pressure that `hardness_under_shear` returns, without checking the arguments."""
+def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
+    """Solve for the pressure p at which contacts yield while their traction is s = mu0 p + tau0.
+
+    With f = R s/H, slip lines give p/H = (1 + π/2 + arccos f + sqrt(1 - f²))/(2 + π). Half the hardness is returned if
+    p = H/2 has f > 1: the interface is stronger than the softer body. The unknown of the Newton steps is
+    x = sin(arccos(f)/2). The function is concave in x, and the first value is on the side of the root from which the
+    steps are monotone.
+    """
+    slope = np.asarray(ratio * mu0 / PLANE_STRAIN_RATIO)
+    margin = np.maximum(1 - ratio * tau0 / hardness - slope * (1 + np.pi / 2), 0.0)
+    linear = slope * (1 + np.pi / 2) * np.sqrt(2.0)
+    with np.errstate(invalid="ignore"):  # 0/0 without mu0, where tau0 equals the shear strength
+        x = np.nan_to_num(2 * margin / (linear + np.sqrt(linear**2 + 8 * margin)))
+        x = np.minimum(x, np.sqrt(0.5))
+        for _ in range(NUM_PRESSURE_STEPS):
+            cosine = np.sqrt(1 - x**2)
+            value = margin - 2 * x**2 - slope * (2 * np.arcsin(x) + 2 * x * cosine)
+            x = np.clip(x + np.nan_to_num(value / (4 * (x + slope * cosine))), 0.0, np.sqrt(0.5))
+    sector = 2 * np.arcsin(x) + 2 * x * np.sqrt(1 - x**2)
+    return np.asarray(hardness * ((1 + np.pi / 2 + sector) / PLANE_STRAIN_RATIO))
+
+
+def _fraction_below(limit: Any, mean: Any) -> Floats:
+    """Return mean(min(p, limit)) / mean(p) of pressures p with a Weibull distribution that is limited at 1.
+
+    The shape of the distribution, 1.5 - 0.65 mean(p), was fitted to rough pairs from elastic to plastic contact.
+    """
+    from scipy.special import gammainc
+
+    means, log_rates = _tabulate_weibull_rates()
+    shape = _weibull_shape(mean)
+    rate = np.exp(np.interp(mean, means, log_rates))
+    return np.asarray(gammainc(1 / shape, rate * limit**shape) / gammainc(1 / shape, rate))
+
+
+def _weibull_shape(mean: Any) -> Any:
+    return 1.5 - 0.65 * mean
+
+
+@lru_cache(maxsize=1)
+def _tabulate_weibull_rates() -> tuple[Floats, Floats]:
+    """Return means of pressures with a Weibull distribution that is limited at 1, and the logarithms of its rate.
+
+    The pressure exceeds p < 1 with the probability exp(-rate p^shape). The logarithms are found by bisection.
+    """
+    from scipy.special import gamma, gammainc
+
+    means = np.linspace(0.005, 0.9999, 512)
+    order = 1 / _weibull_shape(means)
+    low, high = np.full(means.size, -12.0), np.full(means.size, 12.0)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        rate = np.exp(middle)
+        is_mean_larger = gamma(order) * gammainc(order, rate) * order / rate**order > means
+        low, high = np.where(is_mean_larger, middle, low), np.where(is_mean_larger, high, middle)
+    return means, middle
+
+
+def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
+    """Solve for the pressure of p² + α (mu0 p + tau0)² = H²."""
     half_linear_coefficient = alpha * (mu0 * tau0)
     # If the contact seizes, this difference of two squares is zero or negative.
     constant_term = np.square(hardness) - alpha * tau0**2

@@ -77,7 +77,7 @@ class MaterialValue(float):
 
 @dataclass(frozen=True)
 class Material:
-    """Solid material: elastic constants, hardness and junction growth, each as a range with its source.
+    """Solid material: elastic constants and hardness, each as a range with its source.
 
     Attributes
     ----------
@@ -94,8 +94,6 @@ class Material:
         for smaller indentations. None for elastomers, which do not yield.
     aliases : tuple of str
         Other names that `material` accepts.
-    junction_growth : MaterialValue or None
-        α of p² + α s² = H², for the growth of plastic contacts under shear (see `hardness_under_shear`); None for 0.
 
     Examples
     --------
@@ -111,7 +109,6 @@ class Material:
     poisson_ratio: MaterialValue
     hardness: MaterialValue | None
     aliases: tuple[str, ...] = ()
-    junction_growth: MaterialValue | None = None
 
     @property
     def plane_strain_modulus(self) -> float:
@@ -205,7 +202,7 @@ def materials() -> tuple[Material, ...]:
         Material(
             row["name"], kind, parse_material_value(row, "young_modulus"), parse_material_value(row, "poisson_ratio"),
             parse_material_value(row, "hardness"),
-            tuple(row.get("aliases", ())), parse_material_value(table["junction_growth"], kind),
+            tuple(row.get("aliases", ())),
         )
         for kind in get_args(MaterialKind)
         for row in sorted(table[kind], key=lambda row: row["name"].casefold())

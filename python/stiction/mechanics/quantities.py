@@ -230,9 +230,9 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "friction_after_dwell": _uncertainty_quantity(
         "coefficient of static friction after a dwell time under load", "combined", "dwell_time"
     ),
-    "fraction_seizing": ResultQuantity(
-        unit="1", words="fraction of the samples of the inputs whose interfaces seize", kind="statistic",
-        along=_MEAN_FRICTION_AXES,
+    "fraction_unlimited": ResultQuantity(
+        unit="1", words="fraction of the samples of the inputs for which friction has no upper limit",
+        kind="statistic", along=_MEAN_FRICTION_AXES,
     ),
     "spread_low": ResultQuantity(
         unit="1", words="10 % quantile of the members", kind="statistic", along=_MEAN_FRICTION_AXES,

@@ -22,6 +22,7 @@ from pydantic import PlainSerializer, PlainValidator, WrapValidator
 from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import Floats, make_read_only
 from stiction._units import Quantity, exact_quantity_text, quantity, short_repr
+from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO, MAX_SHEAR_RATIO, MIN_SHEAR_RATIO
 from stiction.study.values import FrictionCoefficients, ShearStrengths
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
@@ -68,6 +69,8 @@ InputKind = Literal["", "pressure", "modulus", "hardness"]
 MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body
 # Maximum junction-growth coefficient α; α is 27 for a von Mises body with H equal to three times its yield strength.
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
+SLIP_LINE_TEXT = "slip-line"  # text of an input that selects yield by slip lines
+LOWEST_SHEAR_RATIO, HIGHEST_SHEAR_RATIO = 5.0, 6.5  # ratios of hardness to shear strength that are accepted
 # Limits of the exponent of the yielding area, from far below the exponent of fine asperities to above that of steps.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 # Maximum creep exponent; at this exponent, the hardness falls to a third in each decade of time.
@@ -84,6 +87,7 @@ class UncertainInput:
     distribution: InputDistribution
     text: str  # text of the input as written by the user
     maximum: float = math.inf  # upper bound of the samples
+    uses_slip_lines: bool = False  # True for the ratio of hardness to shear strength, instead of α of junction growth
 
     @property
     def is_exact(self) -> bool:
@@ -348,6 +352,8 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
 
     The name is a key of `INPUT_KINDS`. Error messages do not include the name.
     """
+    if name == "junction_growth" and isinstance(source, str) and source.split()[:1] == [SLIP_LINE_TEXT]:
+        return _parse_slip_lines(source)
     parsed = parse_uncertain_input("", source, INPUT_KINDS[name])
     if name == "poisson":
         if parsed.high > MAX_POISSON_RATIO:
@@ -362,6 +368,20 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
     if name == "creep" and parsed.high > MAX_CREEP_EXPONENT:
         raise ValueError(f"must be at most {MAX_CREEP_EXPONENT:g}, got {short_repr(source)}")
     return parsed
+
+
+def _parse_slip_lines(source: str) -> UncertainInput:
+    """Parse "slip-line", optionally with the ratio of hardness to shear strength, as in "slip-line 5.14..5.69"."""
+    text = " ".join(source.split())
+    ratio = text.removeprefix(SLIP_LINE_TEXT).strip()
+    if not ratio:
+        limits = MIN_SHEAR_RATIO, MAX_SHEAR_RATIO
+        return UncertainInput(CENTRAL_SHEAR_RATIO, *limits, "uniform", text, uses_slip_lines=True)
+    parsed = parse_uncertain_input("", ratio)
+    if not LOWEST_SHEAR_RATIO <= parsed.low <= parsed.high <= HIGHEST_SHEAR_RATIO:
+        allowed_range = f"from {LOWEST_SHEAR_RATIO:g} to {HIGHEST_SHEAR_RATIO:g}, including its uncertainty"
+        raise ValueError(f"must have a ratio of hardness to shear strength {allowed_range}, got {short_repr(source)}")
+    return replace(parsed, text=text, uses_slip_lines=True)
 
 
 class InputValue(Quantity):

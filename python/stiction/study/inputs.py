@@ -29,6 +29,8 @@ _LABELS = {
     "creep": "the creep exponent", "young": "Young's modulus", "poisson": "Poisson's ratio",
 }  # fmt: skip
 
+_SLIP_LINE_LABEL = "the ratio of hardness to shear strength"  # label of the junction growth by slip lines
+
 
 @dataclass(frozen=True)
 class Input:
@@ -110,7 +112,9 @@ class Inputs:
     def friction_law(self, mu0: Any, tau0: Any) -> FrictionLaw:
         """Return the law of friction for given mu0 and tau0 (GPa), with the central junction growth."""
         growth = self.entries.get("junction_growth")
-        return FrictionLaw(mu0, tau0, 0.0 if growth is None else growth.central)
+        if growth is None:
+            return FrictionLaw(mu0, tau0)
+        return FrictionLaw(mu0, tau0, growth.central, growth.estimate.uses_slip_lines)
 
     def central(self, name: str) -> float:
         """Return the value with which contacts are computed (GPa or 1)."""
@@ -154,6 +158,7 @@ def _build_inputs(
             continue
         label = _LABELS[name]
         label += f" of the {softer_material.name}" if name == "hardness" and softer_material else ""
+        label = _SLIP_LINE_LABEL if value.estimate.uses_slip_lines else label
         entries[name] = _build_input(name, label, value)
     is_one_material = bool(materials) and materials[0] == materials[1]
     for index, side in enumerate(SIDES[: 1 if is_one_material else 2] if bodies else ()):

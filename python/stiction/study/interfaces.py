@@ -294,8 +294,11 @@ class InterfaceStrength:
         test_growth = self.junction_growth
         if test_growth is None or growth is None:
             return test_growth is not None and test_growth.high == 0
-        return test_growth.distribution == growth.distribution and np.allclose(
-            [test_growth.low, test_growth.high], [growth.low, growth.high]
+        are_same_kind = test_growth.uses_slip_lines == growth.uses_slip_lines
+        return (
+            are_same_kind
+            and test_growth.distribution == growth.distribution
+            and np.allclose([test_growth.low, test_growth.high], [growth.low, growth.high])
         )
 
 

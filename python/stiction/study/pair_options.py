@@ -603,9 +603,9 @@ class MaterialOptions(OptionGroup):
         applies=(uses_asperity_model, has_contact_law_with_yield, has_no_hardness_for_asperities),
     )] = None  # fmt: skip
     junction_growth: Annotated[QuantityInput | None, PairOption(
-        "NUMBER", 'α of p² + α s² = H², by which plastic contacts grow under shear, "9" or "0..27"; 0 for none.',
-        usual="0..27 for metals by name", key="contact.junction_growth", applies=(uses_half_space_model,),
-        field=FormField(label="junction growth α", example="9, or 0..27"),
+        "LAW", 'Growth of plastic contacts under shear: "slip-line", α of p² + α s² = H² as in "9" or "0..27", or 0.',
+        usual="slip-line", key="contact.junction_growth", applies=(uses_half_space_model,),
+        field=FormField(label="junction growth", example="slip-line, 9, or 0..27"),
     )] = None  # fmt: skip
     yield_exponent: Annotated[QuantityInput | None, PairOption(
         "NUMBER", 'Exponent of the area of yielding contacts, "1.25" or "uniform 0.7 .. 1.6".',

@@ -25,7 +25,7 @@ from stiction._text import MAX_WORD_LENGTH
 from stiction._units import Quantity, exact_quantity_text, quantity, short_repr
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.mechanics.law import JacksonGreen
-from stiction.mechanics.materials import material, softest_material
+from stiction.mechanics.materials import material
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.study.contact_tables import choose_load_steps
 from stiction.study.elasticity import (
@@ -37,6 +37,7 @@ from stiction.study.elasticity import (
 )
 from stiction.study.input_distributions import (
     INPUT_KINDS,
+    SLIP_LINE_TEXT,
     UNCERTAINTY_PATTERN,
     InputValue,
     UncertainInput,
@@ -680,9 +681,9 @@ class MeasuredPair:
 
     @property
     def _junction_growth(self) -> InputValue | None:
-        """Junction growth α, or None if contacts do not grow.
+        """Junction growth, or None if contacts do not grow.
 
-        The default is the value for the interface or, without an interface, for the softer material.
+        The default is the value for the interface or, without one, yield by slip lines.
         """
         given_value: Any = self.options.junction_growth
         if given_value is None:
@@ -692,17 +693,15 @@ class MeasuredPair:
             interface_growth = None if self.given_interface is None else self.given_interface.junction_growth
             if interface_growth is not None:
                 return _build_entry(interface_growth) if interface_growth.value else None
-            softer_material = softest_material(*map(material, self.elasticity.materials or ()))
-            value = softer_material and softer_material.junction_growth
-            given_value = f"{value.low:g}..{value.high:g}" if value else 0.0
+            given_value = SLIP_LINE_TEXT
         elif self._hardness is None:
             raise ArgumentError("{junction_growth} needs {hardness}, because elastic contacts do not grow")
-        alpha = self._parse_input("junction_growth", given_value)
-        if alpha and self._adhesion_entries.get("work_of_adhesion"):
+        growth = self._parse_input("junction_growth", given_value)
+        if growth and self._adhesion_entries.get("work_of_adhesion"):
             raise ArgumentError(
                 "{junction_growth} must be 0 if {work_of_adhesion} is given, got {got}", got=repr(given_value)
             )
-        return alpha if alpha else None
+        return growth if growth else None
 
     @property
     def _yield_exponent(self) -> InputValue | None:

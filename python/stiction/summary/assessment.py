@@ -5,14 +5,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._number_format import format_number, format_percent, format_significant, format_with_unit
-from stiction.calibration.friction_tests import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH_COEFFICIENT
+from stiction.calibration.friction_tests import NEGLIGIBLE_GROWTH_EFFECT
 from stiction.evaluate.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
 from stiction.evaluate.point import (
     SlidingRuleCoefficient,
@@ -71,8 +71,8 @@ MAX_SPACING_RATIO = 3.0  # A caveat is issued if the grid spacings of the two sc
 
 # an interface counts as nearly as strong as the bulk if the ratio of τ0 to H/√α exceeds this limit
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# An interval has no upper end if the interface seizes in more than this fraction of the samples.
-MAX_SEIZING_FRACTION = 0.025
+# An interval has no upper end if more than this fraction of the samples has none.
+MAX_UNLIMITED_FRACTION = 0.025
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 """Fraction of the load on plastic contacts. Above it, τ0 is compared with the shear strength of the softer body."""
@@ -163,6 +163,10 @@ STATUS_EXPLANATIONS = {
         "the model has no coefficient",
         "check τ0, the hardness and α, or reduce the load",
     ),
+    "bulk-shear": (
+        "the interface is stronger than the softer body, which shears instead: the coefficient is a lower limit",
+        "use the μ0 of a single contact, which is lower than that of whole surfaces, or measure the hardness and τ0",
+    ),
     "downhill": (
         "in at least one direction, the upper body slides down the slopes without a tangential load; a mean over "
         "directions has no meaning",
@@ -170,7 +174,7 @@ STATUS_EXPLANATIONS = {
     ),
     "no-contact": ("the bodies do not touch", "use a larger load or a larger approach"),
 }
-"""Meaning and remedy of each status of a point that has no coefficient."""
+"""Meaning and remedy of each status of a point that has no coefficient, or only a lower limit."""
 
 WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check of the width of the interval of the mean
 
@@ -309,7 +313,9 @@ def find_point_caveats(
         yield from _find_grid_caveats(point, study)
         yield from find_caveats_of_failed_checks(contact_checks, _compute_checked_numbers(point, study, value))
         return
-    if status != friction.STATUS_OK or math.isnan(value.value):
+    if status == friction.STATUS_BULK_SHEAR:
+        yield _build_status_caveat(status, study)
+    elif status != friction.STATUS_OK or math.isnan(value.value):
         yield _build_status_caveat(status, study)
         yield from find_caveats_of_failed_checks(
             ([STEEP_SURFACE_CHECK],), _compute_checked_numbers(point, study, value)
@@ -505,69 +511,61 @@ def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
 
 
 def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about junction growth and about seizure."""
-    hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
-    if hardness is not None and mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
-        growth = Inputs.from_study(study).estimate("junction_growth")
-        coefficient, coefficient_with_growth = (
-            friction.FrictionLaw(mu0, tau0, alpha).plastic_coefficient(float(hardness))
-            for alpha in (0.0, VON_MISES_GROWTH_COEFFICIENT)
+    """Yield caveats about the growth of contacts under shear, and about interfaces stronger than the softer body."""
+    hardness = study.contact.hardness
+    if hardness is None or not (mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS):
+        return
+    growth = Inputs.from_study(study).estimate("junction_growth")
+    interface = find_interface(study)
+    if (
+        interface is not None
+        and interface.junction_growth is not None
+        and not interface.has_equal_junction_growth(growth)
+    ):
+        growth_text, test_text = (
+            estimate.short_text if estimate is not None else "0" for estimate in (growth, interface.junction_growth)
         )
-        interface = find_interface(study)
-        if (
-            interface is not None
-            and interface.junction_growth is not None
-            and not interface.has_equal_junction_growth(growth)
-        ):
-            alpha, test_alpha = (
-                estimate.short_text if estimate is not None else "0" for estimate in (growth, interface.junction_growth)
-            )
-            text = (
-                f"the interface was calibrated with α = {test_alpha} of junction growth, but the pair has α = {alpha}"
-            )
-            yield Caveat(text, "give the calibration and the pair the same --junction-growth", "caution")
-        if growth is not None:
-            yield from _find_seizure_caveats(point, float(hardness), tau0, growth)
-        elif (
-            study.contact.junction_growth is None
-            and not coefficient_with_growth <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * coefficient
-        ):
-            increase_text = (
-                f"by up to {format_percent(coefficient_with_growth / coefficient - 1)}"
-                if math.isfinite(coefficient_with_growth)
-                else "without limit (seizure)"
-            )
-            shear_strength = float(hardness) * VON_MISES_GROWTH_COEFFICIENT**-0.5
-            strength_ratio = friction.FrictionLaw(mu0, tau0, VON_MISES_GROWTH_COEFFICIENT).bulk_strength_ratio(hardness)
-            text = (
-                f"τ0 is {format_percent(float(strength_ratio))} of the shear strength of the softer body, "
-                f"{format_with_unit(shear_strength, 'GPa')}; junction growth, which is taken as 0, would raise the "
-                f"friction of a ductile body {increase_text}"
-            )
-            remedy = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
-            if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
-                remedy = "compare with the pair without --adhesion, whose contacts grow"
-            yield Caveat(text, remedy, "caution")
+        text = f"the interface was calibrated with junction growth {test_text}, but the pair has {growth_text}"
+        yield Caveat(text, "give the calibration and the pair the same --junction-growth", "caution")
+    law = friction.FrictionLaw(float(point["mu0"]), float(point["tau0"]))
+    if growth is not None:
+        yield from _find_unlimited_caveats(point, float(hardness), law, growth)
+        return
+    effect = law.growth_effect(float(hardness))
+    if study.contact.junction_growth is not None or abs(effect) <= NEGLIGIBLE_GROWTH_EFFECT:
+        return
+    slip_lines = replace(law, junction_growth=friction.CENTRAL_SHEAR_RATIO, uses_slip_lines=True)
+    effect_text = (
+        f"would raise the friction of plastic contacts by up to {format_percent(effect)}"
+        if not slip_lines.is_stronger_than_body(float(hardness))
+        else "has no upper limit, because the interface is stronger than that body"
+    )
+    text = (
+        f"τ0 is {format_percent(float(slip_lines.bulk_strength_ratio(hardness)))} of the shear strength of the softer "
+        f"body; junction growth, which is taken as 0, {effect_text}"
+    )
+    remedy = "use --junction-growth slip-line"
+    if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
+        remedy = "compare with the pair without --adhesion, whose contacts grow"
+    yield Caveat(text, remedy, "caution")
 
 
-def _find_seizure_caveats(
-    point: xarray.Dataset, hardness: float, tau0: float, growth: UncertainInput
+def _find_unlimited_caveats(
+    point: xarray.Dataset, hardness: float, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if some input samples lead to seizure, or if the interface is nearly as strong as the bulk."""
-    strength_ratio = float(friction.FrictionLaw(0.0, tau0, growth.high).bulk_strength_ratio(hardness))
-    seizing_fraction = mean_over_directions(point, "fraction_seizing")
-    if seizing_fraction > 0:
+    """Yield a caveat if some input samples leave friction without an upper limit, or are close to it."""
+    law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
+    strength_ratio = float(law.bulk_strength_ratio(hardness))
+    unlimited_fraction = mean_over_directions(point, "fraction_unlimited")
+    if unlimited_fraction > 0:
         text = (
-            f"the contacts seize for {format_percent(seizing_fraction)} of the samples of the inputs: τ0 is at least "
-            "H/√α, or the junctions grow over the whole area"
-            + ("; the interval has no upper limit" if seizing_fraction > MAX_SEIZING_FRACTION else "")
+            f"the interface is stronger than the softer body for {format_percent(unlimited_fraction)} of the samples "
+            "of the inputs"
+            + ("; the interval has no upper limit" if unlimited_fraction > MAX_UNLIMITED_FRACTION else "")
         )
-        yield Caveat(
-            text,
-            "measure the hardness and τ0, or reduce the load",
-            "fault" if seizing_fraction > MAX_SEIZING_FRACTION else "caution",
-        )
-    elif strength_ratio > NEARLY_BULK_STRENGTH_RATIO:
+        severity: Severity = "fault" if unlimited_fraction > MAX_UNLIMITED_FRACTION else "caution"
+        yield Caveat(text, "measure the hardness, μ0 and τ0, or reduce the load", severity)
+    elif not growth.uses_slip_lines and strength_ratio > NEARLY_BULK_STRENGTH_RATIO:
         text = (
             f"the interface is nearly as strong as the bulk: τ0 is {strength_ratio:.2f} of H/√α at α = {growth.high:g}"
         )

@@ -162,12 +162,15 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
 
 def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
     """Return the status code of each mean over directions. Array axes: cutoff, sliding rule, load, mu0 and tau0."""
+    bulk_shear_code = ORDERED_STATUSES.index(friction.STATUS_BULK_SHEAR)
     codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
     lowest_codes = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
     not_solved_code = ORDERED_STATUSES.index(friction.STATUS_NOT_SOLVED)
+    is_lower_limit = (codes == bulk_shear_code).any(axis=2)
     return np.where(
-        np.isfinite(values), 0, np.where(lowest_codes == len(ORDERED_STATUSES), not_solved_code, lowest_codes)
-    )
+        np.isfinite(values), np.where(is_lower_limit, bulk_shear_code, 0),
+        np.where(lowest_codes == len(ORDERED_STATUSES), not_solved_code, lowest_codes),
+    )  # fmt: skip
 
 
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------

@@ -492,7 +492,8 @@ def summarize_point(
     rules = tuple(_build_rule_coefficient(values, rule) for rule, values in values_by_rule.items())
     quoted_values = values_by_rule[rules[0].rule]
     # If the coefficient is missing in one direction, the mean over all directions is NaN.
-    status = rules[0].status if math.isnan(rules[0].value) else friction.STATUS_OK
+    has_status = math.isnan(rules[0].value) or rules[0].status == friction.STATUS_BULK_SHEAR
+    status = rules[0].status if has_status else friction.STATUS_OK
     quantities = read_point_quantities(point, rules[0].rule)
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     interval_of_mean = rules[0].interval_of_mean
@@ -611,7 +612,7 @@ def _compute_friction_contributions(
     point: xarray.Dataset, rule: SlidingRuleCoefficient
 ) -> tuple[float, float, float] | None:
     """Return the contributions of mu0, tau0 and slopes if friction acts at all contacts, and otherwise None."""
-    if rule.rule != "all" or not math.isfinite(rule.value):
+    if rule.rule != "all" or not math.isfinite(rule.value) or rule.status == friction.STATUS_BULK_SHEAR:
         return None
     load = float(point["load"])
     area_name = "contact_area_at_onset" if "contact_area_at_onset" in point else "contact_area"
@@ -669,7 +670,7 @@ def _find_bounds_for_finer_scans(
     if hardness is None or not has_bracket or all_rub.rule != "all" or not math.isfinite(all_rub.value):
         return None
     mu0, plastic_friction = float(point["mu0"]), compute_plastic_friction(point, study)
-    if plastic_friction is None or math.isnan(plastic_friction):
+    if plastic_friction is None or math.isnan(plastic_friction) or all_rub.status == friction.STATUS_BULK_SHEAR:
         return None
     upper = all_rub.upper if math.isfinite(all_rub.upper) else None
     num_contacts = mean_over_directions(point, "contact_count") * mean_over_directions(point, "members")

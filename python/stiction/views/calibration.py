@@ -19,6 +19,7 @@ from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_V
 from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
+from stiction.views.sentence import junction_growth_text
 from stiction.views.style import ALL_CONTACTS_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
 if TYPE_CHECKING:
@@ -82,13 +83,15 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
 
 
 def _junction_growth_text(interface: Interface) -> str:
-    """Return a sentence about the junction growth parameter α, with its fitted interval if α is a range."""
-    assert interface.junction_growth is not None, "tests have α"
-    text = f"Junction growth: the tests were evaluated with α = {interface.junction_growth.short_text}"
-    if interface.junction_growth.is_exact:
+    """Return a sentence about the junction growth of the tests, with its fitted interval if it is a range."""
+    growth = interface.junction_growth
+    assert growth is not None, "tests have a junction growth"
+    text = f"Junction growth: the tests were evaluated with {junction_growth_text(growth)}"
+    if growth.is_exact:
         return f"{text}. A pair with this interface uses the same value."
     low, value, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
-    text += f", and are consistent with α = {Estimate(value, low, high).text()}"
+    name = "H/k" if growth.uses_slip_lines else "α"
+    text += f", and are consistent with {name} = {Estimate(value, low, high).text()}"
     return f"{text}. A pair with this interface uses the same range."
 
 

@@ -11,6 +11,7 @@ from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_significant, format_time, format_with_unit
 from stiction.evaluate.point import get_contact_law_name, has_limited_pressure
 from stiction.mechanics.closed_forms import gentle_friction
+from stiction.study.input_distributions import SLIP_LINE_TEXT, UncertainInput
 from stiction.study.inputs import Inputs, find_interface
 from stiction.study.member_names import POSITION_NAMES
 from stiction.summary.summary import PointSummary, Summary
@@ -136,8 +137,8 @@ def inputs_text(point: PointSummary) -> str:
     hardness = study.contact.hardness
     if hardness is not None:
         items.append(f"hardness {format_with_unit(float(hardness), 'GPa')}{_hardness_range_text(study)}")
-        if alpha := study.contact.junction_growth:
-            items.append(f"α = {alpha.estimate.short_text}")
+        if growth := study.contact.junction_growth:
+            items.append(junction_growth_text(growth.estimate))
     elif study.is_measured:
         items.append("yielding by Jackson and Green" if "jackson" in get_contact_law_name(study) else "elastic")
     if study.contact.adheres:
@@ -149,6 +150,14 @@ def inputs_text(point: PointSummary) -> str:
     if point.at.get("cut_off", 0.0) > 0:
         items.append(f"low-pass filtered at {point_coordinate_text(point, 'cut_off')}")
     return ", ".join(items)
+
+
+def junction_growth_text(growth: UncertainInput) -> str:
+    """Return text about the growth of contacts under shear: slip lines or α."""
+    if not growth.uses_slip_lines:
+        return f"α = {growth.short_text}"
+    ratio_text = growth.text.removeprefix(SLIP_LINE_TEXT).strip() or f"{growth.low:g}..{growth.high:g}"
+    return f"yield by slip lines with H/k = {ratio_text}"
 
 
 def _input_range_text(point: PointSummary, name: str) -> str:

@@ -57,6 +57,7 @@ STATUS_LABELS = {
     friction.STATUS_BELOW_RANGE: "below the loads computed", friction.STATUS_NO_CONTACT: "no contact",
     friction.STATUS_NOT_SOLVED: "not solved", friction.STATUS_SELF_LOCKED: "self-locked: no load is supported",
     friction.STATUS_SEIZURE: "seizure: junctions grow without limit",
+    friction.STATUS_BULK_SHEAR: "bulk shear: the coefficient is a lower limit",
     friction.STATUS_DOWNHILL: "slides downhill without a tangential load",
 }  # fmt: skip
 """Texts for the statuses in the legend of the map; `STATUS_EXPLANATIONS` contains the reasons."""

@@ -338,6 +338,7 @@ const HATCHES = {
   "self-locked": ["#7a0019", ""],
   "not-solved": ["var(--line)", "M3.9 4h.2"],
   seizure: ["#7a0019", "M-2 2L2 -2M0 8L8 0M6 10L10 6"],
+  "bulk-shear": ["var(--paper)", "M-2 6L2 10M0 0L8 8M6 -2L10 2"],
   downhill: ["var(--line)", "M-2 2L2 -2M0 8L8 0M6 10L10 6"],
 };
 
