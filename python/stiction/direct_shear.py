@@ -16,16 +16,17 @@ from numpy.typing import NDArray
 from stiction._arguments import parse_quantity
 from stiction._checks import check_bool, check_choice, parse_path, validate_number, validate_whole_number
 from stiction._errors import ArgumentError
-from stiction._files import check_replaceable
+from stiction._files import check_replaceable, describe_os_error
 from stiction._text import printable_path
 from stiction._units import loads_to_core_units, quantity, short_repr
+from stiction.evaluate.combined_intervals import compute_quantiles
 from stiction.mechanics.friction import LOAD_SUM_NAMES, STATUS_OK, FrictionLaw, warn_if_tau0_is_large
 from stiction.mechanics.half_space import BoundaryCondition, TiltMode
 from stiction.mechanics.onset import parse_direction
 from stiction.mechanics.shear import ShearBox
 from stiction.mechanics.solution_record import SolutionRecord
 from stiction.solve.members_in_progress import compute_steps_key, remove_stored_steps, stored_record
-from stiction.solve.store import CHECKSUM_PREFIX, export
+from stiction.solve.store import CHECKSUM_PREFIX, STUDY_FILE, export
 from stiction.study.elasticity import determine_elasticity
 from stiction.study.input_distributions import UncertainInput, draw_input_samples, parse_study_input
 from stiction.surfaces.joint_roughness import measure_joint_roughness
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
 
 ShearLevel = Literal["mean", "line", "plane", "none"]
 TEST_FILE_NAME = "shear.nc"
-INTERVAL_PROBABILITIES = (0.025, 0.975)
+INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
 
 
 def shear_test(
@@ -179,14 +180,27 @@ def shear_test(
     attributes = {} if registration is None else _describe_registration(registration)
     if directory is None:
         return _compute(box, inputs, offsets, SolutionRecord(), progress).assign_attrs(attributes)
-    folder, key = parse_path("directory", directory), compute_steps_key(_describe(box, inputs, offsets))
+    folder, description = parse_path("directory", directory), _describe(box, inputs, offsets)
+    key, steps_key = hashlib.sha256(description.encode()).hexdigest()[:16], compute_steps_key(description)
     if (test := _open_stored_test(folder, key, replace=replace)) is not None:
         return test
-    folder.mkdir(parents=True, exist_ok=True)
-    test = _compute(box, inputs, offsets, stored_record(folder, 0, key), progress).assign_attrs(attributes, key=key)
+    _create_folder(folder)
+    record = stored_record(folder, 0, steps_key)
+    test = _compute(box, inputs, offsets, record, progress).assign_attrs(attributes, key=key)
     export(test, folder / TEST_FILE_NAME, replace=True)
-    remove_stored_steps(folder)
+    remove_stored_steps(folder, key=steps_key)
     return test
+
+
+def _create_folder(folder: Path) -> None:
+    """Create the folder of a shear test. Raise a `ValueError` if it cannot be created, or contains a study."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        has_study = (folder / STUDY_FILE).exists()
+    except OSError as error:
+        raise ValueError(f"{printable_path(folder)}: {describe_os_error(error)}") from None
+    if has_study:
+        raise ValueError(f"{printable_path(folder)} contains the result of a study; choose another directory")
 
 
 def _compute(
@@ -386,4 +400,5 @@ def _add_intervals(test: xr.Dataset, inputs: dict[str, UncertainInput]) -> xr.Da
 
 
 def _interval(samples: Any) -> Any:
-    return np.quantile(samples, INTERVAL_PROBABILITIES, axis=0)
+    """Return the 95 % limits of samples along the first axis; infinite if too many samples lock."""
+    return compute_quantiles(INTERVAL_PROBABILITIES, samples, axis=0)

@@ -176,6 +176,45 @@ def test_shear_command_rejects_a_directory_with_another_test(folder):
 # ---- Caveats ---------------------------------------------------------------------------------------------------------
 
 
+def test_file_of_the_user_is_not_replaced(folder):
+    (folder / "shear").mkdir()
+    (folder / "shear/shear.csv").write_text("displacement (um),mu\n1,2\n")
+    completed = call_stiction("shear", "upper.npy", "lower.npy", *OPTIONS, "--path", "0.5 mm", "--mu0", 0.6, cwd=folder)
+    assert_rejected(completed, "was not written by stiction")
+    assert (folder / "shear/shear.csv").read_text() == "displacement (um),mu\n1,2\n"
+
+
+def test_directory_of_a_study_is_rejected_and_unchanged(tmp_path):
+    (tmp_path / "study.toml").write_text("")
+    steps = tmp_path / "in_progress/0000000-0123456789abcdef"
+    steps.mkdir(parents=True)
+    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **CONDITIONS}
+    with pytest.raises(ValueError, match="contains the result of a study; choose another directory"):
+        shear_test(*create_faces(), directory=tmp_path, **options)
+    assert steps.exists()
+
+
+@pytest.mark.parametrize("name", ["file", "file/folder"])
+def test_directory_that_cannot_be_created_is_rejected_with_one_sentence(tmp_path, name):
+    (tmp_path / "file").write_text("")
+    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **CONDITIONS}
+    with pytest.raises(ValueError, match="file"):
+        shear_test(*create_faces(), directory=tmp_path / name, **options)
+
+
+def test_finished_test_opens_with_other_versions_of_the_software(tmp_path, monkeypatch):
+    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, "directory": tmp_path, **CONDITIONS}
+    test = shear_test(*create_faces(), **options)
+    monkeypatch.setattr(np, "__version__", "99")
+    xarray.testing.assert_identical(shear_test(*create_faces(), **options), test)
+
+
+def test_peak_of_identical_scans_before_they_move_has_a_caveat(folder):
+    test = shear_test(*create_faces(), path="0.5 mm", steps=2, mu0=0.6, tau0="3 MPa", **CONDITIONS)
+    assert test.attrs["peak_displacement_um"] == 0
+    assert "The peak is before the faces move" in " ".join(list_caveats(test))
+
+
 def test_caveats_name_missing_strength_and_load_at_edges():
     x = np.linspace(-1, 1, 201)
     bowl = Profile(40 * x**2, spacing=5.0)

@@ -174,6 +174,23 @@ def test_normal_load_vanishes_if_the_stiffness_unloads_contracting_faces():
     assert np.isnan(test.friction_coefficient[-1])
 
 
+def test_faces_that_lock_at_the_start_are_solved_at_later_displacements():
+    x = np.arange(201.0)
+    ramp = Profile(np.clip(1.2 * (x - 60), 0, 120), spacing=1.0)  # locks for mu0 above 0.83
+    pin = Profile(80 * np.exp(-(((x - 100) / 20) ** 2)), spacing=1.0)
+    options = {"path": "100 um", "steps": 5, "mu0": 1.5, "level": "none", "load": "1 kPa", "effective_modulus": 30.0}
+    test = shear_test(pin, ramp, **options)
+    assert test.status[0] == "self-locked"
+    assert test.status[-1] == "ok"
+    stiff_test = shear_test(pin, ramp, normal_stiffness="1 kPa/mm", **options)
+    assert (stiff_test.status[1:] == "not-solved").all()  # without a height at the start, the load is unknown
+
+
+def test_steps_are_at_most_the_grid_points_of_the_path():
+    test = shear(create_wavy_profile(), path="0.2 um", steps=10**11, mu0=0.3)
+    np.testing.assert_allclose(np.diff(test.displacement), 100 / 2048)
+
+
 def test_hardness_of_the_teeth_limits_peak_and_dilation():
     options = {"path": "100 um", "steps": 5, "mu0": 0.6, "boundary": "periodic"}
     soft, hard = (shear(create_rough_map(), hardness=value, **options) for value in ("20 MPa", "2 GPa"))
@@ -204,6 +221,17 @@ def test_ranges_of_mu0_and_tau0_give_intervals_by_superposition():
     assert (upper < ends[1].friction_coefficient + 1e-3).all()
     assert test.attrs["peak_lower"] < test.attrs["peak"] < test.attrs["peak_upper"]
     assert test.attrs["end_lower"] < test.attrs["end"] < test.attrs["end_upper"]
+
+
+def test_interval_is_open_if_more_than_a_fortieth_of_the_samples_lock():
+    # Teeth of 45 degrees lock for mu0 of 1 or more, a quarter of the range.
+    x = np.arange(400) / 200
+    teeth = Profile(100 * (0.5 - np.abs(x % 1 - 0.5)), spacing=0.5)
+    test = shear(teeth, path="20 um", steps=2, mu0="uniform 0.2..1.3", boundary="periodic", effective_modulus=1e4)
+    lower, upper = test.friction_coefficient_interval.values[:, 1]
+    assert 1 < lower < 2
+    assert upper == np.inf
+    assert test.attrs["peak_upper"] == np.inf
 
 
 def test_exact_inputs_have_no_interval():

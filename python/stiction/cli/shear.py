@@ -91,11 +91,11 @@ def shear(
     from stiction.views.figures.shear import shear_figure
     from stiction.views.files import check_all_replaceable, replace_text_file
     from stiction.views.json_record import record_json
-    from stiction.views.shear import FIRST_CSV_TITLE, list_caveats, shear_csv, shear_text, shear_values
+    from stiction.views.shear import CSV_SIGNATURE, list_caveats, shear_csv, shear_text, shear_values
     from stiction.views.style import FIGURE_FILE_SIGNATURES, save_figure
 
     check_output_directory(output)
-    signatures = {CSV_FILE_NAME: FIRST_CSV_TITLE.encode(), FIGURE_FILE_NAME: FIGURE_FILE_SIGNATURES[".png"]}
+    signatures = {CSV_FILE_NAME: CSV_SIGNATURE, FIGURE_FILE_NAME: FIGURE_FILE_SIGNATURES[".png"]}
     check_all_replaceable(output, signatures)
     reading_options = {
         name: value for name, value in read_given_options(context).items() if name in READING_OPTION_NAMES

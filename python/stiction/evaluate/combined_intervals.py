@@ -499,8 +499,10 @@ def compute_equal_tailed_interval(values: NDArray[Any], upper_values: NDArray[An
     return Interval(*compute_quantiles(np.array([0.025, 0.975]), values, upper_values).tolist())
 
 
-def compute_quantiles(probabilities: Floats, values: NDArray[Any], upper_values: NDArray[Any] | None = None) -> Floats:
-    """Return quantiles of samples, which are infinite where too many samples are infinite.
+def compute_quantiles(
+    probabilities: Floats, values: NDArray[Any], upper_values: NDArray[Any] | None = None, axis: int | None = None
+) -> Floats:
+    """Return quantiles of samples (along an axis), which are infinite where too many samples are infinite.
 
     Quantiles above the median are those of `upper_values`, if given.
 
@@ -518,10 +520,10 @@ def compute_quantiles(probabilities: Floats, values: NDArray[Any], upper_values:
 
     # Quantiles are not interpolated if samples are infinite.
     method: Literal["inverted_cdf", "linear"] = "inverted_cdf" if np.isinf(values).any() else "linear"
-    quantiles = np.asarray(np.quantile(values, probabilities, method=method))
+    quantiles = np.asarray(np.quantile(values, probabilities, axis=axis, method=method))
     if upper_values is None or not np.isinf(upper_values).any():
         return quantiles
-    upper_quantiles = np.quantile(upper_values, probabilities, method="inverted_cdf")
+    upper_quantiles = np.quantile(upper_values, probabilities, axis=axis, method="inverted_cdf")
     return np.where(probabilities > 0.5, upper_quantiles, quantiles)
 
 

@@ -128,7 +128,8 @@ class ShearBox:
 
         The positions are spread evenly over the path (µm) and rounded to grid points, at most one per grid point.
         """
-        displacements = np.linspace(0.0, path, steps + 1)
+        num_points = int(np.abs(path * self._motion / self.lower.spacings).sum()) + 1
+        displacements = np.linspace(0.0, path, min(steps, num_points) + 1)
         rounded = np.rint(displacements[:, np.newaxis] * self._motion / self.lower.spacings).astype(np.int64)
         offsets: NDArray[np.int64] = rounded[np.append(True, np.any(np.diff(rounded, axis=0) != 0, axis=1))]
         if len(offsets) < 2:
@@ -258,6 +259,10 @@ class ShearBox:
         overlap_area = _measured_area(upper, lower)
         max_load = math.inf if self.hardness is None else self.hardness * overlap_area
         rows: list[StepResult] = []
+        if self.stiffness and first is not None and not math.isfinite(float(first["height"])):
+            # Without the height at the start, the load is unknown.
+            missing_values = dict.fromkeys((*_NUMBER_NAMES, "elastic_load"), math.nan)
+            return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
         def compare_load(elastic_load: float) -> tuple[float, float]:
             """Return the normal load minus its target, and the target."""

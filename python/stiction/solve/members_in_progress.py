@@ -120,10 +120,10 @@ def find_members_in_progress(folder: Path) -> set[int]:
     }
 
 
-def remove_stored_steps(folder: Path, members: Container[int] | None = None) -> None:
-    """Remove the stored steps of some members, or of all members, from a result folder. Errors are ignored."""
+def remove_stored_steps(folder: Path, members: Container[int] | None = None, key: str | None = None) -> None:
+    """Remove the stored steps of some or all members, with one or any key, from a result folder. Ignore errors."""
     for member, member_folder in _list_member_folders(folder):
-        if members is None or member in members:
+        if (members is None or member in members) and (key is None or member_folder.name.endswith(f"-{key}")):
             with contextlib.suppress(OSError):
                 for path in member_folder.iterdir():
                     if _STEP_FILE_PATTERN.fullmatch(path.name):

@@ -208,13 +208,26 @@ def _refine_offset(upper: Any, lower: Any, offset: tuple[int, ...], factor: int)
     while True:
         moves = np.stack(np.meshgrid(*[(-step, 0, step)] * len(offset)), -1).reshape(-1, len(offset))
         candidates = [tuple(int(a + b) for a, b in zip(offset, move, strict=True)) for move in moves]
-        gaps = [_measure_rms_gap(*_overlap(upper, lower, candidate)) for candidate in candidates]
+        gaps = [
+            _measure_rms_gap(*_overlap(upper, lower, candidate))
+            if _has_min_overlap(upper, lower, candidate)
+            else math.inf
+            for candidate in candidates
+        ]
         if min(gaps) < best:
             best, offset = min(gaps), candidates[int(np.argmin(gaps))]
         elif step == 1:
             return offset
         else:
             step //= 2
+
+
+def _has_min_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> bool:
+    """Return whether two bodies overlap by `MIN_OVERLAP_FRACTION` along each axis at an offset (points)."""
+    return all(
+        min(other, step + count) - max(0, step) >= MIN_OVERLAP_FRACTION * min(count, other)
+        for step, count, other in zip(offset, upper.heights.shape, lower.heights.shape, strict=True)
+    )
 
 
 def _overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, Any]:

@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 MAX_PRINTED_DISPLACEMENTS = 13
 MAX_EDGE_LOAD_FRACTION = 0.2  # maximum fraction of the load at the edges of the faces without a caveat
 MAX_HARDNESS_LOAD_FRACTION = 0.5  # maximum fraction of the load at the hardness without a caveat
+MAX_INITIAL_AREA_FRACTION = 0.5  # maximum contact area over overlap at the start without a caveat
 MAX_USUAL_PEAK = math.tan(math.radians(70))  # largest peak that Barton and Choubey (1977) recommend to use
 MIN_REGISTERED_CORRELATION = 0.5  # minimum correlation of the slopes of registered faces without a caveat
-FIRST_CSV_TITLE = "displacement (um)"
 
 _CSV_COLUMNS = {
     "friction_coefficient": ("mu", 1.0), "shear_stress": ("shear stress (MPa)", 1e3),
@@ -41,6 +41,9 @@ _CSV_COLUMNS = {
     "overlap_area": ("overlap (um2)", 1.0), "load_fraction_at_hardness": ("load fraction at the hardness", 1.0),
     "load_fraction_at_edges": ("load fraction at the edges", 1.0),
 }  # fmt: skip
+CSV_SIGNATURE = _CSV_COLUMNS["load_fraction_at_hardness"][0].encode()
+"""Bytes that identify a CSV file as a shear test that the program wrote."""
+
 _STATUS_TEXTS: dict[str, str] = {
     STATUS_DOWNHILL: "slides by itself", STATUS_SELF_LOCKED: "locks", STATUS_NO_CONTACT: "no contact",
     STATUS_NOT_REACHED: "load not reached", STATUS_NOT_SOLVED: "no solution",
@@ -60,7 +63,7 @@ def curve_estimate(test: xarray.Dataset, name: str, index: int) -> Estimate:
     values = test[name]
     return Estimate(
         float(values[index]), *limits, name=name, unit=values.attrs["units"],
-        kind="combined" if np.isfinite(limits).all() else "", status=str(test["status"].values[index]),
+        kind="" if np.isnan(limits).any() else "combined", status=str(test["status"].values[index]),
     )  # fmt: skip
 
 
@@ -108,7 +111,12 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
             caveats.append("The coefficient is largest at the end of the path: choose a longer path.")
         if float(test.attrs["peak"]) > MAX_USUAL_PEAK:
             caveats.append("The peak is above 70°, the usual limit of rock joints: real asperities break before.")
-        if peak == 1:
+        if peak == 0 and float(test["contact_area_fraction"][0]) > MAX_INITIAL_AREA_FRACTION:
+            caveats.append(
+                f"The peak is before the faces move, when {format_percent(float(test['contact_area_fraction'][0]))} of "
+                "the overlap is in contact: real faces fit less well than scans that are identical."
+            )
+        elif peak == 1:
             caveats.append(
                 "The peak is at the first displacement, so the true peak may be higher and earlier: use more steps, or "
                 "a finer scan."
@@ -261,7 +269,7 @@ def shear_csv(test: xarray.Dataset) -> str:
 def _shear_frame(test: xarray.Dataset) -> pandas.DataFrame:
     import pandas as pd
 
-    columns: dict[str, Any] = {FIRST_CSV_TITLE: test["displacement"].values}
+    columns: dict[str, Any] = {"displacement (um)": test["displacement"].values}
     for name, (title, factor) in _CSV_COLUMNS.items():
         columns[title] = test[name].values * factor
         if f"{name}_interval" in test:
