@@ -10,7 +10,15 @@ import pandas
 import pytest
 import stiction
 import typer
-from stiction import Study, effective_modulus, run, self_affine, self_affine_surface, tabor_friction, write_profile
+from stiction import (
+    Study,
+    effective_modulus,
+    hardness_under_shear,
+    run,
+    self_affine,
+    self_affine_surface,
+    write_profile,
+)
 from stiction._errors import ArgumentError
 from stiction._estimate import Estimate
 from stiction.cli.application import app, print_output
@@ -430,7 +438,8 @@ def test_pair_command_interrupted_while_it_draws_keeps_the_printed_result(scans_
 
 
 def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_path):
-    options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--shifts", 4, "--direction", "0,90", "--onset", 0]
+    options = ["--hardness", "0.5..1.5 GPa", "--junction-growth", 0, "--load", "7 MPa", "--shifts", 4]
+    options += ["--direction", "0,90", "--onset", 0]
     call_stiction(
         "pair",
         *MAP_ARGUMENTS,
@@ -863,7 +872,7 @@ def folder_options_and_record(tmp_path_factory):
     for side in ("upper", "lower"):
         surface = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(96, 96), spacing=0.1, side=side)
         np.save(folder / f"{side}.npy", surface.heights)
-    options = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "50 MPa", "--load", "10 MPa"]
+    options = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "10 MPa", "--load", "10 MPa"]
     options += ["--shifts", 3, "--direction", "0,180", "--onset", 3, "--wait", "1 h", "--creep", 0.02]
     completed = check_stiction(
         "pair", *MAP_ARGUMENTS, *options, "--json", cwd=folder, without_figures=True, without_report=True
@@ -876,7 +885,8 @@ def test_pair_command_reports_resolved_wavelengths_and_the_range_for_finer_scans
     resolution, answer = record["resolution"], record["points"][0]
     assert resolution["wavelengths"]["shortest_um"] == pytest.approx(0.2)
     assert [entry["cut_off"] for entry in resolution["cutoffs"]] == pytest.approx([0, 0.2], rel=1e-3)
-    assert answer["finer_scans"]["from"] == pytest.approx(float(tabor_friction(0.625, 0.2, 0.05, 13.5)), rel=1e-3)
+    pressure = float(hardness_under_shear(0.625, 0.2, 0.01, "slip-line"))
+    assert answer["finer_scans"]["from"] == pytest.approx(0.2 + 0.01 / pressure, rel=1e-3)
     assert answer["finer_scans"]["to"] >= answer["rules"][0]["coefficient"]["value"]
     stored_resolution = store.read(folder / "pair" / "resolution")
     expected = run(Study.from_toml(folder / "pair" / "resolution" / "study.toml")).dataset
