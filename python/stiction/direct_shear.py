@@ -33,7 +33,7 @@ from stiction.surfaces.joint_roughness import measure_joint_roughness
 from stiction.surfaces.measured.writing import heights_with_nan
 from stiction.surfaces.preparation import count_flips, flipped, levelled, on_common_grid
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.registration import Registration, register_faces
+from stiction.surfaces.registration import Registration, correlate_facing_slopes, register_faces
 from stiction.surfaces.surface import BodyLike, as_bodies
 
 if TYPE_CHECKING:
@@ -136,7 +136,8 @@ def shear_test(
         the end of the path), and `peak_status`, which is not "ok" if the faces lock. Of the lower face, along the
         motion: `z2` and `jrc` (NaN outside its range), `rising_slope` and `falling_slope`. Of
         the closure at the start, by Bandis' law: `closure_initial_stiffness_GPa_per_um`, `maximum_closure_um` and
-        `closure_misfit`, the largest relative deviation; NaN if the faces do not close.
+        `closure_misfit`, the largest relative deviation; NaN if the faces do not close. `fit_correlation` is the
+        correlation of the slopes of both faces at the start; NaN if a face is flat.
 
     Raises
     ------
@@ -217,7 +218,8 @@ def _compute(
         normal_stress_GPa=box.load / area, normal_stiffness_GPa_per_um=box.stiffness / area,
         effective_modulus_GPa=box.effective_modulus, hardness_GPa=math.nan if box.hardness is None else box.hardness,
         tilt=box.tilt, boundary=box.boundary, closure_initial_stiffness_GPa_per_um=closure.initial_stiffness,
-        maximum_closure_um=closure.maximum_closure, closure_misfit=closure.misfit, **_describe_roughness(box),
+        maximum_closure_um=closure.maximum_closure, closure_misfit=closure.misfit,
+        fit_correlation=correlate_facing_slopes(*box.faces_at(offsets[0])), **_describe_roughness(box),
     )  # fmt: skip
 
 

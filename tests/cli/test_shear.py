@@ -209,6 +209,27 @@ def test_finished_test_opens_with_other_versions_of_the_software(tmp_path, monke
     xarray.testing.assert_identical(shear_test(*create_faces(), **options), test)
 
 
+def test_shear_strength_is_printed_where_the_stress_is_largest():
+    options = {"path": "0.4 mm", "steps": 4, "mu0": 0.6, "hardness": "150 MPa", **CONDITIONS}
+    test = shear_test(*create_faces(), normal_stiffness="20 MPa/mm", **options)
+    assert int(np.argmax(test.friction_coefficient.values)) < 4
+    assert int(np.argmax(test.shear_stress.values)) == 4
+    assert f"shear strength: {1e3 * float(test.shear_stress[4]):.3g} MPa at 400 µm" in shear_text(test)
+    assert "The shear stress is largest at the end of the path" in " ".join(list_caveats(test))
+
+
+def test_faces_that_do_not_fit_at_the_start_have_a_caveat():
+    upper, lower = create_faces()
+    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **CONDITIONS}
+    fitting, other = (
+        shear_test(face, lower, **options) for face in (upper, Surface(upper.heights[::-1, ::-1], spacing=50.0))
+    )
+    assert fitting.attrs["fit_correlation"] > 0.99
+    assert abs(other.attrs["fit_correlation"]) < 0.3
+    assert "hardly agree where the path starts" in " ".join(list_caveats(other))
+    assert "hardly agree" not in " ".join(list_caveats(fitting))
+
+
 def test_peak_of_identical_scans_before_they_move_has_a_caveat(folder):
     test = shear_test(*create_faces(), path="0.5 mm", steps=2, mu0=0.6, tau0="3 MPa", **CONDITIONS)
     assert test.attrs["peak_displacement_um"] == 0

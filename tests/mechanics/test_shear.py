@@ -186,6 +186,12 @@ def test_faces_that_lock_at_the_start_are_solved_at_later_displacements():
     assert (stiff_test.status[1:] == "not-solved").all()  # without a height at the start, the load is unknown
 
 
+def test_perfect_fit_without_friction_has_no_force_at_the_start():
+    test = shear(create_wavy_profile(), path="5 um", steps=1, mu0=0, boundary="periodic")
+    assert test.friction_coefficient[0] == 0
+    assert test.status[0] == "ok"
+
+
 def test_steps_are_at_most_the_grid_points_of_the_path():
     test = shear(create_wavy_profile(), path="0.2 um", steps=10**11, mu0=0.3)
     np.testing.assert_allclose(np.diff(test.displacement), 100 / 2048)

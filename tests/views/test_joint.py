@@ -156,6 +156,10 @@ def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, fo
         (("from_command.csv", "--joint"), "from_command.csv"),
     ):
         assert_rejected(call_stiction("export", "pair", *arguments, cwd=folder), message)
+    with pytest.raises(ValueError, match="mu0 must be a single value, got"):
+        result.joint_table(mu0=[0.2, 0.3])
+    with pytest.raises(ValueError, match="must end in"):
+        result.export(folder / "x.json")
     small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
     with pytest.raises(ValueError, match="needs a measured pair, got generated surfaces"):
         run(Study.named("quick").with_changes(small)).joint_table()

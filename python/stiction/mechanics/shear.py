@@ -354,8 +354,9 @@ class ShearBox:
 
         columns = {name: np.array([float(row[name]) for row in rows]) for name in _NUMBER_NAMES}
         normal, tangential = (self.law.load(load, columns) for load in ("normal", "tangential"))
+        tangential = np.where(np.abs(tangential) > self.tolerance * normal, tangential, 0.0)  # drop solver errors
         coefficient, status = tangential / normal, np.array([str(row["status"]) for row in rows], STATUS_DTYPE)
-        status[coefficient < -NEGLIGIBLE_COEFFICIENT] = STATUS_DOWNHILL
+        status[coefficient < 0] = STATUS_DOWNHILL
         variables = {
             "friction_coefficient": np.where(status == STATUS_OK, coefficient, np.nan),
             "shear_stress": tangential / columns["overlap_area"],

@@ -385,8 +385,14 @@ class Evaluation(MemberSums):
         loads = choose_joint_loads(self.study)
         loads = loads if load is None else self._to_forces(load)
         friction = self.study.friction
-        strengths = (friction.mu0[:1] if mu0 is None else mu0, friction.tau0[:1] if tau0 is None else tau0)
-        at = self.at(loads, mu0=strengths[0], tau0=strengths[1], quantities=(*JOINT_QUANTITIES, "contact_count"))
+        strengths: dict[str, Any] = {
+            "mu0": friction.mu0[:1] if mu0 is None else mu0,
+            "tau0": friction.tau0[:1] if tau0 is None else tau0,
+        }
+        at = self.at(loads, **strengths, quantities=(*JOINT_QUANTITIES, "contact_count"))
+        for name, values in strengths.items():
+            if at.sizes.get(name, 1) > 1:
+                raise ValueError(f"{name} must be a single value, got {short_repr(values)}")
         return build_joint_table(at, self.study, units)
 
     # ---- Reported values ---------------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ import numpy as np
 
 from stiction._checks import Floats, check_choice
 from stiction._estimate import Estimate
+from stiction._number_format import format_with_unit
 from stiction._units import quantity
 from stiction.evaluate.combined_intervals import COMBINED_QUANTITIES, FRICTION_PERCENTILES
 from stiction.evaluate.member_values import find_tangential_stiffness_ratio, has_grooves
@@ -162,17 +163,23 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str) -> JointTabl
     at = select_sliding_rule(at, list_sliding_rules_reported_first(study)[0]).isel(mu0=0, tau0=0)
     at = at.isel(cut_off=0) if "cut_off" in at.dims else at
     steps, area = study.contact.loading_steps(), float(at["nominal_area"])
-    rows = []
+    rows, omitted_loads = [], []
     for load in at["load"].values.tolist():
         estimates = _read_row(at.sel(load=load), load / area)
         if math.isfinite(estimates["closure"].value):
             converted = {name: parsed_units.convert(each) for name, each in estimates.items()}
             rows.append(JointRow(load, bool(np.isin(load, steps)), converted))
+        else:
+            omitted_loads.append(load)
     if not rows:
         raise ValueError("a joint table needs a closure, but the pair has none at these loads")
     first_load = float(study.friction.load[0])
     reference = min(rows, key=lambda row: abs(math.log(row.load / first_load)))
-    notes = (*_describe_definitions(study, at), *_describe_range(rows, parsed_units))
+    notes = (
+        *_describe_definitions(study, at),
+        *_describe_range(rows, parsed_units),
+        *(f"No closure, and therefore no row, at {format_with_unit(load / area, 'GPa')}." for load in omitted_loads),
+    )
     return JointTable(tuple(rows), parsed_units, reference, float(at["mu0"]), float(at["tau0"]), notes)
 
 
@@ -206,7 +213,8 @@ def _describe_definitions(study: Study, at: xarray.Dataset) -> list[str]:
         "Normal stiffness: its derivative.",
         describe_tangential_stiffness(study, at),
         f"Coefficient of static friction: friction at {'all contacts' if rule == 'all' else 'opposing contacts only'}; "
-        "5, 50 and 95 % of single tests in one direction at one position have smaller values.",
+        "5, 50 and 95 % of single tests in one direction at one position have smaller values. The median differs from "
+        "the coefficient, because the distribution of the inputs is not symmetric.",
     ]
     if "friction_percentiles" not in at or np.isnan(at["friction_percentiles"]).all():
         notes.append("No percentiles: a prediction needs at least three positions.")

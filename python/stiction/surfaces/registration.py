@@ -62,7 +62,7 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
     upper_part, lower_part = _overlap(turned, lower, offset)
     gap = _compute_gap(upper_part, lower_part)
     upper_part = upper_part.changed(lower_part.heights + gap.heights, "registered")
-    correlation = float(_correlate_slopes(upper_part, lower_part)[(0,) * lower.heights.ndim])
+    correlation = correlate_facing_slopes(upper_part, lower_part)
     middle_distances = [
         (step + (count - other) / 2) * spacing
         for step, count, other, spacing in zip(
@@ -97,6 +97,13 @@ def measure_fit(upper: Any, lower: Any) -> float:
     others[near] = np.nan
     highest = float(correlations[best])
     return highest if np.nanmax(others, initial=0.0) < MAX_SECOND_FIT_RATIO * highest else 0.0
+
+
+def correlate_facing_slopes(upper: Any, lower: Any) -> float:
+    """Return the correlation of the slopes of two facing bodies without a shift, or NaN if one is flat."""
+    if upper.is_flat or lower.is_flat:
+        return math.nan
+    return float(_correlate_slopes(upper, lower)[(0,) * lower.heights.ndim])
 
 
 def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:

@@ -90,8 +90,8 @@ def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAUL
 
 
 def is_card(path: Path) -> bool:
-    """Return whether the ending of a file belongs to joint tables only."""
-    return path.suffix.lower() in JOINT_FORMATS.keys() - EXPORT_WRITERS.keys()
+    """Return whether the ending of a file belongs to the cards of other programs."""
+    return path.suffix.lower() in JOINT_FORMATS.keys() - EXPORT_WRITERS.keys() - {".json"}
 
 
 def _check_ending(path: Path, descriptions: Mapping[str, str]) -> None:

@@ -32,7 +32,7 @@ MAX_EDGE_LOAD_FRACTION = 0.2  # maximum fraction of the load at the edges of the
 MAX_HARDNESS_LOAD_FRACTION = 0.5  # maximum fraction of the load at the hardness without a caveat
 MAX_INITIAL_AREA_FRACTION = 0.5  # maximum contact area over overlap at the start without a caveat
 MAX_USUAL_PEAK = math.tan(math.radians(70))  # largest peak that Barton and Choubey (1977) recommend to use
-MIN_REGISTERED_CORRELATION = 0.5  # minimum correlation of the slopes of registered faces without a caveat
+MIN_FIT_CORRELATION = 0.5  # minimum correlation of the slopes at the start of the path without a caveat
 
 _CSV_COLUMNS = {
     "friction_coefficient": ("mu", 1.0), "shear_stress": ("shear stress (MPa)", 1e3),
@@ -109,6 +109,11 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
         peak = int(np.nanargmax(test["friction_coefficient"].values))
         if peak == displacement.size - 1:
             caveats.append("The coefficient is largest at the end of the path: choose a longer path.")
+        elif int(np.nanargmax(test["shear_stress"].values)) == displacement.size - 1:
+            caveats.append(
+                "The shear stress is largest at the end of the path, because the normal load rises: choose a longer "
+                "path."
+            )
         if float(test.attrs["peak"]) > MAX_USUAL_PEAK:
             caveats.append("The peak is above 70°, the usual limit of rock joints: real asperities break before.")
         if peak == 0 and float(test["contact_area_fraction"][0]) > MAX_INITIAL_AREA_FRACTION:
@@ -117,9 +122,10 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
                 "the overlap is in contact: real faces fit less well than scans that are identical."
             )
         elif peak == 1:
+            has_every_point = "x" in test.coords and displacement[1] < 1.5 * float(test["x"][1] - test["x"][0])
             caveats.append(
-                "The peak is at the first displacement, so the true peak may be higher and earlier: use more steps, or "
-                "a finer scan."
+                "The peak is at the first displacement, so the true peak may be higher and earlier: use "
+                f"{'a finer scan' if has_every_point else 'more steps'}."
             )
         at_hardness = float(test["load_fraction_at_hardness"][peak])
         if math.isnan(float(test.attrs["hardness_GPa"])):
@@ -132,10 +138,15 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
                 f"At the peak, {format_percent(at_hardness)} of the load is on asperities at their strength. They are "
                 "flattened; breakage, gouge and wear are not included."
             )
-    if float(test.attrs.get("registration_correlation", 1.0)) < MIN_REGISTERED_CORRELATION:
+    if float(test.attrs.get("registration_correlation", 1.0)) < MIN_FIT_CORRELATION:
         caveats.append(
             "The slopes of the faces hardly agree even where they fit best: check which faces belong together, and how "
             "they were scanned."
+        )
+    elif float(test.attrs["fit_correlation"]) < MIN_FIT_CORRELATION:
+        caveats.append(
+            "The slopes of the faces hardly agree where the path starts (correlation "
+            f"{float(test.attrs['fit_correlation']):.2f}): register the faces, or check how they were scanned."
         )
     edge_fractions = test["load_fraction_at_edges"].values
     edge_fraction = float(np.max(edge_fractions, initial=0.0, where=np.isfinite(edge_fractions)))
@@ -171,6 +182,12 @@ def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
     dilation = float(test["dilation"][-1])
     rise = "" if math.isnan(dilation) else f", dilation {format_with_unit(dilation, 'um')}"
     lines.append(f"end:  {end_text} at {format_with_unit(end, 'um')}{rise}")
+    if values["peak_friction_coefficient"].status == STATUS_OK:
+        strongest = int(np.nanargmax(test["shear_stress"].values))
+        lines.append(
+            f"shear strength: {format_with_unit(float(test['shear_stress'][strongest]), 'GPa')} at "
+            f"{format_with_unit(float(test['displacement'][strongest]), 'um')}"
+        )
     lines.append(_roughness_text(test.attrs))
     if not math.isnan(float(test.attrs["closure_misfit"])):
         lines.append(_closure_text(test.attrs))
