@@ -141,7 +141,7 @@ def read_displayed_result(driver):
     script = "return [...document.querySelectorAll('#answer .value')].map((each) => ({...each.dataset}))"
     rules = driver.execute_script(script)
     interval_by_rule = {
-        values_of_rule["rule"]: [float(values_of_rule[name]) for name in ("value", "lower", "upper")]
+        values_of_rule["rule"]: [json.loads(values_of_rule[name]) for name in ("value", "lower", "upper")]
         for values_of_rule in rules
     }
     return interval_by_rule, driver.execute_script("return document.getElementById('sentence')?.textContent")
