@@ -310,7 +310,7 @@ def test_interval_of_profiles_includes_result_without_spikes(mechanics):
 @pytest.mark.parametrize("seed", [4, 6])
 def test_spikes_do_not_improve_the_assessment(seed):
     surfaces = rough_maps(seed, points=40, rms=0.005)
-    options = PAIR_OPTIONS | {"hardness": "1 GPa", "load": "10 MPa", "cutoff": "none"}
+    options = PAIR_OPTIONS | {"hardness": "1 GPa", "load": "10 MPa", "cutoff": "none", "junction_growth": 0}
     clean_result, result = pair(*surfaces, **options), pair(*map(add_spikes, surfaces), **options)
     own_point = open_without_alternatives(result).summary().first
     assert own_point.assessment == "Quote with care"
