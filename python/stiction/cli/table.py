@@ -21,7 +21,7 @@ NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME = "table.nc", "table.csv", "laws
     "table",
     "stiction table --effective-modulus '10 GPa' --hurst 0.8 --rms '20 nm,50 nm'",
     "stiction table --upper steel --lower brass --load '1 MPa,9 MPa' --mu0 0.4",
-    "stiction table a.csv b.csv --upper steel --lower brass --mu0 0.2 --load '5 MPa'",
+    "stiction table a.csv b.csv --upper steel --lower brass --mu0 0.2 --load 5MPa",
 )
 def table_command(
     upper: Annotated[str | None, pair_argument("upper")] = None,
