@@ -355,7 +355,7 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
     height = format_with_unit(next(item["value"] for item in roughness if item["name"] == "Sq"), "um")
     assert f"Sq {height}," in drop_scan_file(empty_page, "upper", map_files[0])["hint"]
     assert "Sq" in choose_scan(empty_page, "lower", map_files[1])["hint"]
-    fill_fields(empty_page, METAL_FORM_VALUES)
+    fill_fields(empty_page, METAL_FORM_VALUES | {"junction-growth": "0"})
     press_start_button(empty_page)
     wait_until(lambda: read_displayed_result(empty_page)[0] or read_job_state(empty_page) == "failed", bool)
     assert wait_until_finished(empty_page) == "done"
