@@ -255,9 +255,13 @@ def _fraction_below(limit: Any, mean: Any) -> Floats:
     from scipy.special import gammainc
 
     means, log_rates = _tabulate_weibull_rates()
+    limit, mean = np.broadcast_arrays(limit, mean)
+    fraction, is_limited = np.ones(limit.shape), ~(limit >= 1)
+    limit, mean = limit[is_limited], mean[is_limited]
     shape = _weibull_shape(mean)
     rate = np.exp(np.interp(mean, means, log_rates))
-    return np.asarray(gammainc(1 / shape, rate * limit**shape) / gammainc(1 / shape, rate))
+    fraction[is_limited] = gammainc(1 / shape, rate * limit**shape) / gammainc(1 / shape, rate)
+    return fraction
 
 
 def _weibull_shape(mean: Any) -> Any:
