@@ -14,13 +14,13 @@ def cut_piece(surface, row, column, points=128):
 
 
 def test_shift_is_found_and_the_overlap_fits_to_round_off():
-    upper, lower, found = register_faces(cut_piece(LARGE, 37, 28), cut_piece(LARGE, 30, 40))
-    assert found.shift == (350.0, -600.0)
-    assert found.rotation == 0
+    upper, lower, registration = register_faces(cut_piece(LARGE, 37, 28), cut_piece(LARGE, 30, 40))
+    assert registration.shift == (350.0, -600.0)
+    assert registration.rotation == 0
     assert upper.heights.shape == lower.heights.shape == (121, 116)
     np.testing.assert_allclose(np.std(upper.heights - lower.heights), 0, atol=1e-9)
-    assert found.correlation == pytest.approx(1)
-    assert found.rms_gap < 1e-9 < found.rms_gap_before
+    assert registration.correlation == pytest.approx(1)
+    assert registration.rms_gap < 1e-9 < registration.rms_gap_before
 
 
 @pytest.mark.parametrize("angle", [-2.2, 1.3])
@@ -29,18 +29,18 @@ def test_rotation_tilt_and_noise_are_found(angle):
     first_row, first_column = ((np.array(turned.heights.shape) - 128) // 2).tolist()
     noise = np.random.default_rng(1).normal(0, 1.0, (128, 128)) + 0.5 * np.arange(128)
     piece = cut_piece(turned, first_row + 4, first_column - 3)
-    _, _, found = register_faces(Surface(piece.heights + noise, spacing=50.0), cut_piece(LARGE, 36, 36))
-    assert found.rotation == pytest.approx(-angle, abs=0.25)  # a quarter of a point at the ends
-    np.testing.assert_allclose(found.shift, (200.0, -150.0), atol=75)
-    assert found.rms_gap < 0.2 * found.rms_gap_before
+    _, _, registration = register_faces(Surface(piece.heights + noise, spacing=50.0), cut_piece(LARGE, 36, 36))
+    assert registration.rotation == pytest.approx(-angle, abs=0.25)  # a quarter of a point at the ends
+    np.testing.assert_allclose(registration.shift, (200.0, -150.0), atol=75)
+    assert registration.rms_gap < 0.2 * registration.rms_gap_before
 
 
 def test_profiles_are_registered_by_a_shift():
     line = LARGE.row(0)
     upper, lower = (Profile(line.heights[start : start + 128], spacing=50.0) for start in (20, 9))
-    _, _, found = register_faces(upper, lower)
-    assert found.shift == (550.0,)
-    assert found.rms_gap < 1e-9
+    _, _, registration = register_faces(upper, lower)
+    assert registration.shift == (550.0,)
+    assert registration.rms_gap < 1e-9
 
 
 def test_missing_points_do_not_take_part_in_the_registration():

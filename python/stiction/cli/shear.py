@@ -129,10 +129,7 @@ def shear(
 
 def _load_face(file: Path, index: int, options: dict[str, Any]) -> Profile | Surface:
     """Load a face. An option that is given twice applies to the upper and to the lower face."""
-    texts = {}
-    for name, value in options.items():
-        values = [value] if isinstance(value, str) else list(value)
-        if len(values) > 2:
-            raise ValueError(f"--{name.replace('_', '-')} must be given at most twice, got {len(values)} values")
-        texts[name] = str(values[min(index, len(values) - 1)])
+    from stiction.study.pair_options import select_body_value
+
+    texts = {name: str(select_body_value(name, values, index)) for name, values in options.items()}
     return load_measurement(file, texts).body

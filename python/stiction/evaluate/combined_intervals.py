@@ -23,7 +23,7 @@ from stiction.mechanics.brackets import friction_range_for_finer_scans, max_fric
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, FrictionLaw
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES, Z_95, UncertainInput, generate_stratified_points
-from stiction.study.inputs import Inputs
+from stiction.study.inputs import SAME_VALUE_TOLERANCE, Inputs
 
 if TYPE_CHECKING:
     from stiction.study.study import Study
@@ -37,8 +37,6 @@ INTERFACE_INPUT_NAME = "interface"  # name of the input that combines mu0 and ta
 # quantiles of an input; the uncertainty budget is computed with the input fixed at each of these quantiles
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 
-# mu0 or tau0 counts as equal to its value in the study up to this relative difference
-SAME_INPUT_TOLERANCE = 1e-3
 FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
 """Percentiles of the coefficient of a single test in `Result.at`. Design codes use the first as a minimum."""
 
@@ -207,7 +205,7 @@ class CombinedIntervals:
             if self.study.friction.interface is None and name not in self.inputs:
                 continue
             study_value = float(getattr(self.study.friction, name)[0])
-            if abs(study_value - value) > SAME_INPUT_TOLERANCE * value:
+            if abs(study_value - value) > SAME_VALUE_TOLERANCE * value:
                 self.inputs.pop(name, None)
                 strengths = ()
         return strengths

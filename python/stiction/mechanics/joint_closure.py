@@ -48,8 +48,8 @@ def fit_bandis_law(pressure: Floats, closure: Floats) -> BandisLaw:
         stiffness, maximum = np.exp(logarithms)
         return np.asarray(np.log(pressure * maximum / (stiffness * maximum + pressure) / closure))
 
-    found = least_squares(compute_deviations, np.log([pressure[0] / closure[0], 1.2 * closure[-1]]))
-    stiffness, maximum = np.exp(found.x)
+    optimum = least_squares(compute_deviations, np.log([pressure[0] / closure[0], 1.2 * closure[-1]]))
+    stiffness, maximum = np.exp(optimum.x)
     if maximum > MAX_EXTRAPOLATION * closure[-1]:
         return BandisLaw(math.nan, math.nan, math.nan)
-    return BandisLaw(float(stiffness), float(maximum), math.expm1(float(np.abs(found.fun).max())))
+    return BandisLaw(float(stiffness), float(maximum), math.expm1(float(np.abs(optimum.fun).max())))

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar, Literal, Protocol, TypeAlias, get_args
+from typing import Annotated, Any, ClassVar, Literal, Protocol, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -194,6 +194,16 @@ class OptionCondition:
 
     holds: Callable[[PairProperties], bool]
     message: str  # text of the message after the option name; {name} stands for another option
+
+
+def select_body_value(name: str, values: Any, index: int) -> Any:
+    """Return the value of an option for the upper (0) or the lower body (1). A single value applies to both bodies."""
+    values = values if isinstance(values, list) else [values]
+    if len(values) > 2:
+        raise ArgumentError(
+            f"{{{name}}} must be given once for both files, or once for each file, got {len(values)} values"
+        )
+    return values[index % len(values)] if values else None
 
 
 def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]], OptionCondition]:

@@ -56,6 +56,7 @@ from stiction.study.pair_options import (
     Mechanics,
     OptionKind,
     PairOptions,
+    select_body_value,
     split_option_text,
     validate_option_values,
 )
@@ -200,14 +201,7 @@ class MeasuredPair:
             raise ArgumentError(f"{{{key}}} of {{{side}}} {{why}}", why=reason) from None
 
     def _select_option_value(self, name: str, index: int) -> Any:
-        """Return the value of an option for one body. A single value applies to both bodies."""
-        option_values = self.options.option_value(name)
-        values = option_values if isinstance(option_values, list) else [option_values]
-        if len(values) > 2:
-            raise ArgumentError(
-                f"{{{name}}} must be given once for both files, or once for each file, got {len(values)} values"
-            )
-        return values[index % len(values)] if values else None
+        return select_body_value(name, self.options.option_value(name), index)
 
     def _validate_machining_process(self, name: Any) -> Any:
         if name not in MACHINING_PROCESSES:

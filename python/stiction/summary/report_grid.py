@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty
-from stiction.evaluate.combined_intervals import SAME_INPUT_TOLERANCE
 from stiction.evaluate.load_range import choose_loads_in_range
-from stiction.study.inputs import Inputs
+from stiction.study.inputs import SAME_VALUE_TOLERANCE, Inputs
 from stiction.summary.evaluation import Evaluation
 
 if TYPE_CHECKING:
@@ -170,5 +169,5 @@ def _build_axis(study_values: Floats, round_values: Floats, *, has_range: bool) 
             np.unique(np.linspace(0, study_values.size - 1, MAX_STUDY_VALUES).round().astype(int))
         ]
     difference = np.abs(round_values[:, np.newaxis] - study_values).min(axis=1)
-    values = np.union1d(study_values, round_values[difference > 2 * SAME_INPUT_TOLERANCE * round_values])
+    values = np.union1d(study_values, round_values[difference > 2 * SAME_VALUE_TOLERANCE * round_values])
     return ParameterAxis(values, has_range & (values > 0) & np.isin(values, study_values))

@@ -59,13 +59,14 @@ EXPORT_WRITERS: dict[str, tuple[str, Callable[[Evaluation, Path], None]]] = {
 """Description and writer of each output format, by file name extension."""
 
 
-JOINT_FORMATS: dict[str, tuple[str, Callable[[JointTable, str], str]]] = {
-    ".csv": ("a table", joint_csv),
-    ".json": ("a table", joint_json),
+CARD_FORMATS: dict[str, tuple[str, Callable[[JointTable, str], str]]] = {
     ".inp": ("Abaqus and CalculiX", abaqus_card),
     ".mac": ("Ansys", ansys_card),
     ".liggghts": ("LIGGGHTS", liggghts_card),
 }
+"""Description and text of each card of another program, by file name extension."""
+
+JOINT_FORMATS = {".csv": ("a table", joint_csv), ".json": ("a table", joint_json)} | CARD_FORMATS
 """Description and text of each format of a joint table, by file name extension."""
 
 
@@ -91,7 +92,7 @@ def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAUL
 
 def is_card(path: Path) -> bool:
     """Return whether the ending of a file belongs to the cards of other programs."""
-    return path.suffix.lower() in JOINT_FORMATS.keys() - EXPORT_WRITERS.keys() - {".json"}
+    return path.suffix.lower() in CARD_FORMATS
 
 
 def _check_ending(path: Path, descriptions: Mapping[str, str]) -> None:

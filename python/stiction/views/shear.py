@@ -138,15 +138,14 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
                 f"At the peak, {format_percent(at_hardness)} of the load is on asperities at their strength. They are "
                 "flattened; breakage, gouge and wear are not included."
             )
-    if float(test.attrs.get("registration_correlation", 1.0)) < MIN_FIT_CORRELATION:
+    correlation = float(test.attrs["fit_correlation"])
+    if correlation < MIN_FIT_CORRELATION:
         caveats.append(
             "The slopes of the faces hardly agree even where they fit best: check which faces belong together, and how "
             "they were scanned."
-        )
-    elif float(test.attrs["fit_correlation"]) < MIN_FIT_CORRELATION:
-        caveats.append(
-            "The slopes of the faces hardly agree where the path starts (correlation "
-            f"{float(test.attrs['fit_correlation']):.2f}): register the faces, or check how they were scanned."
+            if "registration_rms_gap_um" in test.attrs
+            else f"The slopes of the faces hardly agree where the path starts (correlation {correlation:.2f}): "
+            "register the faces, or check how they were scanned."
         )
     edge_fractions = test["load_fraction_at_edges"].values
     edge_fraction = float(np.max(edge_fractions, initial=0.0, where=np.isfinite(edge_fractions)))
@@ -238,7 +237,7 @@ def _registration_text(attributes: Mapping[Any, Any]) -> str:
     )
     return wrap_text(
         f"registered: shift {', '.join(shifts)}, rotation {attributes['registration_rotation_deg']:.2f}°; rms gap "
-        f"{after} (before: {before}), correlation of the slopes {attributes['registration_correlation']:.2f}",
+        f"{after} (before: {before}), correlation of the slopes {attributes['fit_correlation']:.2f}",
         hanging_indent="  ",
     )
 

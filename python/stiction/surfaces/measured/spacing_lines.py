@@ -67,10 +67,7 @@ _AXIS_SPACING_PATTERNS = {
         rf"({UNIT_PATTERN})?(?:\s*(?:/|per\b)\s*(?:{_POINT_WORDS})\b)?(?!\s*(?:/|per\b))",
         re.IGNORECASE,
     )
-    for axis, other_names in (
-        ("y", r"(?:row|line|track|trace|profile)[\s_-]*(?:spacing|step|pitch|interval|distance)|Zeilenabstand|"),
-        ("x", ""),
-    )
+    for axis, other_names in (("y", _ROW_SPACING_NAMES), ("x", ""))
 }
 _NEXT_DECLARATION_PATTERN = re.compile(
     rf"[\s,;]+(?=(?:[xy][\s_-]*(?:{_STEP_NAMES})|d[xy]|(?:spacing|step|pitch)[\s_-]*(?:in |along )?[xy])\s*[:=(\[])",
