@@ -179,3 +179,30 @@ def test_lower_limit_in_bulk_shear_agrees_with_the_sum_over_the_points_of_the_co
         assert 0.93 * expected < onset.friction_fraction < 1.03 * expected
     else:  # a small reduction is neglected
         assert onset.friction_fraction == 1
+
+
+def limit_pressures(log_scale, unlimited):
+    return np.minimum(np.exp(log_scale) * unlimited, 1.0)
+
+
+def excess_of_mean(log_scale, unlimited, mean):
+    return limit_pressures(log_scale, unlimited).mean() - mean
+
+
+def test_fraction_in_bulk_shear_agrees_with_the_quantiles_of_the_distribution_of_pressures():
+    """The pressures, as fractions of the largest, follow a Weibull distribution that is limited at 1."""
+    random = np.random.default_rng(5)
+    probabilities = (np.arange(200_000) + 0.5) / 200_000
+    for mean in random.uniform(0.06, 0.95, 30):
+        shape = 1.5 - 0.65 * mean
+        unlimited = (-np.log1p(-probabilities)) ** (1 / shape)
+        pressures = limit_pressures(brentq(excess_of_mean, -9, 9, args=(unlimited, mean)), unlimited)
+        hardness, ratio, mu0, tau0 = 1.0, 5.6, random.uniform(0.4, 1.5), random.uniform(0.0, 0.05)
+        # the pressure of contacts that yield is half the hardness, because the interface is stronger than the body
+        traction = mu0 * 0.5 * hardness * pressures + tau0
+        expected = np.minimum(traction, hardness / ratio).mean() / traction.mean()
+        onset = FrictionLaw(mu0, tau0, ratio, True).onset(0.5 * mean, hardness, 1e3, np.ones_like)
+        if expected < 0.949:
+            assert onset.friction_fraction == pytest.approx(expected, abs=3e-4)
+        elif expected > 0.951:
+            assert onset.friction_fraction == 1

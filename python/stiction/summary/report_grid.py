@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from stiction.evaluate.member_values import MemberKind
     from stiction.study.study import Study
 
-MEASURED_MU0_VALUES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
+MEASURED_MU0_VALUES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8)
 GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 """Values of mu0 in reports of measured and of generated surfaces, in addition to the values of the study.
 
