@@ -125,6 +125,26 @@ def test_pull_off_force_is_shown_in_rows_and_text_and_the_report_and_a_figure(ad
     assert len(adhesive_result.figure("adhesion").axes) == 2
 
 
+def test_friction_at_no_load_has_the_combined_interval_of_independent_samples(adhesive_result):
+    """The friction at no load is linear in μ0 and τ0. The positions add a relative error to it."""
+    result = run_pair(**ADHESION_OPTIONS, mu0="0.2..0.4", tau0="10..40 MPa")
+    values = result.at()["friction_at_no_load"].isel(cut_off=0).squeeze(drop=True)
+    exact = adhesive_result.at()["friction_at_no_load"].isel(cut_off=0).squeeze(drop=True)
+    generator = np.random.default_rng(11)
+    mu0 = generator.normal(0.3, 0.1 / 1.96, 200_000)
+    tau0 = 0.02 * np.exp(generator.normal(0.0, np.log(2) / 1.96, mu0.size))
+    for rule in ("all", "opposing"):
+        elastic, frictional, adhesive = (
+            float(result.dataset[f"unloaded_{name}"].sel(sliding=rule).mean())
+            for name in ("elastic", "frictional", "adhesive")
+        )
+        _, lower, upper = exact.sel(sliding=rule).values
+        errors = generator.normal(0.0, np.log(upper / lower) / (2 * 1.96), mu0.size)
+        samples = (elastic + mu0 * frictional + tau0 * adhesive) * np.exp(errors)
+        interval = values.sel(sliding=rule).values[1:]
+        assert interval == pytest.approx(np.quantile(samples, [0.025, 0.975]), abs=0.03 * np.ptp(interval))
+
+
 def test_roughness_contribution_is_undefined_for_adhesive_pairs(adhesive_result):
     """The attraction, which depends on the roughness, raises the contribution of mu0 above mu0."""
     for point in adhesive_result.summary().points:

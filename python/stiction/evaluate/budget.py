@@ -32,7 +32,7 @@ from stiction.evaluate.intervals import ScanPairMean, average_scan_pairs
 from stiction.evaluate.member_values import interpolate_member_sums, member_values
 from stiction.evaluate.response import ContactResponse, InputValues
 from stiction.mechanics.friction import LOAD_SUM_NAMES, sums_per_load
-from stiction.mechanics.quantities import quantity_attributes
+from stiction.mechanics.quantities import ZERO_LOAD_SUM_QUANTITIES, quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
 from stiction.solve.member_sums import MemberSums
 from stiction.study.inputs import Inputs
@@ -329,6 +329,12 @@ def _iterate_intervals(
     )
     contact_sums = interpolate_member_sums(result, loads).mean(("repetition", "direction"))
     sums_by_name = _get_arrays_over_dims({name: contact_sums.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
+    sums_at_no_load = {}
+    if "friction_at_no_load" in at:
+        mean_sums = result.means(ZERO_LOAD_SUM_QUANTITIES).mean("direction")
+        sums_at_no_load = _get_arrays_over_dims(
+            {name: mean_sums.variables[name] for name in ZERO_LOAD_SUM_QUANTITIES}, at, dims
+        )
     replaced_inputs = {
         name: each
         for name, each in Inputs.from_study(study).uncertain.items()
@@ -346,6 +352,7 @@ def _iterate_intervals(
             areas[indices.get("cut_off", 0)],
             replace(study_inputs, mu0=float(point["mu0"]), tau0=float(point["tau0"])),
             float(stiffness_exponents[indices["load"]]),
+            {name: float(sums[position]) for name, sums in sums_at_no_load.items()} or None,
         )
         key = tuple(index for dim, index in indices.items() if dim not in ("mu0", "tau0"))
         if key not in central_values:

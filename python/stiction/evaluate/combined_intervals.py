@@ -74,13 +74,14 @@ def compute_quantity_ratios(
         "unloading_stiffness_per_area": unloading,
         "unloading_closure_stiffness": unloading,
         "tangential_stiffness_per_area": unloading,
+        "friction_at_no_load": response.friction_at_no_load_ratio(inputs),
     }
 
 
 COMBINED_QUANTITIES = (
     "contact_area", "contact_area_fraction", "contact_area_at_onset", "mean_pressure", "normal_stiffness",
     "closure_stiffness", "stiffness_per_area", "unloading_stiffness", "unloading_stiffness_per_area",
-    "unloading_closure_stiffness", "tangential_stiffness_per_area",
+    "unloading_closure_stiffness", "tangential_stiffness_per_area", "friction_at_no_load",
 )  # fmt: skip
 """Quantities of a contact besides friction whose intervals include the uncertain inputs."""
 

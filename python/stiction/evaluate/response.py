@@ -112,6 +112,8 @@ class ContactResponse:
         Central values of all inputs.
     stiffness_exponent : float
         Logarithmic derivative of the normal stiffness with respect to the load.
+    sums_at_no_load : mapping of str to float, optional
+        Contact sums of adhesive bodies without an external load.
     """
 
     load: float
@@ -119,6 +121,7 @@ class ContactResponse:
     area: AreaFunction
     central: InputValues
     stiffness_exponent: float = 1.0
+    sums_at_no_load: Mapping[str, float] | None = None
 
     def areas_before_shear(self, inputs: InputValues) -> AreasBeforeShear:
         """Return the true areas before shear, which depend neither on mu0 nor on tau0."""
@@ -163,6 +166,19 @@ class ContactResponse:
         loading = loading * yielding_ratio ** (LOADING_STIFFNESS_EXPONENT * yielded_fraction)
         unloading = inputs.modulus * modulus_area / central_area * yielding_ratio**UNLOADING_STIFFNESS_EXPONENT
         return loading, unloading
+
+    def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
+        """Return the friction without an external load, divided by that at the central inputs.
+
+        The attraction is that of the central inputs. The area changes as at the smallest computed load.
+        """
+        if self.sums_at_no_load is None:
+            return np.full((), np.nan)
+        smallest_load = replace(self, load=float(self.area.loads[0]))
+        true_area = smallest_load.areas_before_shear(inputs).true
+        area_ratio = true_area / smallest_load.areas_before_shear(self.central).true
+        central_force = self.central.law.load("unloaded", self.sums_at_no_load)
+        return inputs.law.load("unloaded", self.sums_at_no_load, area_ratio) / central_force
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
         """Return all quantities for the central inputs, of which some may be replaced."""
