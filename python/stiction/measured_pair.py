@@ -66,6 +66,7 @@ def pair(
     yield_strength: QuantityInput | None = None,
     junction_growth: QuantityInput | None = None,
     yield_exponent: QuantityInput | None = None,
+    area_loss: QuantityInput | None = None,
     wait: QuantityInputs | None = None,
     creep: QuantityInput | None = None,
     work_of_adhesion: QuantityInput | None = None,
@@ -146,6 +147,9 @@ def pair(
         slip-line.
     yield_exponent : str or float, optional
         Exponent of the area of yielding contacts, "1.25" or "uniform 0.7 .. 1.6". By default "uniform 0.7 .. 1.6".
+    area_loss : str or float, optional
+        Fraction of the true area that soft elastic bodies lose under shear, "0.1" or "0..0.3". By default "0..0.3" if
+        E* is below 100 MPa.
     wait : str or float, or several, s, optional
         Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.
     creep : str or float, optional
@@ -285,6 +289,7 @@ def pair(
                 yield_strength=yield_strength,
                 junction_growth=junction_growth,
                 yield_exponent=yield_exponent,
+                area_loss=area_loss,
                 wait=wait,
                 creep=creep,
                 work_of_adhesion=work_of_adhesion,

@@ -691,3 +691,44 @@ def test_calibration_text_states_an_interval_of_area_per_load_if_the_modulus_is_
     assert len(numbers) == (3 if has_interval else 1)
     if has_interval:  # A/F is proportional to E* to the power of -2/3
         assert numbers[2] / numbers[1] == pytest.approx(2 ** (2 / 3), rel=0.05)
+
+
+# ---- Area loss of soft bodies ----------------------------------------------------------------------------------------
+
+SOFT_BALL = Ball("5 mm", "2 MPa")
+
+
+def simulate_soft_ball_tests(ball: Ball, loss: float) -> list[Any]:
+    tests = []
+    for load in (1.0, 10.0, 100.0):
+        y = 0.1 + 3e-4 * (1 - loss) * ball.area_per_load(load)
+        tests.append(FrictionTest(ball, load, coefficient=y, uncertainty=0.01 * y))
+    return tests
+
+
+def test_soft_ball_has_a_range_of_the_area_loss_by_default() -> None:
+    assert SOFT_BALL.area_loss.text == "0..0.3"
+    assert float(BALL.area_loss) == 0
+    assert float(Ball("5 mm", "2 MPa", area_loss=0.1).area_loss) == 0.1
+    with pytest.raises(ValueError, match=r"area_loss must be from 0 to 0\.9"):
+        Ball("5 mm", "2 MPa", area_loss="0..1.5")
+
+
+def test_calibration_with_a_known_area_loss_recovers_tau0() -> None:
+    ball = Ball("5 mm", "2 MPa", area_loss=0.2)
+    interface = calibrate(simulate_soft_ball_tests(ball, 0.2), common=0.0, sliding="all")
+    assert interface.tau0[0] == pytest.approx(3e-4, rel=0.01)
+
+
+def test_area_loss_cancels_for_the_tested_surfaces_only() -> None:
+    interface = calibrate(simulate_soft_ball_tests(SOFT_BALL, 0.15), common=0.0, sliding="all")
+    _, low, high = interface.tau0
+    assert low < 3e-4 * 0.9
+    assert high > 3e-4 * 1.1
+    widths = []
+    for ball in (SOFT_BALL, Ball("4 mm", "2 MPa")):
+        value, lower, upper = interface.predict(ball, 10.0)
+        assert lower < 0.1 + 3e-4 * 0.85 * ball.area_per_load(10.0) < upper
+        widths.append((upper - lower) / value)
+    assert widths[0] < 0.05
+    assert widths[1] > 0.2

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats, validate_number
+from stiction._errors import ArgumentError
 from stiction._units import is_pressure, loads_to_core_units, short_repr, to_core_units
 from stiction.evaluate.contact_area import AreaFunction, build_area_functions
 from stiction.evaluate.member_values import interpolate_member_sums
@@ -19,10 +20,10 @@ from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionCurve, FrictionL
 from stiction.mechanics.model import SlidingRule
 from stiction.solve.member_sums import MemberSums
 from stiction.study.elasticity import PairElasticity
-from stiction.study.input_distributions import UncertainInput
+from stiction.study.input_distributions import InputValue, UncertainInput, parse_input_value
 from stiction.study.inputs import Inputs
 from stiction.study.interfaces import SLIDING_RULES
-from stiction.study.moduli import UncertainModulus, parse_elasticity
+from stiction.study.moduli import UncertainModulus, find_default_area_loss, parse_elasticity
 from stiction.study.study import parse_study_of_dataset
 
 if TYPE_CHECKING:
@@ -50,6 +51,8 @@ class Ball:
         Young's moduli and Poisson's ratios of both bodies; ranges are accepted.
     upper_material, lower_material : str, optional
         Names of the materials of the bodies. The moduli have the ranges that `material` returns.
+    area_loss : float or str, optional
+        Fraction of the true area that the contact loses before it slides. By default "0..0.3" if E* is below 100 MPa.
 
     Examples
     --------
@@ -64,6 +67,7 @@ class Ball:
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
+    area_loss: Any = field(default=None, kw_only=True)
     elasticity: PairElasticity = field(
         init=False, repr=False, compare=False
     )  # elastic properties computed from the central values of both moduli
@@ -79,9 +83,16 @@ class Ball:
         object.__setattr__(self, "effective_modulus", elasticity.effective_modulus)
         object.__setattr__(self, "elasticity", elasticity)
         object.__setattr__(self, "moduli", moduli)
+        area_loss = self.area_loss
+        if area_loss is None:
+            area_loss = find_default_area_loss(elasticity.effective_modulus) or 0.0
+        try:
+            object.__setattr__(self, "area_loss", parse_input_value("area_loss", area_loss))
+        except ValueError as error:
+            raise ArgumentError("{area_loss} {why}", why=str(error)) from None
 
     def area_per_load(self, load: float | str) -> float:
-        """Return the true area per load A/F (1/GPa) at a load (mN), computed with the central values of the moduli."""
+        """Return the true area per load A/F (1/GPa) before shear at a load (mN), for the central moduli."""
         load = validate_number("load", load, unit="mN", above=0)
         radius, modulus = float(self.radius), self.elasticity.effective_modulus
         overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
@@ -104,15 +115,20 @@ class _FrictionTestSums:
 class AreaFactor:
     """Area factor, i.e. the ratio of true area to computed area, as a function of uncertain inputs."""
 
-    # uncertain inputs by name: hardness, creep exponent, moduli and junction growth
+    # uncertain inputs by name: hardness, creep exponent, moduli, junction growth and area loss
     known: Mapping[str, UncertainInput]
+    surfaces: Hashable  # key of the surfaces; only tests with equal keys share the area loss
 
-    def nuisance_name(self, name: str) -> str:
-        """Return the name of the nuisance parameter for an input. Tests with equal inputs share this parameter."""
-        return f"{name} {self.known[name].text}"
+    def nuisance_name(self, name: str) -> Hashable:
+        """Return the name of the nuisance parameter for an input. Tests with equal inputs share this parameter.
+
+        Small contacts lose a larger fraction of their area than large ones, so other surfaces have another area loss.
+        """
+        text = f"{name} {self.known[name].text}"
+        return (text, self.surfaces) if name == "area_loss" else text
 
     @property
-    def nuisance_names(self) -> list[str]:
+    def nuisance_names(self) -> list[Hashable]:
         """Names of all nuisance parameters."""
         return [self.nuisance_name(name) for name in self.known]
 
@@ -139,10 +155,19 @@ class _BallAreaFactor(AreaFactor):
     """Area factor of a Hertzian point contact. The area is proportional to E*^(-2/3)."""
 
     moduli: UncertainModulus
+    area_loss: float  # central value
+
+    @classmethod
+    def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
+        """Return the area factor of a ball, or None if its moduli are exact and its contact keeps its area."""
+        loss: InputValue = ball.area_loss
+        known = ball.moduli.inputs | ({} if loss.is_exact else {"area_loss": loss.estimate})
+        return cls(known, ("ball", ball.radius), ball.moduli, float(loss)) if known or loss else None
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the true area divided by the true area for the central moduli, and 1."""
-        return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3), np.ones(())
+        """Return the true area at the onset, divided by the area before shear for the central moduli, and 1."""
+        area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
+        return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 
 
 @dataclass(frozen=True)
@@ -156,7 +181,7 @@ class _AreaFactorFromResult(AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
-        """Return the area factor of a result, or None if no uncertain input, creep or growth affects the area."""
+        """Return the area factor of a result, or None if no uncertain input, creep or shear affects the area."""
         sums = MemberSums.of(result)
         inputs = Inputs.from_study(sums.study)
         uncertain_inputs = {
@@ -165,10 +190,11 @@ class _AreaFactorFromResult(AreaFactor):
         creep = inputs.estimate("creep")
         if wait != 1 and creep is None:
             raise ValueError("wait requires a result that was computed with the options wait and creep")
-        if not uncertain_inputs and creep is None and "junction_growth" not in inputs.entries:
+        if not uncertain_inputs and creep is None and not {"junction_growth", "area_loss"} & inputs.entries.keys():
             return None
         known = uncertain_inputs | ({} if creep is None else {"creep": creep})
-        return cls(known, sums.compute_once(build_area_functions)[0], load, inputs, wait)
+        area = sums.compute_once(build_area_functions)[0]
+        return cls(known, sums.head.attrs["study"], area, load, inputs, wait)
 
     @property
     def junction_growth(self) -> UncertainInput | None:
@@ -189,6 +215,9 @@ class _AreaFactorFromResult(AreaFactor):
             hardness = samples.get("hardness", np.asarray(self.area.hardness))
             inputs["hardness"] = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
         central_area = self.area(self.load)
+        if "area_loss" in self.inputs.entries:
+            law = replace(law, area_loss=samples.get("area_loss", self.inputs.central("area_loss")))
+            return self.area.onset(law, self.load, **inputs).area / central_area, np.ones(())
         if (estimate := self.junction_growth) is None:
             return self.area(self.load, **inputs) / central_area, np.ones(())
         growth = samples.get("junction_growth", self.inputs.central("junction_growth"))
@@ -296,9 +325,9 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor | None:
-        """Area factor of the test, or None if no uncertain input, creep or growth affects the area."""
+        """Area factor of the test, or None if no uncertain input, creep or shear affects the area."""
         if isinstance(self.result, Ball):
-            return _BallAreaFactor(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None
+            return _BallAreaFactor.from_ball(self.result)
         return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))
 
 

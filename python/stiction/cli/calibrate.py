@@ -35,7 +35,7 @@ CommonUncertaintyOption = Annotated[
     float, option("--common NUMBER", "Relative uncertainty common to all tests, such as sensor gain and load.")
 ]
 OutliersOption = Annotated[bool, option("--outliers", "Allow for outliers among the tests.")]
-_BALL_OPTIONS = ("effective_modulus", "young", "poisson", "upper_material", "lower_material")
+_BALL_OPTIONS = ("effective_modulus", "young", "poisson", "upper_material", "lower_material", "area_loss")
 OutputOption = Annotated[
     Path | None,
     option("--output -o NAME", "File for the interface, to use with --interface; also writes NAME.png.", False),
@@ -66,6 +66,7 @@ def calibrate(
     poisson: Annotated[str | None, pair_option("poisson")] = None,
     upper_material: Annotated[str | None, pair_option("upper_material")] = None,
     lower_material: Annotated[str | None, pair_option("lower_material")] = None,
+    area_loss: Annotated[str | None, pair_option("area_loss")] = None,
     output: OutputOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -98,6 +99,7 @@ def calibrate(
             poisson=poisson,
             upper_material=upper_material,
             lower_material=lower_material,
+            area_loss=area_loss,
         )
     else:
         reject_options(context, "requires --ball", *_BALL_OPTIONS)

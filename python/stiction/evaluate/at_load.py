@@ -103,11 +103,11 @@ def at_load(
     if is_measured and is_requested("load_definition_effect", names):
         # `load_definition_effect` compares the coefficients at equal elastic load and at equal normal load.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
-        # Means of ensembles contain no growth of the contacts.
+        # In means of ensembles, contacts neither grow nor lose area under shear.
         other_result = (
             result
             if load_definition != "mean"
-            else result.with_study(study.with_changes({"contact.junction_growth": None}))
+            else result.with_study(study.with_changes({"contact.junction_growth": None, "contact.area_loss": None}))
         )
         members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))

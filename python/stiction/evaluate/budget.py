@@ -316,13 +316,12 @@ def _iterate_intervals(
     areas = result.compute_once(build_area_functions)
     loads = at["load"].values
     stiffness_exponents = compute_load_exponent(result, "normal_stiffness", loads)
-    growth = Inputs.from_study(study).entries.get("junction_growth")
+    law = Inputs.from_study(study).friction_law(np.nan, np.nan)
     study_inputs = InputValues(
         mu0=np.nan, tau0=np.nan,
         hardness=np.nan if contact.hardness is None else float(contact.hardness),
         yield_exponent=areas[0].yield_exponent,
-        junction_growth=0.0 if growth is None else growth.central,
-        uses_slip_lines=growth is not None and growth.estimate.uses_slip_lines,
+        junction_growth=law.junction_growth, uses_slip_lines=law.uses_slip_lines, area_loss=law.area_loss,
     )  # fmt: skip
     values_by_name = _get_arrays_over_dims(
         {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}, at, dims

@@ -443,7 +443,7 @@ class CombinedIntervals:
         creep_factor = 1.0 if samples.creep is None or dwell_time == 1.0 else dwell_time**-samples.creep
         values = {
             name: samples.values.get(name, getattr(self.response.central, name))
-            for name in ("mu0", "tau0", "hardness", "yield_exponent", "junction_growth")
+            for name in ("mu0", "tau0", "hardness", "yield_exponent", "junction_growth", "area_loss")
         }
         values["hardness"] = values["hardness"] * creep_factor
         height_factor = np.exp(drift) if self.drifts else 1.0

@@ -105,14 +105,15 @@ class AreaFunction:
         self, law: FrictionLaw, load: ArrayLike, *, hardness: ArrayLike | None = None, modulus: ArrayLike = 1.0,
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
     ) -> OnsetState:  # fmt: skip
-        """Return the state of contacts that yield at the onset of sliding. Arguments are as for the area."""
+        """Return the state of the contacts at the onset of sliding. Arguments are as for the area."""
 
-        def area_at_pressure(pressure: Floats) -> Floats:
+        def area_at_pressure(pressure: Floats | None) -> Floats:
             return self(
                 load, hardness=pressure, modulus=modulus, yield_exponent=yield_exponent, elastic_area=elastic_area
             )
 
-        return law.onset(load, self.hardness if hardness is None else hardness, self.nominal_area, area_at_pressure)
+        is_study_hardness = hardness is None or self.hardness is None  # elastic bodies have none
+        return law.onset(load, self.hardness if is_study_hardness else hardness, self.nominal_area, area_at_pressure)
 
 
 @dataclass(frozen=True, eq=False)

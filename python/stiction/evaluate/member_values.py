@@ -41,6 +41,7 @@ from stiction.mechanics.quantities import (
     quantity_attributes,
 )
 from stiction.solve.member_sums import MemberSums
+from stiction.study.inputs import Inputs
 from stiction.study.study import Study, find_step_dimension
 
 if TYPE_CHECKING:
@@ -135,7 +136,8 @@ def _evaluate_members_uncached(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition = "elastic",
     member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    onset = compute_onset_factors(result, loads, mu0, tau0) if result.study.contact.junction_growth else None
+    contact = result.study.contact
+    onset = compute_onset_factors(result, loads, mu0, tau0) if contact.junction_growth or contact.area_loss else None
 
     def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
         return _evaluate_piece(piece, result.study, loads, mu0, tau0, load_definition, names, onset)
@@ -198,7 +200,7 @@ def _evaluate_piece(
     """Evaluate one piece (group of members) of a result at given loads.
 
     `names` lists quantities to evaluate besides `_FRICTION_VARIABLES`; None stands for all. `onset` is the result
-    of `compute_onset_factors`, or None if contacts do not grow.
+    of `compute_onset_factors`, or None if shear does not change the area.
     """
     import xarray
 
@@ -234,7 +236,8 @@ def _evaluate_piece(
     variables |= _interpolate_quantities(piece, member_dims, load_crossings, requested_names)
     variables |= {name: piece.variables[name] for name in GAP_QUANTITIES if name in piece.variables}
     if "pull_off" in piece.variables:
-        variables |= _evaluate_pull_off(piece, member_dims, mu0, tau0)
+        law = Inputs.from_study(study).friction_law(mu0[:, np.newaxis], tau0)
+        variables |= _evaluate_pull_off(piece, member_dims, law)
     if "unloading_closure_stiffness" in variables:
         dims_of_stiffness, stiffness = variables["unloading_closure_stiffness"][:2]
         variables["tangential_stiffness_per_area"] = (
@@ -315,7 +318,7 @@ def _grow_contacts(
     forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, sums: Mapping[str, Floats], growth: Floats,
     fraction: Floats,
 ) -> tuple[_MemberForces, NDArray[Any]]:  # fmt: skip
-    """Return the loads and statuses of members whose contacts grow, or whose softer body shears, before they slide.
+    """Return the loads and statuses of members whose contacts grow or shrink, or whose softer body shears, under shear.
 
     `sums` are the contact sums that mu0 and tau0 multiply, at the loads. `growth` and `fraction` are the results of
     `compute_onset_factors`.
@@ -435,9 +438,7 @@ def _interpolate_by_stiffness(
                 variables[each] = dims, np.where(is_between_steps, array, interpolated), attributes
 
 
-def _evaluate_pull_off(
-    piece: xarray.Dataset, member_dims: tuple[str, ...], mu0: Floats, tau0: Floats
-) -> dict[str, Any]:
+def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
     """Return the pull-off force of each member, a mark if it is only a lower bound, and the friction at no load."""
     # An element is 1 if only a lower bound on the pull-off force of the member is known, and 0 otherwise.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
@@ -446,7 +447,8 @@ def _evaluate_pull_off(
         for name in ZERO_LOAD_SUM_QUANTITIES
     }
     direction_axis = len(member_dims) + 1
-    tangential = FrictionLaw(mu0[:, np.newaxis], tau0).load("unloaded", zero_load_sums).mean(axis=direction_axis)
+    # Adhesive contacts do not grow under shear.
+    tangential = law.load("unloaded", zero_load_sums, 1 - law.area_loss).mean(axis=direction_axis)
     return {
         "pull_off": piece.variables["pull_off"],
         "share_of_pull_off_bounds": (member_dims, is_bound, quantity_attributes("share_of_pull_off_bounds")),

@@ -44,6 +44,8 @@ class InputValues:
     junction_growth : float or array
         α of junction growth, or with slip lines the ratio of hardness to shear strength; 0 if contacts do not grow.
     uses_slip_lines : bool
+    area_loss : float or array
+        Fraction of their true area that elastic contacts lose before they slide.
     """
 
     mu0: Any
@@ -54,11 +56,12 @@ class InputValues:
     yield_exponent: Any = np.nan
     junction_growth: Any = 0.0
     uses_slip_lines: bool = False
+    area_loss: Any = 0.0
 
     @property
     def law(self) -> FrictionLaw:
         """Law of friction of the contacts."""
-        return FrictionLaw(self.mu0, self.tau0, self.junction_growth, self.uses_slip_lines)
+        return FrictionLaw(self.mu0, self.tau0, self.junction_growth, self.uses_slip_lines, self.area_loss)
 
 
 class AreasBeforeShear(NamedTuple):
@@ -134,7 +137,7 @@ class ContactResponse:
         elastic_area, area = self.areas_before_shear(inputs) if known_areas is None else known_areas
         central_area = self.area(self.load)
         law = inputs.law
-        if np.any(inputs.junction_growth) and self.area.hardness is not None:
+        if self.area.hardness is None or np.any(inputs.junction_growth):
             onset = self.area.onset(
                 law, self.load, hardness=inputs.hardness, yield_exponent=inputs.yield_exponent,
                 elastic_area=elastic_area,
@@ -177,8 +180,8 @@ class ContactResponse:
         smallest_load = replace(self, load=float(self.area.loads[0]))
         true_area = smallest_load.areas_before_shear(inputs).true
         area_ratio = true_area / smallest_load.areas_before_shear(self.central).true
-        central_force = self.central.law.load("unloaded", self.sums_at_no_load)
-        return inputs.law.load("unloaded", self.sums_at_no_load, area_ratio) / central_force
+        central_force = self.central.law.load("unloaded", self.sums_at_no_load, 1 - self.central.area_loss)
+        return inputs.law.load("unloaded", self.sums_at_no_load, area_ratio * (1 - inputs.area_loss)) / central_force
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
         """Return all quantities for the central inputs, of which some may be replaced."""

@@ -84,7 +84,7 @@ class FrictionLaw:
     """Law of friction of a contact: a contact with force F and true area A carries mu0 F + tau0 A.
 
     Contacts that yield carry less pressure while they are sheared. Their pressure at the onset of sliding follows from
-    slip lines, or from p² + α s² = H².
+    slip lines, or from p² + α s² = H². Elastic contacts of soft bodies lose area while they are sheared.
 
     Attributes
     ----------
@@ -93,12 +93,15 @@ class FrictionLaw:
     junction_growth : float or array
         α of junction growth, or with slip lines the ratio of hardness to shear strength; 0 if contacts do not grow.
     uses_slip_lines : bool
+    area_loss : float or array
+        Fraction of their true area that elastic contacts lose before they slide.
     """
 
     mu0: Any
     tau0: Any
     junction_growth: Any = 0.0
     uses_slip_lines: bool = False
+    area_loss: Any = 0.0
 
     def contributions(self, force: Any, area: Any) -> tuple[Any, Any]:
         """Return the friction forces (mN) due to mu0 and to tau0 of contacts with given forces (mN) and areas (µm²)."""
@@ -169,10 +172,13 @@ class FrictionLaw:
         ----------
         load : float or array, mN
         hardness : float or array, GPa
+            None for elastic contacts.
         nominal_area : float, µm²
         area : callable
-            Function from the largest pressure (GPa) to the true area (µm²) at this load.
+            Function from the largest pressure (GPa), or None, to the true area (µm²) at this load.
         """
+        if hardness is None:
+            return OnsetState(np.nan, area(None) * (1 - np.asarray(self.area_loss)), np.ones(()))
         pressure = self.yield_pressure(hardness)
         plastic_coefficient = self.mu0 + self.tau0 / pressure
         if not self.uses_slip_lines:
@@ -214,8 +220,8 @@ class OnsetState:
     Attributes
     ----------
     plastic_coefficient : float or array
-        Friction coefficient if all contacts yield. NaN at seizure. Where hardly a contact yields, the shear strength of
-        the softer body does not limit it.
+        Friction coefficient if all contacts yield. NaN at seizure and for elastic contacts. Where hardly a contact
+        yields, the shear strength of the softer body does not limit it.
     area : array, µm²
         True area; infinite at seizure, which includes junctions that cannot carry the load on the nominal area.
     friction_fraction : array

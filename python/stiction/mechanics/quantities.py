@@ -254,7 +254,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "contact_area": _sum_quantity("contact_area", "half-space", symbol="A", proportional=True, shown=_DEFAULT_VIEWS),
     "contact_area_at_onset": ResultQuantity(
-        unit="um^2", words="true contact area at the onset of sliding, with junction growth",
+        unit="um^2", words="true contact area at the onset of sliding",
         brief="true area at the onset", kind="statistic", along=("step", "mu0", "tau0"), shown=_VERBOSE_TABLE_VIEWS,
     ),
     "contact_count": _sum_quantity("contact_count", "half-space", dtype=int, proportional=True, shown=_DEFAULT_VIEWS),

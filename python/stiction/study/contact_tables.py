@@ -34,6 +34,7 @@ from stiction.mechanics.model import (
 from stiction.study.elasticity import derive_elasticity
 from stiction.study.generated_surfaces import GeneratedProfileSettings, GeneratedSurfaceSettings
 from stiction.study.input_distributions import (
+    AreaLossEntry,
     EffectiveModulusEntry,
     HardnessEntry,
     JunctionGrowthEntry,
@@ -382,6 +383,10 @@ class HalfSpaceSettings(CommonContactSettings):
     yield_exponent: YieldExponentEntry | None = Field(
         default=None, description="Exponent of the area of yielding contacts, 0.7 to 1.6 for rough surfaces."
     )
+    area_loss: AreaLossEntry | None = Field(
+        default=None,
+        description="Fraction of the true area that soft elastic bodies lose under shear; 0 with a caveat if omitted.",
+    )
     compliance_share: Fraction = Field(
         default=0.5, description="Fraction of the compliance that the lower body contributes."
     )
@@ -404,6 +409,8 @@ class HalfSpaceSettings(CommonContactSettings):
             raise make_key_error(
                 "junction_growth", "must not be given without a hardness, because elastic contacts do not grow"
             )
+        if self.area_loss and self.hardness is not None:
+            raise make_key_error("area_loss", "must not be given with a hardness, because contacts that yield grow")
         if self.yield_exponent is not None and (self.hardness is None or self.adheres):
             raise make_key_error(
                 "yield_exponent",
@@ -464,6 +471,7 @@ class AsperityModelSettings(CommonContactSettings):
     hardness: ClassVar[None] = None
     junction_growth: ClassVar[None] = None
     yield_exponent: ClassVar[None] = None
+    area_loss: ClassVar[None] = None
     work_of_adhesion: ClassVar[None] = None
     adheres: ClassVar[bool] = False
 

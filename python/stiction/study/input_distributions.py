@@ -73,6 +73,7 @@ SLIP_LINE_TEXT = "slip-line"  # text of an input that selects yield by slip line
 LOWEST_SHEAR_RATIO, HIGHEST_SHEAR_RATIO = 5.0, 6.5  # ratios of hardness to shear strength that are accepted
 # Limits of the exponent of the yielding area, from far below the exponent of fine asperities to above that of steps.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
+MAX_AREA_LOSS = 0.9  # largest fraction of the true area that contacts may lose under shear
 # Maximum creep exponent; at this exponent, the hardness falls to a third in each decade of time.
 MAX_CREEP_EXPONENT = 0.5
 
@@ -342,7 +343,7 @@ def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats
 
 INPUT_KINDS: dict[str, InputKind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
-    "poisson": "", "creep": "", "junction_growth": "", "yield_exponent": "",
+    "poisson": "", "creep": "", "junction_growth": "", "yield_exponent": "", "area_loss": "",
 }  # fmt: skip
 """Kind of quantity of each input that may be a range."""
 
@@ -365,6 +366,11 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
     if name == "yield_exponent" and not MIN_YIELD_EXPONENT <= parsed.low <= parsed.high <= MAX_YIELD_EXPONENT:
         allowed_range = f"from {MIN_YIELD_EXPONENT:g} to {MAX_YIELD_EXPONENT:g}, including its uncertainty"
         raise ValueError(f"must be {allowed_range}, got {short_repr(source)}")
+    if name == "area_loss":
+        if parsed.high > MAX_AREA_LOSS:
+            allowed_range = f"from 0 to {MAX_AREA_LOSS:g}, including its uncertainty"
+            raise ValueError(f"must be {allowed_range}, got {short_repr(source)}")
+        parsed = replace(parsed, maximum=MAX_AREA_LOSS)
     if name == "creep" and parsed.high > MAX_CREEP_EXPONENT:
         raise ValueError(f"must be at most {MAX_CREEP_EXPONENT:g}, got {short_repr(source)}")
     return parsed
@@ -508,6 +514,7 @@ PoissonRatioEntry = Annotated[InputValue, PlainValidator(partial(parse_input_val
 HardnessEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "hardness")), _as_entry]
 JunctionGrowthEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "junction_growth")), _as_entry]
 YieldExponentEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "yield_exponent")), _as_entry]
+AreaLossEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "area_loss")), _as_entry]
 CreepExponentEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "creep")), _as_entry]
 FrictionCoefficientEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "mu0")), _as_entry]
 ShearStrengthEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "tau0")), _as_entry]

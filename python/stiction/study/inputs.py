@@ -26,6 +26,7 @@ SAME_VALUE_TOLERANCE = 1e-3  # relative difference up to which a replaced value 
 _LABELS = {
     "mu0": "μ0", "tau0": "τ0", "effective_modulus": "E*", "hardness": "the hardness",
     "junction_growth": "the junction growth α", "yield_exponent": "the yield exponent m",
+    "area_loss": "the area loss under shear",
     "creep": "the creep exponent", "young": "Young's modulus", "poisson": "Poisson's ratio",
 }  # fmt: skip
 
@@ -61,8 +62,9 @@ class Input:
 class Inputs:
     """Inputs of a study by name.
 
-    The names are "mu0", "tau0", "effective_modulus", "hardness", "junction_growth", "yield_exponent", "creep" and, if
-    Young's moduli and Poisson's ratios are given, "young_upper", "poisson_upper", "young_lower" and "poisson_lower".
+    The names are "mu0", "tau0", "effective_modulus", "hardness", "junction_growth", "yield_exponent", "area_loss",
+    "creep" and, if Young's moduli and Poisson's ratios are given, "young_upper", "poisson_upper", "young_lower" and
+    "poisson_lower".
     Bodies of the same material share the inputs of the upper body.
 
     Attributes
@@ -84,7 +86,8 @@ class Inputs:
         values = {
             "mu0": friction.mu0[0], "tau0": friction.tau0[0], "effective_modulus": contact.effective_modulus,
             "hardness": contact.hardness, "junction_growth": contact.junction_growth or None,
-            "yield_exponent": contact.yield_exponent, "creep": friction.creep if friction.wait else None,
+            "yield_exponent": contact.yield_exponent, "area_loss": contact.area_loss or None,
+            "creep": friction.creep if friction.wait else None,
         }  # fmt: skip
         entries = tuple(
             (name, value if isinstance(value, InputValue) else parse_input_value(name, value))
@@ -110,10 +113,10 @@ class Inputs:
         return None if self.interface is None else self.interface.load()
 
     def friction_law(self, mu0: Any, tau0: Any) -> FrictionLaw:
-        """Return the law of friction for given mu0 and tau0 (GPa), with the central junction growth."""
-        growth = self.entries.get("junction_growth")
+        """Return the law of friction for given mu0 and tau0 (GPa), with the central junction growth or area loss."""
+        growth, loss = (self.entries.get(name) for name in ("junction_growth", "area_loss"))
         if growth is None:
-            return FrictionLaw(mu0, tau0)
+            return FrictionLaw(mu0, tau0, area_loss=0.0 if loss is None else loss.central)
         return FrictionLaw(mu0, tau0, growth.central, growth.estimate.uses_slip_lines)
 
     def central(self, name: str) -> float:

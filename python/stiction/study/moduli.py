@@ -9,7 +9,7 @@ from typing import Any
 from stiction._arguments import split_values
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
-from stiction.mechanics.materials import Material, MaterialValue, material
+from stiction.mechanics.materials import MAX_RUBBER_MODULUS, Material, MaterialValue, material
 from stiction.study.elasticity import PairElasticity, determine_elasticity
 from stiction.study.input_distributions import (
     MAX_POISSON_RATIO,
@@ -21,6 +21,17 @@ from stiction.study.input_distributions import (
 from stiction.surfaces.pairing import SIDES
 
 MODULUS_NAMES = ("young", "poisson")
+
+ELASTOMER_AREA_LOSS = "0..0.3"
+"""Fraction of their true area that elastomers lose before they slide, unless given.
+
+docs/howto/elastomers.md lists published cases.
+"""
+
+
+def find_default_area_loss(effective_modulus: float) -> str | None:
+    """Return the default range of the area loss under shear for E* (GPa), or None for bodies stiffer than rubber."""
+    return ELASTOMER_AREA_LOSS if effective_modulus < MAX_RUBBER_MODULUS else None
 
 
 @dataclass(frozen=True)

@@ -621,6 +621,11 @@ class MaterialOptions(OptionGroup):
         "NUMBER", 'Exponent of the area of yielding contacts, "1.25" or "uniform 0.7 .. 1.6".',
         usual='"uniform 0.7 .. 1.6"', key="contact.yield_exponent", applies=(uses_half_space_model,),
     )] = None  # fmt: skip
+    area_loss: Annotated[QuantityInput | None, PairOption(
+        "FRACTION", 'Fraction of the true area that soft elastic bodies lose under shear, "0.1" or "0..0.3".',
+        usual='"0..0.3" if E* is below 100 MPa', key="contact.area_loss", applies=(uses_half_space_model,),
+        field=FormField(label="area loss under shear", example="0..0.3"),
+    )] = None  # fmt: skip
     wait: Annotated[QuantityInputs | None, PairOption(
         "TIMES", 'Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.',
         kind="time",

@@ -48,6 +48,7 @@ from stiction.study.measured_bodies import MACHINING_PROCESSES, MeasuredBody, Me
 from stiction.study.measured_surfaces import DEFAULT_NUM_SHIFTS, DEFAULT_NUM_SURROGATES
 from stiction.study.member_sources import BodyAttributes
 from stiction.study.members import find_body_attributes
+from stiction.study.moduli import find_default_area_loss
 from stiction.study.pair_options import (
     CONTACT_MODEL_NAMES,
     OPTION_CHECK_ORDER,
@@ -126,7 +127,7 @@ class MeasuredPair:
         """
         pair = cls(validate_option_values(values), reads_scans=False)
         _ = pair.files, pair._given_loads, pair._strengths, pair.elasticity, pair._hardness
-        _ = pair._adhesion_entries, pair._junction_growth, pair._yield_exponent
+        _ = pair._adhesion_entries, pair._junction_growth, pair._yield_exponent, pair._area_loss
         for name in ("cutoff", "width", "wait"):
             if (value := pair.options.option_value(name)) not in (None, "none"):
                 pair._parse_quantities(name, value)
@@ -622,6 +623,8 @@ class MeasuredPair:
                 table["junction_growth"] = 0.0
             if (exponent := self._yield_exponent) is not None:
                 table["yield_exponent"] = exponent
+            if (area_loss := self._area_loss) is not None:
+                table["area_loss"] = area_loss
             table |= self._adhesion_entries
         else:
             table |= {"law": self._build_contact_law_entry(), "detection": self.options.detection or "gap-minimum"}
@@ -711,6 +714,18 @@ class MeasuredPair:
                 "computed with the pressure cap"
             )
         return self._parse_input("yield_exponent", value)
+
+    @property
+    def _area_loss(self) -> InputValue | None:
+        """Fraction of the true area that is lost under shear, or None if it is neither given nor usual."""
+        value: Any = self.options.area_loss
+        if self._hardness is not None:
+            if value is not None:
+                reason = "because contacts that yield grow under shear"
+                raise ArgumentError(f"{{area_loss}} must not be given for bodies with a hardness, {reason}")
+            return None
+        value = find_default_area_loss(self.elasticity.effective_modulus) if value is None else value
+        return None if value is None else self._parse_input("area_loss", value)
 
     @property
     def _hardness(self) -> InputValue | None:

@@ -28,8 +28,9 @@ from stiction.evaluate.point import (
 from stiction.mechanics import friction
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS, softest_material
-from stiction.study.input_distributions import UncertainInput
+from stiction.study.input_distributions import UncertainInput, parse_input_value
 from stiction.study.inputs import Inputs, find_interface, find_materials
+from stiction.study.moduli import ELASTOMER_AREA_LOSS
 
 if TYPE_CHECKING:
     import xarray
@@ -333,6 +334,7 @@ def find_point_caveats(
         (_build_value_checks(study), [STEEP_SURFACE_CHECK], *pressure_checks), numbers
     )
     yield from _find_growth_caveats(point, study)
+    yield from _find_area_loss_caveats(point, study, value)
     yield from find_caveats_of_failed_checks(([EQUALS_MU0_CHECK],), numbers)
     yield from _find_adhesion_caveats(point, study)
     yield from _find_grid_caveats(point, study)
@@ -548,6 +550,27 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat
     if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
         remedy = "compare with the pair without --adhesion, whose contacts grow"
     yield Caveat(text, remedy, "caution")
+
+
+def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
+    """Yield a caveat if soft bodies would slide at a lower coefficient because they lose area under shear."""
+    contact = study.contact
+    is_soft = contact.hardness is None and effective_modulus_at(point, study) < MAX_RUBBER_MODULUS
+    if not (study.is_measured and is_soft) or contact.area_loss is not None:
+        return
+    max_loss = parse_input_value("area_loss", ELASTOMER_AREA_LOSS).estimate.high
+    _, adhesive = friction.FrictionLaw(0.0, float(point["tau0"])).contributions(
+        0.0, mean_over_directions(point, "contact_area") / float(point["load"])
+    )
+    effect = max_loss * adhesive / value.value
+    if effect <= NEGLIGIBLE_GROWTH_EFFECT:
+        return
+    text = (
+        f"elastomers lose up to {format_percent(max_loss)} of their true area under shear, and the loss is taken as 0; "
+        f"the coefficient may be up to {format_percent(effect)} lower"
+    )
+    option_text = "" if study.uses_half_space else "--mechanics half-space and "
+    yield Caveat(text, f"use {option_text}--area-loss {ELASTOMER_AREA_LOSS}", "caution")
 
 
 def _find_unlimited_caveats(

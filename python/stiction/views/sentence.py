@@ -14,6 +14,7 @@ from stiction.mechanics.closed_forms import gentle_friction
 from stiction.study.input_distributions import SLIP_LINE_TEXT, UncertainInput
 from stiction.study.inputs import Inputs, find_interface
 from stiction.study.member_names import POSITION_NAMES
+from stiction.study.moduli import find_default_area_loss
 from stiction.summary.summary import PointSummary, Summary
 from stiction.surfaces.pairing import SIDES
 from stiction.views.point import (
@@ -139,6 +140,8 @@ def inputs_text(point: PointSummary) -> str:
         items.append(f"hardness {format_with_unit(float(hardness), 'GPa')}{_hardness_range_text(study)}")
         if growth := study.contact.junction_growth:
             items.append(junction_growth_text(growth.estimate))
+    elif loss := study.contact.area_loss:
+        items.append(area_loss_text(study, loss.estimate))
     elif study.is_measured:
         items.append("yielding by Jackson and Green" if "jackson" in get_contact_law_name(study) else "elastic")
     if study.contact.adheres:
@@ -158,6 +161,12 @@ def junction_growth_text(growth: UncertainInput) -> str:
         return f"α = {growth.short_text}"
     ratio_text = growth.text.removeprefix(SLIP_LINE_TEXT).strip() or f"{growth.low:g}..{growth.high:g}"
     return f"yield by slip lines with H/k = {ratio_text}"
+
+
+def area_loss_text(study: Study, loss: UncertainInput) -> str:
+    """Return text about the fraction of their true area that elastic bodies lose under shear."""
+    is_soft = find_default_area_loss(float(study.contact.effective_modulus)) is not None
+    return f"{'elastomer' if is_soft else 'elastic'}, area loss under shear {loss.short_text}"
 
 
 def _input_range_text(point: PointSummary, name: str) -> str:

@@ -32,7 +32,13 @@ from stiction.views.report.page import MAX_SHOWN_LINE_LENGTH, escape_html
 from stiction.views.report.reading import LISTED_READING_OPTIONS, file_reading_table
 from stiction.views.report.tables import EstimateArray, QuantityTable, ReportArray
 from stiction.views.resolution import resolved_wavelengths_text
-from stiction.views.sentence import dwell_time_text, junction_growth_text, quotable_sentence, small_slope_estimate_text
+from stiction.views.sentence import (
+    area_loss_text,
+    dwell_time_text,
+    junction_growth_text,
+    quotable_sentence,
+    small_slope_estimate_text,
+)
 
 
 def measured_report_content(data: MeasuredReportData, name: str) -> ReportContent:
@@ -154,6 +160,8 @@ def _heading_lines(data: MeasuredReportData) -> list[str]:
     plasticity_text = "" if hardness is None else f", hardness {format_with_unit(hardness, 'GPa')}"
     if growth := study.contact.junction_growth:
         plasticity_text += f", junction growth: {junction_growth_text(growth.estimate)}"
+    if loss := study.contact.area_loss:
+        plasticity_text += f", {area_loss_text(study, loss.estimate)}"
     modulus_text = format_with_unit(data.effective_modulus, "GPa")
     materials_text = f"{material_names_text(study).capitalize()}. " if material_names_text(study) else ""
     size_text = f"nominal area {nominal_area_text(area)}" if study.is_areal else f"length {area:.4g} µm, width 1 µm"

@@ -1,0 +1,151 @@
+"""Test the true area that soft elastic bodies lose under shear."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from stiction import Surface, pair, self_affine_surface
+from stiction.mechanics.materials import MAX_RUBBER_MODULUS
+from stiction.summary.summary import summarize
+from stiction.views.sentence import inputs_text
+
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
+SLOPE_TOLERANCE = 5e-3
+"""Relative tolerance of sums of parts of a coefficient: through the slopes, τ0 also changes the normal load."""
+
+RUBBER_OPTIONS = {
+    "effective_modulus": "2 MPa", "mu0": 0.1, "tau0": "0.1 MPa", "load": "20 kPa", "cutoff": "none", "shifts": 8,
+}  # fmt: skip
+
+
+@cache
+def rough_surfaces():
+    roughness = {"shape": (48, 48), "spacing": 0.1, "hurst_exponent": 0.8, "rms": 0.05, "shortest_wavelength": 0.4}
+    return tuple(
+        Surface(self_affine_surface(5, side=side, **roughness).heights, spacing=0.1) for side in ("upper", "lower")
+    )
+
+
+def press(**options):
+    return pair(*rough_surfaces(), **RUBBER_OPTIONS | options)
+
+
+@cache
+def press_with_loss(area_loss):
+    return press(area_loss=area_loss)
+
+
+def mean_value(result, name, **inputs):
+    values = result.at(**inputs)[name].sel(statistic="mean")
+    return values.sel(sliding="all").item() if "sliding" in values.dims else values.item()
+
+
+def test_area_loss_reduces_the_part_of_tau0():
+    before, after = press_with_loss(0), press_with_loss(0.2)
+    mu0_part = mean_value(before, "mean_friction", tau0=[0.0])
+    parts = [mean_value(result, "mean_friction") - mu0_part for result in (before, after)]
+    assert parts[1] == pytest.approx(0.8 * parts[0], rel=SLOPE_TOLERANCE)
+    area = mean_value(after, "contact_area")
+    assert area == mean_value(before, "contact_area")
+    assert mean_value(after, "contact_area_at_onset") == pytest.approx(0.8 * area, rel=1e-12)
+    assert mean_value(after, "mean_friction", tau0=[0.0]) == mu0_part
+
+
+@pytest.mark.parametrize(("options", "text"), [
+    ({"upper": "PDMS", "lower": "glass", "effective_modulus": None}, "0..0.3"),
+    ({"effective_modulus": 0.99 * MAX_RUBBER_MODULUS}, "0..0.3"), ({"effective_modulus": MAX_RUBBER_MODULUS}, None),
+    ({"effective_modulus": "2 MPa", "hardness": "5 MPa"}, None), ({"mechanics": "asperities"}, None),
+    ({"effective_modulus": "2 MPa", "area_loss": "0.05..0.1"}, "0.05..0.1"),
+])  # fmt: skip
+def test_soft_elastic_bodies_lose_area_by_default(options, text):
+    loss = press(**options | {"shifts": 2}).study.contact.area_loss
+    assert (loss and loss.text) == text
+
+
+def test_interval_of_soft_bodies_agrees_with_brute_force():
+    moduli = np.array([1.4, 1.7, 2.0, 2.3, 2.6])
+    # coefficients of μ0 and of τ0 (1/MPa) at each modulus
+    coefficients = np.array(
+        [
+            [
+                mean_value(
+                    press(effective_modulus=f"{modulus} MPa", area_loss=0), "mean_friction", mu0=[mu0], tau0=[tau0]
+                )
+                for mu0, tau0 in ((0.1, 0.0), (0.0, 1e-4))
+            ]
+            for modulus in moduli
+        ]
+    )
+    coefficients /= 0.1
+    result = press(
+        effective_modulus="2 MPa ± 5 %", mu0="0.1 ± 0.01", tau0="uniform 0.05 MPa .. 0.15 MPa", area_loss="0..0.3"
+    )
+    random, count = np.random.default_rng(4), 200_000
+    modulus, mu0 = (
+        value * (1 + deviation * random.standard_normal(count)) for value, deviation in ((2, 0.05), (0.1, 0.1))
+    )
+    tau0, loss = random.uniform(0.05, 0.15, count), random.uniform(0, 0.3, count)
+    value, lower, upper = result.at()["mean_friction"].sel(sliding="all").values.ravel()
+    error = np.log(upper / lower) / (2 * 1.96)
+    samples = mu0 * coefficients[2, 0] + tau0 * (1 - loss) * np.interp(modulus, moduli, coefficients[:, 1])
+    samples *= np.exp(error * random.standard_normal(count))
+    expected = np.quantile(samples, [0.025, 0.975])
+    assert result.interval == pytest.approx(expected, abs=0.03 * (expected[1] - expected[0]))
+    assert value == pytest.approx(0.1 * coefficients[2, 0] + 0.1 * 0.85 * coefficients[2, 1], rel=SLOPE_TOLERANCE)
+
+
+def test_budget_names_the_area_loss_and_texts_state_its_range():
+    result = press_with_loss(None)
+    assert result.budget["input"].iloc[0] == "the area loss under shear"
+    assert "elastomer, area loss under shear 0..0.3" in inputs_text(result.summary().first)
+
+
+def test_percentiles_of_single_tests_include_the_area_loss():
+    widths = []
+    for area_loss in (0.15, "0..0.3"):
+        percentiles = press_with_loss(area_loss).at()["friction_percentiles"].sel(sliding="all").values.ravel()
+        widths.append(percentiles[2] - percentiles[0])
+    assert widths[1] > 1.2 * widths[0]
+
+
+def test_friction_without_load_includes_the_area_loss():
+    options = {
+        "work_of_adhesion": "0.1 mJ/m^2",
+        "adhesion_range": "5 nm",
+        "load": ["0 kPa", "20 kPa"],
+        "shifts": 2,
+        "onset": 0,
+    }
+    without_loss, with_loss = (press(**options, area_loss=loss) for loss in (0, 0.2))
+    for name in ("friction_at_no_load", "tangential_load"):
+        values, expected = (each.at(mu0=[0.0])[name].sel(sliding="all").values for each in (with_loss, without_loss))
+        is_known = np.isfinite(expected)
+        assert is_known.any()
+        assert values[is_known] == pytest.approx(0.8 * expected[is_known], rel=0.02)  # slopes add to the force
+    widths = []
+    for loss in (0.15, "0..0.3"):
+        _, lower, upper = press(**options, area_loss=loss).at()["friction_at_no_load"].sel(sliding="all").values.ravel()
+        widths.append(upper - lower)
+    assert widths[1] > widths[0]
+
+
+def test_study_of_soft_bodies_without_the_key_has_a_caveat():
+    result = press_with_loss(0)
+    study = result.study.with_changes({"contact.area_loss": None})
+    texts, texts_with_loss = (
+        " ".join(caveat.text for caveat in summarize(result.at(), each).points[0].caveats)
+        for each in (study, result.study)
+    )
+    assert "lose up to 30 % of their true area" in texts
+    assert "true area" not in texts_with_loss
+
+
+@pytest.mark.parametrize(("arguments", "term"), [
+    ({"area_loss": -0.1}, "area_loss"), ({"area_loss": 0.95}, "0.9"), ({"area_loss": "0.3..0"}, "smaller"),
+    ({"area_loss": 0.1, "hardness": "5 MPa"}, "hardness"), ({"area_loss": float("nan")}, "area_loss"),
+    ({"area_loss": 0.1, "mechanics": "asperities"}, "half-space"),
+])  # fmt: skip
+def test_pair_function_rejects_invalid_area_losses(arguments, term):
+    with pytest.raises(ValueError, match=term):
+        press(**arguments)
