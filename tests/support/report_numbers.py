@@ -58,7 +58,8 @@ class ReportEvaluator:
             "(name, index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0);"
             " const point = pointAt(numbers, name, index, place);"
             " const code = numbers.small[facts.tables.status + index * place.size + place.node];"
-            " return {...point, text: quoted(point), status: facts.statuses[code].name}; }",
+            " const status = facts.statuses[code].name;"
+            " return {...point, text: quoted(point), coefficient: coefficientText({...point, status}), status}; }",
             name, self.coefficient_index(**place), *self.parameters(mu0, tau0),
         )  # fmt: skip
 

@@ -17,6 +17,7 @@ from stiction.views.report.measured import measured_report_content
 from stiction.views.report.surface import surface_page
 from stiction.views.text import result_text
 from support.generated_studies import SMALL_STUDY, empty_dataset
+from support.report_numbers import ReportEvaluator
 from support.studies_of_files import create_study_from_files as create_study_from_files
 from support.studies_of_files import write_maps
 
@@ -179,3 +180,16 @@ def test_report_states_alpha_of_junction_growth(tmp_path):
     study = create_study_from_files(tmp_path, spacing=spacing, members=3, contact=contact)
     page = html.unescape(report_page(run(study)))
     assert "hardness 2 GPa, junction growth: α = 9." in page
+
+
+def test_report_shows_the_lower_limit_if_the_softer_body_shears(tmp_path):
+    spacing = write_maps(tmp_path)
+    contact = 'load = ["1 mN", "2 mN"]\nhardness = "0.3 GPa"\njunction_growth = "slip-line"'
+    study = create_study_from_files(tmp_path, spacing=spacing, members=3, contact=contact)
+    report = ReportEvaluator(report_page(run(study)))
+    rule = report.facts["rules"].index("all")
+    shown = report.evaluate_quantity("friction", max(report.facts["axes"]["mu0"]["values"]), 0.0, rule=rule)
+    assert shown["status"] == "bulk-shear"
+    assert re.fullmatch(r"≥ 0\.\d+ \[0\.\d+, ∞\)", shown["coefficient"])
+    names = [status["name"] for status in report.facts["statuses"] if status["hasValue"]]
+    assert names == ["ok", "bulk-shear"]

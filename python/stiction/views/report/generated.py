@@ -81,7 +81,7 @@ def _page_facts(data: GeneratedReportData) -> dict[str, Any]:
 def _value_facts(values: GeneratedReportValues, study: Study) -> dict[str, Any]:
     return {
         "statuses": [
-            {"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": is_trusted}
+            {"name": name, "hasValue": name in friction.STATUSES_WITH_COEFFICIENT, "isTrusted": is_trusted}
             for name, is_trusted in GENERATED_STATUSES
         ],
         "validity": [_validity_record(name) for name in values.validity],

@@ -95,7 +95,8 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
             for motion in values.motions
         ],
         "statuses": [
-            {"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": True} for name in ORDERED_STATUSES
+            {"name": name, "hasValue": name in friction.STATUSES_WITH_COEFFICIENT, "isTrusted": True}
+            for name in ORDERED_STATUSES
         ],
         "combined": [kind != "surrogates" for kind in values.member_kinds],
         "memberCounts": values.member_counts,

@@ -67,6 +67,9 @@ function quoted({value, lower, upper, decimals, upperDecimals, format: {factor, 
   return text.replace("{}", [inDecimals(value / factor, decimals), ends].filter(Boolean).join(" "));
 }
 
+/** Format a coefficient and its interval. If the softer body shears, the coefficient is a lower limit. */
+const coefficientText = (point) => `${point.status === "ok" ? "" : "≥ "}${quoted(point)}`;
+
 /** Format a number {value, format} without an interval. The library chooses the format {factor, digits, text}. */
 const printed = ({value, format: {factor, digits, text}}) =>
   text.replace("{}", String(Number((value / factor).toPrecision(digits))).replace("-", "−"));

@@ -39,7 +39,7 @@ function frictionAt(rule, cell, load, at = place(), way = state.way) {
   const first = index * at.size;
   const status = facts.statuses[numbers.small[numbers.offsets.status + first + at.node]];
   const result = {load: loads[load], status: status.name, value: NaN, lower: NaN, upper: NaN, trusted: status.isTrusted, index};
-  if (!status.isOk) return result;
+  if (!status.hasValue) return result;
   const point = pointAt(numbers, "friction", index, at);
   const isCombined = facts.combined[state.kind] && facts.ways[way].isWhole;
   if (!isMeasured) return {...result, ...point, isCombined};
@@ -145,16 +145,17 @@ function contributionBar({contributions, ends: [low, high], value, texts}) {
 }
 
 function answerOf(at, rule, alone) {
-  if (at.status !== "ok")
-    return [element("p", {class: "value"}, at.status), element("p", {class: "interval"}, facts.why[at.status]?.why ?? "")];
+  const reason = at.status === "ok" ? [] : [element("p", {class: "interval"}, facts.why[at.status]?.why ?? "")];
+  if (!Number.isFinite(at.value)) return [element("p", {class: "value"}, at.status), ...reason];
   const ends = formatEnds(at);
   const sampled = at.sampling && formatEnds(at.sampling);
   const [interval] = at.isCombined || !isMeasured
     ? [ends ? [`${PERCENT} ${intervalName(at.isCombined)} `, element("span", {"data-lower": at.lower, "data-upper": at.upper}, ends)] : [`No interval: ${whyNoInterval()}`]]
     : [["No combined interval: it exists only for the mean over all directions"]];
   return [
-    element("p", {class: "value", "data-rule": rule}, element("i", {}, "μ"), element("sub", {}, "s"), " = ", data(at.value, inDecimals(at.value, at.decimals))),
+    element("p", {class: "value", "data-rule": rule}, element("i", {}, "μ"), element("sub", {}, "s"), at.status === "ok" ? " = " : " ≥ ", data(at.value, inDecimals(at.value, at.decimals))),
     element("p", {class: "interval"}, ...interval),
+    ...reason,
     ...(sampled && (!at.isCombined || sampled !== ends) ? [element("p", {class: "hint"}, `Interval of the mean, ${facts.ruleDescriptions[rule]}: ${sampled}`)] : []),
     ...(alone ? [element("p", {class: "hint"}, "The small-slope estimate is ", data(alone.value, quoted(alone)))] : []),
   ];
@@ -331,7 +332,7 @@ function curveCaption(series, where, [low, high], of, id) {
   const counts = new Map();
   for (const point of points) if (point.status !== "ok") counts.set(point.status, (counts.get(point.status) ?? 0) + 1);
   for (const [status, count] of counts)
-    words.push(`No value at ${count} of ${counted(points.length, of)} (${status}): ${facts.why[status]?.why ?? ""}.`);
+    words.push(`${facts.statuses.find(({name}) => name === status)?.hasValue ? "Only a lower limit" : "No value"} at ${count} of ${counted(points.length, of)} (${status}): ${facts.why[status]?.why ?? ""}.`);
   return words.join(" ");
 }
 
@@ -511,7 +512,8 @@ function connectMap(fields) {
 /** Return the value and interval of a map cell, or the status of the cell if it has no value. */
 function textOfCell(d, l) {
   if (mapped.value[l][d] === null) return mapped.status[l][d];
-  return (state.quantity === "width" ? printed : quoted)(mapped.points[l][d]);
+  const point = mapped.points[l][d];
+  return state.quantity === "width" ? printed(point) : coefficientText(point);
 }
 
 function connectCurve(id) {
@@ -524,7 +526,7 @@ function connectCurve(id) {
     point: (x, _, here) => {
       const words = place.drawn.series.map(({points, name}) => {
         const of = points[nearest(points.map((p) => (over ? p.x : Math.log(p.x))), over ? x : Math.log(x))];
-        return {at: of.x, text: `${of.status === "ok" ? quoted(of) : of.status}${name ? `, ${name}` : ""}`};
+        return {at: of.x, text: `${Number.isFinite(of.value) ? coefficientText(of) : of.status}${name ? `, ${name}` : ""}`};
       });
       tip(place, words.length ? `${words.map(({text}) => text).join("; ")} at ${over ? cells.texts[cells.values.indexOf(words[0].at)] : loadName(loads.indexOf(words[0].at))}` : "", here);
     },
