@@ -114,15 +114,16 @@ def test_friction_without_load_includes_the_area_loss():
         "work_of_adhesion": "0.1 mJ/m^2",
         "adhesion_range": "5 nm",
         "load": ["0 kPa", "20 kPa"],
-        "shifts": 2,
+        "shifts": 4,
         "onset": 0,
     }
     without_loss, with_loss = (press(**options, area_loss=loss) for loss in (0, 0.2))
     for name in ("friction_at_no_load", "tangential_load"):
-        values, expected = (each.at(mu0=[0.0])[name].sel(sliding="all").values for each in (with_loss, without_loss))
-        is_known = np.isfinite(expected)
-        assert is_known.any()
-        assert values[is_known] == pytest.approx(0.8 * expected[is_known], rel=0.02)  # slopes add to the force
+        value, expected = (
+            float(each.at(mu0=[0.0])[name].sel(sliding="all", statistic="mean").mean())
+            for each in (with_loss, without_loss)
+        )
+        assert value == pytest.approx(0.8 * expected, rel=0.02)  # slopes add to the force
     widths = []
     for loss in (0.15, "0..0.3"):
         _, lower, upper = press(**options, area_loss=loss).at()["friction_at_no_load"].sel(sliding="all").values.ravel()
