@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from dataclasses import replace as replace_fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -19,16 +19,24 @@ from stiction._errors import ArgumentError
 from stiction._files import check_replaceable, describe_os_error
 from stiction._text import printable_path
 from stiction._units import loads_to_core_units, quantity, short_repr
-from stiction.evaluate.combined_intervals import compute_quantiles
-from stiction.mechanics.friction import LOAD_SUM_NAMES, STATUS_OK, FrictionLaw, warn_if_tau0_is_large
+from stiction.evaluate.shear_intervals import (
+    ContactVariation,
+    InputSamples,
+    add_shear_intervals,
+    draw_shear_samples,
+    list_variations,
+)
+from stiction.mechanics.friction import FrictionLaw, warn_if_tau0_is_large
 from stiction.mechanics.half_space import BoundaryCondition, TiltMode
 from stiction.mechanics.onset import parse_direction
-from stiction.mechanics.shear import ShearBox
-from stiction.mechanics.solution_record import SolutionRecord
+from stiction.mechanics.shear import MIN_STRIPS, ShearBox
+from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.solve.members_in_progress import compute_steps_key, remove_stored_steps, stored_record
 from stiction.solve.store import CHECKSUM_PREFIX, STUDY_FILE, export
-from stiction.study.elasticity import determine_elasticity
-from stiction.study.input_distributions import UncertainInput, draw_input_samples, parse_study_input
+from stiction.study.inputs import Inputs
+from stiction.study.interfaces import InterfaceStrength
+from stiction.study.pair_options import validate_option_values
+from stiction.study.pair_study import MeasuredPair
 from stiction.surfaces.joint_roughness import measure_joint_roughness
 from stiction.surfaces.measured.writing import heights_with_nan
 from stiction.surfaces.preparation import count_flips, flipped, levelled, on_common_grid
@@ -41,7 +49,6 @@ if TYPE_CHECKING:
 
 ShearLevel = Literal["mean", "line", "plane", "none"]
 TEST_FILE_NAME = "shear.nc"
-INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
 
 
 def shear_test(
@@ -49,12 +56,15 @@ def shear_test(
     lower: BodyLike,
     *,
     load: float | str,
-    mu0: float | str,
-    tau0: float | str = 0.0,
+    mu0: float | str | None = None,
+    tau0: float | str | None = None,
+    interface: str | Path | InterfaceStrength | None = None,
     path: float | str,
     steps: int = 40,
     direction: float | Literal["+x", "-x"] = 0.0,
     normal_stiffness: float | str | None = None,
+    upper_material: str | None = None,
+    lower_material: str | None = None,
     young: Any = None,
     poisson: Any = None,
     effective_modulus: float | str | None = None,
@@ -63,6 +73,7 @@ def shear_test(
     tilt: TiltMode = "fixed",
     level: ShearLevel | None = None,
     register: bool = False,
+    strips: int | None = None,
     spacing: Any = None,
     unit: str = "um",
     tolerance: float = 1e-6,
@@ -80,10 +91,12 @@ def shear_test(
     load : float, mN, or str
         Normal load, "1 MPa" on the overlap at the start of the path, or a force. With `normal_stiffness`, the load at
         the start.
-    mu0 : float or str
-        Molecular friction coefficient. A range, "0.5..0.7", gives intervals.
-    tau0 : float or str, GPa
-        Adhesive shear strength, "1 MPa" or a range.
+    mu0 : float or str, optional
+        Molecular friction coefficient. A range, "0.5..0.7", gives intervals, also for the inputs below.
+    tau0 : float or str, GPa, optional
+        Adhesive shear strength, "1 MPa" or a range. By default 0.
+    interface : str, path or Interface, optional
+        Joint values of mu0 and tau0, as for `pair`.
     path : float, µm, or str
         Displacement of the upper face at the end of the test, "2 mm".
     steps : int
@@ -93,10 +106,13 @@ def shear_test(
     normal_stiffness : float, GPa/µm, or str, optional
         Increase of the normal stress per dilation, "5 MPa/mm", on the overlap at the start. By default the load is
         constant.
+    upper_material, lower_material : str, optional
+        Materials by name, as `upper` and `lower` of `pair`.
     young, poisson, effective_modulus
         Elastic constants of one or both bodies, or E*, as for `pair`.
     hardness : float, GPa, or str, optional
-        Largest contact pressure, the strength of the asperities that interlock.
+        Largest contact pressure, the strength of the asperities that interlock: "150 MPa" or "120 HV ± 10 %". By
+        default that of the softer material, and without materials none.
     boundary : {"free", "periodic"}
         "free": the overlap decreases along the path. "periodic": the faces continue beyond their edges.
     tilt : {"fixed", "free"}
@@ -107,6 +123,9 @@ def shear_test(
     register : bool
         True to start where the faces fit best: the upper face is shifted, rotated by up to 3 degrees (maps) and tilted
         until the gap is smallest. The attributes of the result contain the position.
+    strips : int, optional
+        Number of strips along the motion that are also sheared one by one. Their scatter widens the intervals. By
+        default 4 to 8 strips of maps with at least 128 points across the motion; 0 for none.
     spacing, unit
         Distance of the points and unit of the heights, for arrays.
     tolerance : float
@@ -116,7 +135,7 @@ def shear_test(
     replace : bool
         True to replace another test in the directory.
     progress : callable, optional
-        Called with the number of solved displacements and their total number.
+        Called with the number of solved steps and their total number. Uncertain inputs and strips need further steps.
 
     Returns
     -------
@@ -129,11 +148,12 @@ def shear_test(
 
         Over `y` and `x` (µm): `peak_pressure` (GPa), the contacts at the peak.
 
-        With ranges, over `end` ("lower", "upper"): `friction_coefficient_interval` and `shear_stress_interval`, 95 %,
-        for the contacts at the central mu0 and tau0.
+        With ranges or strips, over `end` ("lower", "upper"): `friction_coefficient_interval`, `shear_stress_interval`
+        and `dilation_interval`, 95 %.
 
         Attributes: `peak`, `peak_displacement_um`, `peak_dilation_angle_deg`, `peak_shear_stress_GPa`, `end` (value at
-        the end of the path), and `peak_status`, which is not "ok" if the faces lock. Of the lower face, along the
+        the end of the path), with limits such as `peak_lower` and `peak_upper`, and `peak_status`, which is not "ok" if
+        the faces lock. `strips` is the number of strips. Of the lower face, along the
         motion: `z2` and `jrc` (NaN outside its range), `rising_slope` and `falling_slope`. Of
         the closure at the start, by Bandis' law: `closure_initial_stiffness_GPa_per_um`, `maximum_closure_um` and
         `closure_misfit`, the largest relative deviation; NaN if the faces do not close. `fit_correlation` is the
@@ -154,7 +174,14 @@ def shear_test(
     flow at the hardness. Breakage, gouge and wear are not included: each step starts from the scanned faces. On a
     sawtooth of angle i the coefficient is :math:`\tan(\phi + i)` with :math:`\tan \phi = μ_0`; without friction, the
     work of the tangential load is the work of dilation plus the elastic energy. The dilation is the change of the mean
-    gap, without the bending of the bodies.
+    gap, without the bending of the bodies. The dilation angle at the peak is the arctangent of dilation over
+    displacement between the displacements before and after the peak.
+
+    For ranges of mu0 and tau0, the forces of the solved contacts are evaluated again. For ranges of the hardness and of
+    E*, the test is repeated at both limits, and curves are interpolated. Each strip is sheared under the same normal
+    stress, free of the other strips; the standard error of the mean over the strips, with Student's t distribution,
+    stands for another piece of the same joint. An interval of the displacement at the peak includes the displacements
+    before and after the peak.
 
     Examples
     --------
@@ -170,24 +197,33 @@ def shear_test(
     0.78
     """
     upper, lower = as_bodies(upper, lower, spacing=spacing, unit=unit)
-    box, inputs, registration = _build_box(
-        upper, lower, load=load, mu0=mu0, tau0=tau0, direction=direction, normal_stiffness=normal_stiffness,
-        elasticity=(effective_modulus, young, poisson), hardness=hardness, boundary=boundary, tilt=tilt, level=level,
-        register=register, tolerance=tolerance,
+    options = {
+        "mu0": mu0, "tau0": tau0, "interface": interface, "upper_material": upper_material,
+        "lower_material": lower_material, "young": young, "poisson": poisson, "effective_modulus": effective_modulus,
+        "hardness": hardness,
+    }  # fmt: skip
+    given_options = {name: value for name, value in options.items() if value is not None}
+    contact = MeasuredPair(
+        validate_option_values({"upper": upper, "lower": lower, "load": load, **given_options}), reads_scans=False
+    )
+    box, registration = _build_box(
+        upper, lower, contact, load=load, direction=direction, normal_stiffness=normal_stiffness, boundary=boundary,
+        tilt=tilt, level=level, register=register, tolerance=tolerance,
     )  # fmt: skip
     length = validate_number("path", path, unit="µm", above=0)
     check_bool("replace", replace)
     offsets = box.choose_offsets(length, validate_whole_number("steps", steps, minimum=1))
     attributes = {} if registration is None else _describe_registration(registration)
+    setup = _build_setup(box, contact, offsets, strips)
     if directory is None:
-        return _compute(box, inputs, offsets, SolutionRecord(), progress).assign_attrs(attributes)
-    folder, description = parse_path("directory", directory), _describe(box, inputs, offsets)
+        return _compute(setup, SolutionRecord(), progress).assign_attrs(attributes)
+    folder, description = parse_path("directory", directory), _describe(setup)
     key, steps_key = hashlib.sha256(description.encode()).hexdigest()[:16], compute_steps_key(description)
     if (test := _open_stored_test(folder, key, replace=replace)) is not None:
         return test
     _create_folder(folder)
     record = stored_record(folder, 0, steps_key)
-    test = _compute(box, inputs, offsets, record, progress).assign_attrs(attributes, key=key)
+    test = _compute(setup, record, progress).assign_attrs(attributes, key=key)
     export(test, folder / TEST_FILE_NAME, replace=True)
     remove_stored_steps(folder, key=steps_key)
     return test
@@ -204,23 +240,86 @@ def _create_folder(folder: Path) -> None:
         raise ValueError(f"{printable_path(folder)} contains the result of a study; choose another directory")
 
 
-def _compute(
-    box: ShearBox, inputs: dict[str, UncertainInput], offsets: NDArray[np.int64], record: SolutionRecord,
-    progress: Callable[[int, int], object] | None,
-) -> xr.Dataset:  # fmt: skip
-    rows = box.solve(offsets, record, progress)
-    test = _add_intervals(box.to_dataset(offsets, rows), inputs)
+@dataclass(frozen=True, eq=False)
+class _TestSetup:
+    """Everything that a shear test computes: the test itself, and further tests for its intervals."""
+
+    box: ShearBox
+    offsets: NDArray[np.int64]
+    inputs: Inputs
+    strength: InterfaceStrength | None
+    interface_name: str
+    samples: list[InputSamples]
+    variations: list[ContactVariation]
+    strips: list[ShearBox]
+
+
+def _build_setup(box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64], strips: Any) -> _TestSetup:
+    inputs, strength = contact.half_space_inputs, contact.given_interface
+    samples = draw_shear_samples(inputs, strength)
+    strip_boxes = box.cut_strips(offsets, _check_strips(box, offsets, strips))
+    if strips is None and len(strip_boxes) < MIN_STRIPS:
+        strip_boxes = []
+    interface = contact.options.interface
+    name = "" if interface is None else Path(interface).name if isinstance(interface, (str, Path)) else "joint samples"
+    return _TestSetup(box, offsets, inputs, strength, name, samples, list_variations(samples), strip_boxes)
+
+
+def _check_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> int | None:
+    """Return the number of strips. Raise a `ValueError` if the faces cannot be cut into as many."""
+    if strips is None:
+        return None
+    count = validate_whole_number("strips", strips, minimum=0)
+    if count == 0:
+        return count
+    max_count = box.find_max_strips(offsets)
+    if not 2 <= count <= max_count:
+        allowed = f"0, or from 2 to {max_count} for these faces and this path" if max_count > 1 else "0 for these faces"
+        raise ValueError(f"strips must be {allowed}, got {count}")
+    return count
+
+
+def _compute(setup: _TestSetup, record: SolutionRecord, progress: Callable[[int, int], object] | None) -> xr.Dataset:
+    box, offsets, inputs = setup.box, setup.offsets, setup.inputs
+    boxes = [box, *(variation.apply(box) for variation in setup.variations), *setup.strips]
+    num_steps = len(offsets)
+
+    def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
+        """Solve one of the tests. The progress counts the displacements of all tests."""
+
+        def show(done: int, _: int) -> None:
+            if progress is not None:
+                progress(index * num_steps + done, len(boxes) * num_steps)
+
+        rows = boxes[index].solve(offsets, record, show)
+        return rows, boxes[index].to_dataset(offsets, rows)
+
+    rows, test = solve(0)
     pressure = box.solve_peak_pressure(test, offsets, rows, record)
-    test = test if pressure is None else test.assign(peak_pressure=pressure)
     closure, area = box.solve_closure(record), float(test["overlap_area"][0])
+    others = [solve(index)[1] for index in range(1, len(boxes))]
+    variations, strips = others[: len(setup.variations)], others[len(setup.variations) :]
+    test = add_shear_intervals(test, setup.samples, list(zip(setup.variations, variations, strict=True)), strips)
+    test = test if pressure is None else test.assign(peak_pressure=pressure)
+    hardness = inputs.entries.get("hardness")
     return test.assign_attrs(
-        mu0=inputs["mu0"].short_text, tau0=inputs["tau0"].text, direction_deg=box.direction, load_mN=box.load,
+        mu0=inputs.entries["mu0"].estimate.short_text, tau0=inputs.entries["tau0"].text,
+        interface=setup.interface_name,
+        direction_deg=box.direction, load_mN=box.load,
         normal_stress_GPa=box.load / area, normal_stiffness_GPa_per_um=box.stiffness / area,
         effective_modulus_GPa=box.effective_modulus, hardness_GPa=math.nan if box.hardness is None else box.hardness,
+        hardness="" if hardness is None else hardness.text, strips=len(strips),
+        uncertain_inputs=_describe_uncertain_inputs(setup),
         tilt=box.tilt, boundary=box.boundary, closure_initial_stiffness_GPa_per_um=closure.initial_stiffness,
         maximum_closure_um=closure.maximum_closure, closure_misfit=closure.misfit,
         fit_correlation=correlate_facing_slopes(*box.faces_at(offsets[0])), **_describe_roughness(box),
     )  # fmt: skip
+
+
+def _describe_uncertain_inputs(setup: _TestSetup) -> str:
+    """Return the labels of the uncertain inputs, separated by commas."""
+    labels = [entry.label for entry in setup.inputs.uncertain.values()]
+    return ", ".join(labels + ["the interface"] * bool(setup.strength and setup.samples))
 
 
 def _describe_roughness(box: ShearBox) -> dict[str, float]:
@@ -240,14 +339,18 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _describe(box: ShearBox, inputs: dict[str, UncertainInput], offsets: NDArray[np.int64]) -> str:
+def _describe(setup: _TestSetup) -> str:
     """Return text that differs if any input of a test differs."""
+    box = setup.box
     checksums = [
         hashlib.sha256(heights_with_nan(face).tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
         for face in (box.upper, box.lower)
     ]
     numbers = {field.name: getattr(box, field.name) for field in fields(box) if field.name not in ("upper", "lower")}
-    return repr((checksums, sorted(numbers.items()), sorted(inputs.items()), offsets.tolist()))
+    texts = sorted((name, entry.text) for name, entry in setup.inputs.entries.items())
+    joint_samples = () if setup.strength is None else (setup.strength.fits[0].mu0, setup.strength.fits[0].tau0)
+    checksums += [hashlib.sha256(each.tobytes()).hexdigest() for each in joint_samples]
+    return repr((checksums, sorted(numbers.items()), texts, setup.offsets.tolist(), len(setup.strips)))
 
 
 def _open_stored_test(folder: Path, key: str, *, replace: bool) -> xr.Dataset | None:
@@ -270,14 +373,10 @@ def _open_stored_test(folder: Path, key: str, *, replace: bool) -> xr.Dataset | 
 
 
 def _build_box(
-    upper: Any, lower: Any, *, load: Any, mu0: Any, tau0: Any, direction: Any, normal_stiffness: Any,
-    elasticity: tuple[Any, Any, Any], hardness: Any, boundary: Any, tilt: Any, level: Any, register: Any,
-    tolerance: float,
-) -> tuple[ShearBox, dict[str, UncertainInput], Registration | None]:  # fmt: skip
-    """Check the arguments of a shear test.
-
-    Returns the faces and conditions, the distributions of mu0 and tau0, and the position found by a registration.
-    """
+    upper: Any, lower: Any, contact: MeasuredPair, *, load: Any, direction: Any, normal_stiffness: Any, boundary: Any,
+    tilt: Any, level: Any, register: Any, tolerance: float,
+) -> tuple[ShearBox, Registration | None]:  # fmt: skip
+    """Check the arguments of a shear test, and return its faces and conditions, and the position of a registration."""
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(
@@ -308,18 +407,12 @@ def _build_box(
         if upper.is_flat or lower.is_flat:
             raise ValueError("register must be False if a face is flat, got True")
         upper, lower, registration = register_faces(upper, lower)
-    inputs = {}
-    for name, value in (("mu0", mu0), ("tau0", tau0)):
-        try:
-            inputs[name] = parse_study_input(name, value)
-        except ValueError as error:
-            raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
-    moduli = determine_elasticity(*elasticity)
-    warn_if_tau0_is_large(np.asarray(inputs["tau0"].value), moduli.effective_modulus)
-    strength = None if hardness is None else _parse_hardness(hardness)
+    inputs, moduli = contact.half_space_inputs, contact.elasticity
+    warn_if_tau0_is_large(np.asarray(inputs.central("tau0")), moduli.effective_modulus)
+    strength = inputs.central("hardness") if "hardness" in inputs.entries else None
     box = ShearBox(
         upper, lower, load=1.0, stiffness=0.0, direction=parse_direction(direction, line=is_profile),
-        law=FrictionLaw(inputs["mu0"].value, inputs["tau0"].value), effective_modulus=moduli.effective_modulus,
+        law=FrictionLaw(inputs.central("mu0"), inputs.central("tau0")), effective_modulus=moduli.effective_modulus,
         compliance_share=moduli.compliance_share, hardness=strength, boundary=boundary, tilt=tilt,
         tolerance=validate_number("tolerance", tolerance, above=0, below=1),
     )  # fmt: skip
@@ -336,18 +429,7 @@ def _build_box(
             limit=strength * area, got=short_repr(load),
         )  # fmt: skip
     stiffness = 0.0 if normal_stiffness is None else _parse_stiffness(normal_stiffness) * area
-    return replace_fields(box, load=force, stiffness=stiffness), inputs, registration
-
-
-def _parse_hardness(value: Any) -> float:
-    try:
-        parsed = parse_study_input("hardness", value)
-    except ValueError as error:
-        raise ArgumentError("{hardness} {why}", why=str(error).strip()) from None
-    if not parsed.is_exact or not parsed.value > 0:
-        allowed = "a value above 0" if parsed.is_exact else "one value; compute both limits of a range separately"
-        raise ArgumentError("{hardness} must be {allowed}, got {got}", allowed=allowed, got=short_repr(value))
-    return parsed.value
+    return replace_fields(box, load=force, stiffness=stiffness), registration
 
 
 def _parse_stiffness(value: Any) -> float:
@@ -364,43 +446,3 @@ def _parse_stiffness(value: Any) -> float:
     if not stiffness >= 0:
         raise ArgumentError("{normal_stiffness} must be at least 0, got {got}", got=short_repr(value))
     return stiffness
-
-
-def _add_intervals(test: xr.Dataset, inputs: dict[str, UncertainInput]) -> xr.Dataset:
-    """Add 95 % intervals due to ranges of mu0 and tau0, for the contacts that were solved at their central values."""
-    if all(value.is_exact for value in inputs.values()):
-        return test
-    samples = draw_input_samples(inputs)
-    law = FrictionLaw(samples["mu0"][:, np.newaxis], samples["tau0"][:, np.newaxis])
-    sums = {name: test[name].values for name in LOAD_SUM_NAMES}
-    normal, tangential = (law.load(load, sums) for load in ("normal", "tangential"))
-    coefficients = np.divide(tangential, normal, out=np.full_like(normal, np.inf), where=normal > 0)
-    is_ok = test["status"].values == STATUS_OK
-    intervals = {
-        "friction_coefficient": np.where(is_ok, _interval(coefficients), np.nan),
-        "shear_stress": _interval(coefficients) * (test["normal_load"] / test["overlap_area"]).values,
-    }
-    test = test.assign_coords(end=["lower", "upper"]).assign(
-        {
-            f"{name}_interval": (
-                ("end", "displacement"), limits,
-                test[name].attrs | {"long_name": f"95 % interval of the {test[name].attrs['long_name']}"},
-            )
-            for name, limits in intervals.items()
-        }
-    )  # fmt: skip
-    limits_by_name = {"end": _interval(coefficients[:, -1]) if is_ok[-1] else (np.nan, np.nan)}
-    if test.attrs["peak_status"] == STATUS_OK:
-        limits_by_name["peak"] = _interval(coefficients[:, is_ok].max(axis=1))
-    return test.assign_attrs(
-        {
-            f"{name}_{end}": float(limit)
-            for name, limits in limits_by_name.items()
-            for end, limit in zip(("lower", "upper"), limits, strict=True)
-        }
-    )
-
-
-def _interval(samples: Any) -> Any:
-    """Return the 95 % limits of samples along the first axis; infinite if too many samples lock."""
-    return compute_quantiles(INTERVAL_PROBABILITIES, samples, axis=0)

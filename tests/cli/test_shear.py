@@ -35,12 +35,15 @@ def run_shear(folder, *options, **settings):
 # ---- Output ----------------------------------------------------------------------------------------------------------
 
 
-def test_shear_command_prints_peak_and_table_and_writes_three_files(folder):
+def test_shear_command_prints_peak_and_table_and_writes_four_files(folder):
     completed = run_shear(folder, "--path", "0.5 mm", "--mu0", "0.5..0.7", "--hardness", "150 MPa", "--steps", 5)
     lines = completed.stdout.splitlines()
     assert lines[0].startswith("peak: μ = ")
-    assert lines[1].startswith("end:  μ = ")
-    assert lines[1].endswith("µm")
+    assert lines[0].endswith("°)")
+    assert lines[1].startswith("dilation angle at the peak: ")
+    assert lines[2].startswith("end:  μ = ")
+    assert lines[2].endswith("µm")
+    assert "95 % intervals: μ0" in lines
     assert max(map(len, lines)) <= 80
     assert sum(line.startswith(("0 ", "100 ", "200 ", "300 ", "400 ", "500 ")) for line in lines) == 6
     test = shear_test(*create_faces(), path="0.5 mm", steps=5, mu0="0.5..0.7", hardness="150 MPa", **CONDITIONS)
@@ -51,6 +54,10 @@ def test_shear_command_prints_peak_and_table_and_writes_three_files(folder):
     stored = xarray.load_dataset(folder / "shear/shear.nc", engine="h5netcdf")
     xarray.testing.assert_allclose(stored.drop_attrs(), test.drop_attrs())
     assert (folder / "shear/shear.png").read_bytes()[1:4] == b"PNG"
+    report = (folder / "shear/report.html").read_text()
+    assert "upper.npy on lower.npy" in report
+    assert lines[0].removeprefix("peak: ") in report
+    assert report.count("<tr>") == 7  # titles and six displacements
 
 
 def test_shear_command_prints_json_with_peak_and_curve(folder):
@@ -131,9 +138,39 @@ def test_interrupted_test_is_resumed_with_the_same_bits(tmp_path, monkeypatch):
     np.testing.assert_array_equal(opened.friction_coefficient, whole.friction_coefficient)
 
 
+def test_test_that_is_interrupted_in_its_intervals_is_resumed_with_the_same_bits(tmp_path, monkeypatch):
+    monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
+    options = {"path": "0.2 mm", "steps": 2, "mu0": 0.6, "hardness": "150..250 MPa", **CONDITIONS}
+    lower = self_affine_surface(
+        4, hurst_exponent=0.8, rms=20.0, shape=(128, 128), spacing=50.0, shortest_wavelength=300.0
+    )
+    faces = Surface(flipped(lower).heights, spacing=lower.spacing), lower
+    interruption = Interruption(17)
+    with pytest.raises(KeyboardInterrupt):
+        shear_test(*faces, directory=tmp_path / "test", progress=interruption, **options)
+    whole = shear_test(*faces, progress=(counts := Interruption(-1)), **options)
+    assert sorted(set(counts.calls)) == list(range(3 * 7 + 1))  # the test, two limits of the hardness, four strips
+    calls = count_solved_contacts(monkeypatch)
+    resumed = shear_test(*faces, directory=tmp_path / "test", **options)
+    assert 0 < len(calls) < 20
+    xarray.testing.assert_identical(resumed.drop_attrs(), whole.drop_attrs())
+    assert {name: value for name, value in resumed.attrs.items() if name != "key"} == pytest.approx(
+        whole.attrs, nan_ok=True
+    )
+
+
 @pytest.mark.parametrize(
     "changed",
-    [{"mu0": 0.5}, {"path": "0.4 mm"}, {"load": "2 MPa"}, {"hardness": "1 GPa"}, {"direction": 180}, {"tilt": "free"}],
+    [
+        {"mu0": 0.5},
+        {"path": "0.4 mm"},
+        {"load": "2 MPa"},
+        {"hardness": "1 GPa"},
+        {"direction": 180},
+        {"tilt": "free"},
+        {"mu0": "0.5..0.7"},
+        {"mu0": None, "interface": "MoS2 on bearing steel, dry air"},
+    ],
 )
 def test_directory_with_another_test_is_rejected_unless_it_is_replaced(tmp_path, changed):
     options = {"path": "0.5 mm", "steps": 2, "mu0": 0.6, "directory": tmp_path / "test"} | CONDITIONS
@@ -153,7 +190,10 @@ def test_directory_with_another_test_is_rejected_unless_it_is_replaced(tmp_path,
         (("--path", "5 mm"), "path must leave an overlap of at least 16 points along each axis, got 5000 µm"),
         (("--path", "2 s"), "path"),
         (("--path", "0.5 mm", "--normal-stiffness", "5 GPa"), "--normal-stiffness must be a pressure per length"),
-        (("--path", "0.5 mm", "--hardness", "1..2 GPa"), "--hardness must be one value"),
+        (("--path", "0.5 mm", "--hardness", "2..1 GPa"), "--hardness must be a range from a smaller to a larger value"),
+        (("--path", "0.5 mm", "--interface", "tar"), "--mu0 must not be combined with --interface, which contains mu0"),
+        (("--path", "0.5 mm", "--lower", "tar"), "--lower must be the name of a known material"),
+        (("--path", "0.5 mm", "--strips", "2.5"), "--strips"),
         (("--path", "0.5 mm", "--tilt", "loose"), "tilt must be one of 'fixed', 'free', got 'loose'"),
         (("--path", "0.5 mm", "--mu0", "-1"), "--mu0 must be finite and from 0 to 1e+06, got '-1'"),
         (("--path", "0.5 mm", "--output", "lower.npy"), "lower.npy must be a directory"),
@@ -270,6 +310,19 @@ def test_faces_that_lock_at_most_displacements_are_printed_and_drawn():
     )
     assert "locks" in shear_text(test)
     shear_figure(test).canvas.draw()
+
+
+def test_few_contacts_at_the_peak_have_a_caveat():
+    _, lower = create_faces()
+    options = {"path": "0.5 mm", "steps": 4, "mu0": 0.6, "hardness": "150 MPa", **CONDITIONS}
+    profile = Profile(lower.heights[3], spacing=50.0)
+    test = shear_test(Profile(-profile.heights, spacing=50.0), profile, **options)
+    peak = int(np.argmax(test.friction_coefficient.values))
+    assert test.contact_count[peak] < 10
+    assert "so the result depends on chance" in " ".join(list_caveats(test))
+    many = shear_test(*create_faces(), **options | {"load": "40 MPa"})
+    assert many.contact_count[int(np.argmax(many.friction_coefficient.values))] >= 10
+    assert "depends on chance" not in " ".join(list_caveats(many))
 
 
 def test_peak_above_the_limit_of_rock_joints_has_a_caveat():

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, flipped, half_space, self_affine_surface, shear_test
+from stiction import Profile, Surface, flipped, half_space, interface, self_affine_surface, shear_test
 from stiction.mechanics.joint_closure import fit_bandis_law
 
 ANGLE = math.radians(10)
@@ -240,6 +240,120 @@ def test_interval_is_open_if_more_than_a_fortieth_of_the_samples_lock():
     assert test.attrs["peak_upper"] == np.inf
 
 
+def test_interval_of_the_hardness_has_the_peaks_at_its_limits():
+    options = {"path": "100 um", "steps": 4, "mu0": 0.6, "boundary": "periodic"}
+    test = shear(create_rough_map(), hardness="50..400 MPa", **options)
+    soft, hard = (shear(create_rough_map(), hardness=value, **options) for value in ("50 MPa", "400 MPa"))
+    for name in ("peak", "end", "peak_shear_stress_GPa"):
+        assert test.attrs[f"{name}_lower"] == pytest.approx(soft.attrs[name], rel=0.01)
+        assert test.attrs[f"{name}_upper"] == pytest.approx(hard.attrs[name], rel=0.01)
+    np.testing.assert_allclose(test.dilation_interval[0], soft.dilation, rtol=0.01, atol=1e-3)
+    angles = sorted(each.attrs["peak_dilation_angle_deg"] for each in (soft, hard))
+    assert test.attrs["peak_dilation_angle_deg_lower"] == pytest.approx(angles[0], abs=0.3)
+    assert test.attrs["peak_dilation_angle_deg_upper"] == pytest.approx(angles[1], abs=0.3)
+    assert test.attrs["uncertain_inputs"] == "the hardness"
+
+
+def test_interval_of_two_moduli_is_within_the_coefficients_at_the_limits_of_both():
+    options = {"path": "50 um", "steps": 1, "mu0": 0.6, "effective_modulus": None, "poisson": 0.25}
+    test = shear(create_rough_map(), young="10..40 GPa", boundary="periodic", **options)
+    low, high = (
+        float(shear(create_rough_map(), young=young, boundary="periodic", **options).friction_coefficient[1])
+        for young in ("10 GPa", "40 GPa")
+    )
+    lower, upper = test.friction_coefficient_interval.values[:, 1]
+    assert low < lower < float(test.friction_coefficient[1]) < upper < high
+
+
+def test_two_ranges_widen_the_interval():
+    options = {"path": "100 um", "steps": 2, "boundary": "periodic"}
+    widths = [
+        shear(create_rough_map(), mu0=mu0, hardness=hardness, **options).attrs
+        for mu0, hardness in ((0.6, "100..300 MPa"), ("0.5..0.7", "173 MPa"), ("0.5..0.7", "100..300 MPa"))
+    ]
+    first, second, both = (each["peak_upper"] - each["peak_lower"] for each in widths)
+    assert max(first, second) < both < first + second
+
+
+def test_upper_limit_is_open_if_the_faces_lock_at_a_limit_of_the_hardness():
+    face = create_rough_map()
+    steep = Surface(6 * face.heights, spacing=face.spacing)
+    options = {"path": "60 um", "steps": 2, "mu0": 2.0, "boundary": "periodic"}
+    assert shear(steep, hardness="1 GPa", **options).attrs["peak_status"] == "self-locked"
+    test = shear(steep, hardness="10..1000 MPa", **options)
+    assert test.attrs["peak_upper"] == np.inf
+    assert test.attrs["peak_lower"] < test.attrs["peak"] < np.inf
+
+
+def test_materials_and_interface_are_those_of_pair():
+    face = create_rough_map()
+    options = {"path": "100 um", "steps": 1, "load": "1 MPa", "level": "none"}
+    by_name = shear_test(create_mate(face), face, mu0=0.5, upper_material="granite", **options)
+    assert by_name.attrs["hardness"] == "9.54 GPa (6.5..14 GPa)"
+    assert "the hardness of the granite" in by_name.attrs["uncertain_inputs"]
+    assert by_name.attrs["peak_lower"] < by_name.attrs["peak"] < by_name.attrs["peak_upper"]
+    name = "MoS2 on bearing steel, dry air"
+    tests = [
+        shear_test(create_mate(face), face, interface=each, upper_material="bearing steel", hardness="9 GPa", **options)
+        for each in (name, interface(name))
+    ]
+    np.testing.assert_array_equal(tests[0].friction_coefficient, tests[1].friction_coefficient)
+    assert tests[0].attrs["interface"] == name
+    central = float(tests[0].attrs["mu0"])
+    assert central == pytest.approx(float(np.median(interface(name).fits[0].mu0)), rel=1e-3)
+
+
+def test_displacement_at_the_peak_includes_the_neighbouring_displacements():
+    test = shear(create_rough_map(), path="200 um", steps=8, mu0="0.5..0.7", hardness="200 MPa")
+    peak = int(np.argmax(test.friction_coefficient.values))
+    lower, upper = (test.attrs[f"peak_displacement_um_{end}"] for end in ("lower", "upper"))
+    assert lower <= float(test.displacement[peak - 1])
+    assert upper >= float(test.displacement[peak + 1])
+
+
+# ---- Strips ----------------------------------------------------------------------------------------------------------
+
+
+def test_scatter_between_strips_is_that_of_tests_on_each_strip():
+    face, options = create_rough_map(128), {"path": "150 um", "steps": 3, "mu0": 0.6, "hardness": "200 MPa"}
+    test = shear(face, **options)
+    strips = [
+        shear(Surface(face.heights[first : first + 32], spacing=face.spacing), strips=0, **options)
+        for first in range(0, 128, 32)
+    ]
+    assert test.attrs["strips"] == 4
+    assert all(each.attrs["strips"] == 0 for each in strips)
+    for name in ("peak", "end", "peak_dilation_angle_deg"):
+        error = np.std([each.attrs[name] for each in strips], ddof=1) / 2
+        for end, sign in (("lower", -1), ("upper", 1)):
+            limit = test.attrs[name] + sign * 3.182 * error  # Student's t with three degrees of freedom
+            assert test.attrs[f"{name}_{end}"] == pytest.approx(limit, abs=0.02 * error)
+
+
+def test_strips_lie_along_the_motion():
+    x = 2 * np.pi * np.arange(128) / 128
+    ridges = Surface(np.tile(5 * np.cos(2 * x) + np.cos(9 * x + 1), (128, 1)), spacing=1000 / 128)
+    options = {"path": "100 um", "steps": 2, "mu0": 0.6, "hardness": "500 MPa"}
+    along = shear(ridges, **options)
+    assert along.attrs["peak_upper"] - along.attrs["peak_lower"] < 0.05 * along.attrs["peak"]  # all strips are equal
+    turned = shear(Surface(ridges.heights.T.copy(), spacing=ridges.spacing), direction=90, **options)
+    assert turned.attrs["peak_upper"] - turned.attrs["peak_lower"] < 0.05 * along.attrs["peak"]
+
+
+def test_small_maps_and_profiles_have_no_strips():
+    assert shear(create_rough_map(), path="50 um", steps=1, mu0=0.6).attrs["strips"] == 0
+    assert shear(create_wavy_profile(), path="5 um", steps=1, mu0=0.6).attrs["strips"] == 0
+
+
+def test_strips_without_measured_points_are_left_out():
+    face = create_rough_map(128)
+    missing = np.zeros(face.heights.shape, bool)
+    missing[:26] = True
+    holed = Surface(face.heights, spacing=face.spacing, missing=missing)
+    options = {"path": "50 um", "steps": 1, "mu0": 0.6, "level": "mean", "strips": 5} | FULL_FIT
+    assert shear_test(create_mate(face), holed, **options).attrs["strips"] == 4
+
+
 def test_exact_inputs_have_no_interval():
     assert "friction_coefficient_interval" not in shear(create_rough_map(), path="100 um", steps=2, mu0=0.6)
 
@@ -259,7 +373,14 @@ def test_exact_inputs_have_no_interval():
         ({"load": "2 GPa"}, "load must be below the hardness times the overlap of the faces, 1e\\+06 mN, got '2 GPa'"),
         ({"normal_stiffness": "5 MPa"}, 'normal_stiffness must be a pressure per length, as in "5 MPa/mm", got'),
         ({"normal_stiffness": -1}, "normal_stiffness must be at least 0, got -1"),
-        ({"hardness": "1..2 GPa"}, "hardness must be one value; compute both limits of a range separately, got"),
+        ({"hardness": "2..1 GPa"}, "hardness must be a range from a smaller to a larger value, got '2..1 GPa'"),
+        ({"mu0": [0.5, 0.6]}, "mu0 must be one value or one range, got"),
+        ({"mu0": None}, "give mu0 or interface"),
+        ({"interface": "PTFE on steel"}, "mu0 must not be combined with interface"),
+        ({"upper_material": "steel"}, "give effective_modulus, or young and poisson, or upper_material and"),
+        ({"strips": 1}, "strips must be 0, or from 2 to 4 for these faces and this path, got 1"),
+        ({"strips": 5}, "strips must be 0, or from 2 to 4 for these faces and this path, got 5"),
+        ({"strips": 2, "boundary": "periodic"}, "strips must be 0 for these faces, got 2"),
         ({"tilt": "free", "boundary": "periodic"}, "tilt must be 'fixed' if the faces are periodic, got 'free'"),
         ({"level": "line"}, "level must be mean, plane or none for maps, got 'line'"),
         ({"direction": [0, 90]}, "direction must be a single angle"),

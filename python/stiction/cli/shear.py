@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stiction._text import printable_path
+from stiction._text import printable_path, printable_text
 from stiction.cli.application import command, print_output, report_interruption, show_status
 from stiction.cli.options import JsonOption, load_measurement, option
 from stiction.cli.pair_options import pair_argument, pair_option, read_given_options
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from stiction.surfaces.profile import Profile
     from stiction.surfaces.surface import Surface
 
-CSV_FILE_NAME, FIGURE_FILE_NAME = "shear.csv", "shear.png"
+CSV_FILE_NAME, FIGURE_FILE_NAME, REPORT_FILE_NAME = "shear.csv", "shear.png", "report.html"
 
 _output_option = functools.partial(option, panel="Output")
 
@@ -39,8 +39,13 @@ def shear(
     load: Annotated[str, option(
         "--load PRESSURE", 'Normal stress on the overlap at the start, "1 MPa", or a force.', False,
     )],
-    mu0: Annotated[str, option("--mu0 NUMBER", 'Molecular friction coefficient, "0.6", or "0.5..0.7".', False)],
-    tau0: Annotated[str, option("--tau0 PRESSURE", 'Adhesive shear strength, "0 MPa", or "0..1 MPa".')] = "0 MPa",
+    mu0: Annotated[str | None, option(
+        "--mu0 NUMBER", 'Molecular friction coefficient, "0.6", or "0.5..0.7".', False,
+    )] = None,
+    tau0: Annotated[str | None, option(
+        "--tau0 PRESSURE", 'Adhesive shear strength, "0 MPa", or "0..1 MPa".', "0 MPa",
+    )] = None,
+    interface: Annotated[str | None, pair_option("interface")] = None,
     steps: Annotated[int, option("--steps N", "Number of displacements, at most one per grid point.", minimum=1)] = 40,
     direction: Annotated[
         float, option("--direction DEGREES", "Direction of the motion of UPPER, from +x towards +y.")
@@ -48,11 +53,15 @@ def shear(
     normal_stiffness: Annotated[str | None, option(
         "--normal-stiffness STIFFNESS", 'Increase of the normal stress per dilation, "5 MPa/mm".', "constant load",
     )] = None,
+    upper_material: Annotated[str | None, pair_option("upper_material")] = None,
+    lower_material: Annotated[str | None, pair_option("lower_material")] = None,
     young: Annotated[str | None, pair_option("young")] = None,
     poisson: Annotated[str | None, pair_option("poisson")] = None,
     effective_modulus: Annotated[str | None, pair_option("effective_modulus")] = None,
     hardness: Annotated[str | None, option(
-        "--hardness PRESSURE", 'Largest contact pressure, the strength of the asperities, "150 MPa".', "none",
+        "--hardness PRESSURE",
+        'Largest contact pressure, the strength of the asperities, "150 MPa" or "120 HV ± 10 %".',
+        "the material's hardness, or none",
     )] = None,
     tilt: Annotated[str, option(
         "--tilt fixed|free", "Orientation of UPPER: fixed, or tilted until the load is centred.",
@@ -64,6 +73,10 @@ def shear(
     register: Annotated[
         bool, option("--register", "Start where the faces fit best: shift, rotate and tilt UPPER.")
     ] = False,
+    strips: Annotated[int | None, option(
+        "--strips N", "Number of strips along the motion that are sheared one by one for the intervals; 0 for none.",
+        "4 to 8 of large maps",
+    )] = None,
     unit: Annotated[list[str] | None, pair_option("unit")] = None,
     spacing: Annotated[list[str] | None, pair_option("spacing")] = None,
     missing: Annotated[str | None, pair_option("missing")] = None,
@@ -89,13 +102,17 @@ def shear(
     from stiction.direct_shear import TEST_FILE_NAME, shear_test
     from stiction.study.pair_options import READING_OPTION_NAMES
     from stiction.views.figures.shear import shear_figure
-    from stiction.views.files import check_all_replaceable, replace_text_file
+    from stiction.views.files import REPORT_FILE_SIGNATURE, check_all_replaceable, replace_text_file
     from stiction.views.json_record import record_json
+    from stiction.views.report.shear import shear_page
     from stiction.views.shear import CSV_SIGNATURE, list_caveats, shear_csv, shear_text, shear_values
     from stiction.views.style import FIGURE_FILE_SIGNATURES, save_figure
 
     check_output_directory(output)
-    signatures = {CSV_FILE_NAME: CSV_SIGNATURE, FIGURE_FILE_NAME: FIGURE_FILE_SIGNATURES[".png"]}
+    signatures = {
+        CSV_FILE_NAME: CSV_SIGNATURE, FIGURE_FILE_NAME: FIGURE_FILE_SIGNATURES[".png"],
+        REPORT_FILE_NAME: REPORT_FILE_SIGNATURE.encode(),
+    }  # fmt: skip
     check_all_replaceable(output, signatures)
     reading_options = {
         name: value for name, value in read_given_options(context).items() if name in READING_OPTION_NAMES
@@ -105,14 +122,14 @@ def shear(
     level_choice: Any = level
     try:
         test = shear_test(
-            *faces, path=path, load=load, mu0=mu0, tau0=tau0, steps=steps, direction=direction,
-            normal_stiffness=normal_stiffness, young=young, poisson=poisson, effective_modulus=effective_modulus,
-            hardness=hardness, tilt=tilt_choice, level=level_choice, register=register,
-            directory=output, replace=replace,
-            progress=lambda done, total: show_status(f"{done} of {total} displacements"),
+            *faces, path=path, load=load, mu0=mu0, tau0=tau0, interface=interface, steps=steps, direction=direction,
+            normal_stiffness=normal_stiffness, upper_material=upper_material, lower_material=lower_material,
+            young=young, poisson=poisson, effective_modulus=effective_modulus, hardness=hardness, tilt=tilt_choice,
+            level=level_choice, register=register, strips=strips, directory=output, replace=replace,
+            progress=lambda done, total: show_status(f"{done} of {total} steps"),
         )  # fmt: skip
     except KeyboardInterrupt:
-        raise report_interruption("; run the same command again to resume from the stored displacements") from None
+        raise report_interruption("; run the same command again to resume from the stored steps") from None
     if as_json:
         attributes = {name: value for name, value in test.attrs.items() if name != "key"}
         print_output(
@@ -123,8 +140,10 @@ def shear(
     replace_text_file(output / CSV_FILE_NAME, shear_csv(test), signatures[CSV_FILE_NAME])
     show_status("drawing")
     save_figure(shear_figure(test), output / FIGURE_FILE_NAME)
-    names = CSV_FILE_NAME, FIGURE_FILE_NAME, TEST_FILE_NAME
-    choose_message_printer(as_json)(f"wrote {printable_path(output / names[0])}, {names[1]} and {names[2]}")
+    name = f"{printable_text(Path(upper).name)} on {printable_text(Path(lower).name)}"
+    shear_page(test, name=name).save(output / REPORT_FILE_NAME)
+    names = ", ".join((REPORT_FILE_NAME, CSV_FILE_NAME, FIGURE_FILE_NAME))
+    choose_message_printer(as_json)(f"wrote {printable_path(output)}/: {names} and {TEST_FILE_NAME}")
 
 
 def _load_face(file: Path, index: int, options: dict[str, Any]) -> Profile | Surface:

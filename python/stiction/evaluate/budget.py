@@ -153,7 +153,7 @@ def _evaluate_uncertainty(
     study = result.study
     dims = tuple(str(dim) for dim in at["mean_friction"].dims if dim != "statistic")
     shape = tuple(at.sizes[dim] for dim in dims)
-    inputs, strengths = _find_inputs_and_strengths(study, strength)
+    inputs, strengths = find_inputs_and_strengths(Inputs.from_study(study), strength)
     scan_means = _average_pairs_of_scans(result, at, dims)
     drifts = find_slope_drifts(at.attrs)
     input_names = [
@@ -224,15 +224,14 @@ def _evaluate_uncertainty(
     return tables, coordinates
 
 
-def _find_inputs_and_strengths(
-    study: Study, strength: InterfaceStrength | None = None
+def find_inputs_and_strengths(
+    study_inputs: Inputs, strength: InterfaceStrength | None = None
 ) -> tuple[dict[str, Any], list[StrengthArrays]]:
-    """Return the uncertain inputs of a study, and the joint samples of mu0 and tau0 of its interface.
+    """Return the uncertain inputs, and the joint samples of mu0 and tau0 of the interface.
 
     The samples replace inputs that the interface was calibrated with. Without an interface, there are no samples.
-    `strength` replaces the interface of the study.
+    `strength` replaces the interface of the inputs.
     """
-    study_inputs = Inputs.from_study(study)
     inputs = {name: each for name, each in study_inputs.uncertain.items() if name != "creep"}
     if (interface := strength or study_inputs.strength) is None:
         return inputs, []

@@ -5,6 +5,7 @@ Each step is a half-space contact. The normal load is constant, or rises with th
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -44,6 +45,11 @@ if TYPE_CHECKING:
 
 MIN_OVERLAP_POINTS = 16
 """Minimum number of points, along each axis, in which the faces must overlap at the end of the path."""
+
+MIN_STRIP_POINTS, MIN_STRIPS, MAX_STRIPS = 32, 4, 8
+"""Minimum width of a strip in points, and limits of the number of strips into which faces are cut by default."""
+
+MIN_STRIP_AREA_FRACTION = 0.5  # smallest area of a strip, relative to the mean over the strips
 
 NORMAL_LOAD_TOLERANCE = 1e-4
 """Accepted deviation of the normal load from its target, as a fraction of the initial load."""
@@ -144,6 +150,50 @@ class ShearBox:
                 )
         return offsets
 
+    def find_max_strips(self, offsets: NDArray[np.int64], min_points: int = MIN_OVERLAP_POINTS) -> int:
+        """Return the largest number of strips whose overlaps stay as wide as `min_points`; 0 if there are none.
+
+        Profiles and periodic faces have no strips. Strips move sideways if the motion is oblique to the grid.
+        """
+        if self.lower.heights.ndim == 1 or self.boundary == "periodic":
+            return 0
+        axis = self._strip_axis
+        drift = int(np.abs(offsets[:, axis]).max())
+        width = min(int(face.heights.shape[axis]) for face in (self.upper, self.lower))
+        return width // (min_points + drift)
+
+    @property
+    def _strip_axis(self) -> int:
+        """Axis that strips along the motion divide."""
+        return int(np.argmin(np.abs(self._motion)))
+
+    def cut_strips(self, offsets: NDArray[np.int64], count: int | None = None) -> list[ShearBox]:
+        """Cut the faces into strips along the motion, and return the test of each, at the same normal stress.
+
+        By default `MIN_STRIPS` to `MAX_STRIPS` strips, or none if the faces are too narrow. Strips with few measured
+        points are left out. `offsets` are the positions of the test.
+        """
+        if count is None:
+            count = min(self.find_max_strips(offsets, MIN_STRIP_POINTS), MAX_STRIPS)
+            count = count if count >= MIN_STRIPS else 0
+        if count == 0:
+            return []
+        axis = self._strip_axis
+        width = min(face.heights.shape[axis] for face in (self.upper, self.lower))
+        edges = np.rint(np.linspace(0, width, count + 1)).astype(int)
+        strips = []
+        for first, end in itertools.pairwise(map(int, edges)):
+            selection = tuple(slice(first, end) if each == axis else slice(None) for each in range(2))
+            faces = self.upper, self.lower
+            if any(face.missing is not None and face.missing[selection].all() for face in faces):
+                continue
+            upper, lower = (_select_points(face, selection) for face in faces)
+            strip = replace(self, upper=upper, lower=lower)
+            ratio = strip.initial_overlap_area / self.initial_overlap_area
+            if ratio >= MIN_STRIP_AREA_FRACTION / count:
+                strips.append(replace(strip, load=self.load * ratio, stiffness=self.stiffness * ratio))
+        return strips
+
     def displacements(self, offsets: NDArray[np.int64]) -> Floats:
         """Return the displacements (µm) along the path at given offsets."""
         return np.asarray((offsets * self.lower.spacings) @ self._motion)
@@ -169,12 +219,9 @@ class ShearBox:
             return upper, replace(self.lower, history=())
         *starts, shape = self._find_overlap(offset)
         upper, lower = (
-            replace(
-                body, heights=body.heights[_slices(start, shape)], history=(),
-                missing=select_from_mask(body.missing, _slices(start, shape)),
-            )
+            _select_points(body, _slices(start, shape))
             for body, start in zip((self.upper, self.lower), starts, strict=True)
-        )  # fmt: skip
+        )
         return upper, lower
 
     def solve_contact(self, offset: NDArray[np.int64], elastic_loads: ArrayLike) -> HalfSpaceCurve:
@@ -381,6 +428,11 @@ def _slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
     return tuple(slice(first, first + count) for first, count in zip(start, shape, strict=True))
 
 
+def _select_points(face: Any, selection: tuple[slice, ...]) -> Any:
+    """Return the part of a face at the selected grid points."""
+    return replace(face, heights=face.heights[selection], history=(), missing=select_from_mask(face.missing, selection))
+
+
 def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
     """Make the gap of two faces 0 if it varies by round-off only, because it has no solution otherwise."""
     missing = combine_missing_masks(upper, lower)
@@ -424,6 +476,17 @@ def _find_root(
     return STATUS_NOT_SOLVED
 
 
+def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
+    """Return the angles (degrees) whose tangent is the dilation (last axis) per displacement.
+
+    The slope at a displacement is taken between its neighbours, and at an end of the path to its only neighbour.
+    """
+    index = np.arange(displacement.size)
+    first, last = np.maximum(index - 1, 0), np.minimum(index + 1, displacement.size - 1)
+    slopes = (dilation[..., last] - dilation[..., first]) / (displacement[last] - displacement[first])
+    return np.asarray(np.degrees(np.arctan(slopes)))
+
+
 def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:
     """Return the peak of a shear curve, its displacement and dilation angle, and the value at the end, as attributes.
 
@@ -438,10 +501,8 @@ def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:
     if summary["peak_status"] == STATUS_OK:
         index = int(np.nanargmax(coefficient))
         displacement, dilation = dataset["displacement"].values, dataset["dilation"].values
-        first, last = max(index - 1, 0), min(index + 1, coefficient.size - 1)
-        slope = (dilation[last] - dilation[first]) / (displacement[last] - displacement[first])
         values = (
-            coefficient[index], displacement[index], math.degrees(math.atan(slope)),
+            coefficient[index], displacement[index], compute_dilation_angles(displacement, dilation)[index],
             np.nanmax(dataset["shear_stress"].values),
         )  # fmt: skip
         summary |= {name: float(value) for name, value in zip(names, values, strict=True)}

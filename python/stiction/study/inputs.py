@@ -97,6 +97,17 @@ class Inputs:
         bodies = () if contact.young is None else (*zip(contact.young, contact.poisson or (), strict=True),)
         return _build_inputs(entries, bodies, find_materials(study), friction.interface)
 
+    @classmethod
+    def from_values(
+        cls, values: Mapping[str, InputValue], bodies: tuple[tuple[InputValue, InputValue], ...] = (),
+        materials: tuple[Material, ...] = (),
+    ) -> Inputs:  # fmt: skip
+        """Return the inputs with the given values, which include E*, without a study.
+
+        `bodies` contains Young's modulus and Poisson's ratio of the upper and of the lower body, if they are given.
+        """
+        return _build_inputs(tuple(values.items()), bodies, materials, None)
+
     @property
     def uncertain(self) -> Mapping[str, Input]:
         """Inputs that are given as a range or with an uncertainty."""

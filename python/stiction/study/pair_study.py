@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 from typing import Any, get_args
@@ -43,6 +44,7 @@ from stiction.study.input_distributions import (
     UncertainInput,
     parse_input_value,
 )
+from stiction.study.inputs import Inputs
 from stiction.study.interfaces import InterfaceStrength, interfaces, round_median_strength
 from stiction.study.measured_bodies import MACHINING_PROCESSES, MeasuredBody, MeasuredBodySettings
 from stiction.study.measured_surfaces import DEFAULT_NUM_SHIFTS, DEFAULT_NUM_SURROGATES
@@ -101,8 +103,12 @@ class MeasuredPair:
             raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{hint}")
         if options.mu0 is None and options.interface is None:
             raise ArgumentError("give {mu0} or {interface}")
-        for name in OPTION_CHECK_ORDER if reads_scans else ():
-            if (value := options.option_value(name)) is None:
+        self._check_conditions(OPTION_CHECK_ORDER if reads_scans else ())
+
+    def _check_conditions(self, names: Iterable[str]) -> None:
+        """Raise an `ArgumentError` for the first of the named options that is given although it does not apply."""
+        for name in names:
+            if (value := self.options.option_value(name)) is None:
                 continue
             for condition in PAIR_OPTIONS[name].applies:
                 if not condition.holds(self):
@@ -344,12 +350,46 @@ class MeasuredPair:
         """Joint distribution of mu0 and tau0 defined by the interface, or None if no interface is given."""
         if self.options.interface is None:
             return None
+        if isinstance(self.options.interface, InterfaceStrength):
+            return self.options.interface
         if not isinstance(self.options.interface, (str, Path)):
             raise ArgumentError("{interface} must be a name, or a file written by write_interface")
         try:
             return InterfaceStrength.named(self.options.interface)
         except ValueError as error:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
+
+    @cached_property
+    def half_space_inputs(self) -> Inputs:
+        """Inputs of half-spaces without adhesion and growth: mu0, tau0, elastic constants and hardness.
+
+        With an interface, mu0 and tau0 are its medians.
+        """
+        self._check_conditions(("mu0", "tau0"))
+        values = {name: self._parse_single_strength(name) for name in ("mu0", "tau0")}
+        entries = self._elasticity_entries
+        modulus_text = exact_quantity_text(self.elasticity.effective_modulus, "GPa")
+        values["effective_modulus"] = parse_input_value(
+            "effective_modulus", entries.get("effective_modulus", modulus_text)
+        )
+        if self._hardness is not None:
+            values["hardness"] = self._hardness
+        moduli = ([parse_input_value(name, value) for value in entries.get(name, ())] for name in ("young", "poisson"))
+        materials = tuple(material(name) for name in self.elasticity.materials or ())
+        return Inputs.from_values(values, tuple(zip(*moduli, strict=True)), materials)
+
+    def _parse_single_strength(self, name: str) -> InputValue:
+        """Parse mu0 or tau0, which must be one value or one range."""
+        if self.given_interface is not None or self.options.option_value(name) is None:
+            value = self._get_central_option_value(name)
+            return parse_input_value(name, exact_quantity_text(value, "GPa") if INPUT_KINDS[name] else value)
+        values = self._parse_inputs(name)
+        if len(values) != 1:
+            raise ArgumentError(
+                f"{{{name}}} must be one value or one range, got {{got}}",
+                got=short_repr(self.options.option_value(name)),
+            )
+        return values[0]
 
     def _get_central_option_value(self, name: str) -> Any:
         """Return the value of an option. Uncertain inputs are replaced by their central values."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from stiction.mechanics.friction import (
     STATUS_SELF_LOCKED,
 )
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT
+from stiction.summary.assessment import CAUTION_CONTACTS_PER_MEMBER
 from stiction.surfaces.joint_roughness import MAX_Z2, MIN_Z2, SAMPLING_INTERVAL
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     import xarray
 
 MAX_PRINTED_DISPLACEMENTS = 13
+MIN_PRINTED_ANGLE_RANGE = 1.0  # smallest width (degrees) of an interval of the dilation angle that is printed
 MAX_EDGE_LOAD_FRACTION = 0.2  # maximum fraction of the load at the edges of the faces without a caveat
 MAX_HARDNESS_LOAD_FRACTION = 0.5  # maximum fraction of the load at the hardness without a caveat
 MAX_INITIAL_AREA_FRACTION = 0.5  # maximum contact area over overlap at the start without a caveat
@@ -56,7 +58,7 @@ _NO_PEAK_REASONS: dict[str, str] = {
 
 
 def curve_estimate(test: xarray.Dataset, name: str, index: int) -> Estimate:
-    """Return a quantity of a shear test at one displacement, with the interval due to ranges of mu0 and tau0."""
+    """Return a quantity of a shear test at one displacement, with its interval."""
     limits = [math.nan, math.nan]
     if f"{name}_interval" in test:
         limits = test[f"{name}_interval"].isel(displacement=index).values.tolist()
@@ -138,6 +140,13 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
                 f"At the peak, {format_percent(at_hardness)} of the load is on asperities at their strength. They are "
                 "flattened; breakage, gouge and wear are not included."
             )
+        contact_count = round(float(test["contact_count"][peak]))
+        contact_text = "one contact carries" if contact_count == 1 else f"{contact_count} contacts carry"
+        if contact_count < CAUTION_CONTACTS_PER_MEMBER:
+            caveats.append(
+                f"At the peak, {contact_text} the load, so the result depends on chance: shear longer faces, or "
+                "several profiles."
+            )
     correlation = float(test.attrs["fit_correlation"])
     if correlation < MIN_FIT_CORRELATION:
         caveats.append(
@@ -164,14 +173,20 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
 
 def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
     """Format the peak and the end of a shear test, its caveats, and a table over the displacement."""
+    lines = [wrap_text(line, hanging_indent="  ") for line in headline_lines(test)]
+    lines += ["", format_table(curve_rows(test, _select_rows(test, verbose=verbose)))]
+    caveats = list_caveats(test)
+    if caveats:
+        lines += ["", *(wrap_text(f"- {caveat}", hanging_indent="  ") for caveat in caveats)]
+    return "\n".join(lines)
+
+
+def headline_lines(test: xarray.Dataset) -> list[str]:
+    """Return lines on the peak, the end, the intervals, the lower face, the closure and the registration."""
     values, end = headline_estimates(test), float(test["displacement"][-1])
     lines = []
     if values["peak_friction_coefficient"].status == STATUS_OK:
-        lines.append(
-            f"peak: μ = {values['peak_friction_coefficient'].text()} at "
-            f"{format_with_unit(values['displacement_at_peak'].value, 'um')}, dilation angle "
-            f"{round(values['dilation_angle_at_peak'].value)}°"
-        )
+        lines += _peak_lines(values)
     end_status = values["end_friction_coefficient"].status
     end_text = (
         f"μ = {values['end_friction_coefficient'].text()}"
@@ -183,20 +198,39 @@ def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
     lines.append(f"end:  {end_text} at {format_with_unit(end, 'um')}{rise}")
     if values["peak_friction_coefficient"].status == STATUS_OK:
         strongest = int(np.nanargmax(test["shear_stress"].values))
+        strength = values["peak_shear_stress"].in_prefixed_unit()
         lines.append(
-            f"shear strength: {format_with_unit(float(test['shear_stress'][strongest]), 'GPa')} at "
+            f"shear strength: {strength.text()} {strength.unit} at "
             f"{format_with_unit(float(test['displacement'][strongest]), 'um')}"
         )
+    lines += [_interval_text(test.attrs)] * (test.attrs["strips"] > 0 or test.attrs["uncertain_inputs"] != "")
     lines.append(_roughness_text(test.attrs))
     if not math.isnan(float(test.attrs["closure_misfit"])):
         lines.append(_closure_text(test.attrs))
     if "registration_rms_gap_um" in test.attrs:
         lines.append(_registration_text(test.attrs))
-    lines += ["", _curve_table(test, verbose=verbose)]
-    caveats = list_caveats(test)
-    if caveats:
-        lines += ["", *(wrap_text(f"- {caveat}", hanging_indent="  ") for caveat in caveats)]
-    return "\n".join(lines)
+    return lines
+
+
+def _peak_lines(values: Mapping[str, Estimate]) -> list[str]:
+    coefficient, displacement = values["peak_friction_coefficient"], values["displacement_at_peak"].in_prefixed_unit()
+    friction_angle = math.degrees(math.atan(coefficient.value))
+    angle = values["dilation_angle_at_peak"]
+    limits = (
+        f" [{angle.lower:.0f}°, {angle.upper:.0f}°]" if angle.upper - angle.lower >= MIN_PRINTED_ANGLE_RANGE else ""
+    )
+    place = displacement.text(1) if displacement.has_interval else format_significant(displacement.value, 3)
+    return [
+        f"peak: μ = {coefficient.text()} at {place} {displacement.unit} (friction angle {friction_angle:.0f}°)",
+        f"dilation angle at the peak: {angle.value:.0f}°{limits}",
+    ]
+
+
+def _interval_text(attributes: Mapping[Any, Any]) -> str:
+    """Return a line on what the intervals include."""
+    inputs, strips = str(attributes["uncertain_inputs"]), int(attributes["strips"])
+    sources = [inputs] * bool(inputs) + [f"scatter between {strips} strips of the faces"] * bool(strips)
+    return f"95 % intervals: {', '.join(sources)}"
 
 
 def _roughness_text(attributes: Mapping[Any, Any]) -> str:
@@ -208,20 +242,18 @@ def _roughness_text(attributes: Mapping[Any, Any]) -> str:
         else f"JRC {jrc:.0f}"
     )
     z2, rising, falling = (float(attributes[name]) for name in ("z2", "rising_slope", "falling_slope"))
-    return wrap_text(
+    return (
         f"lower face: Z2 = {z2:.2g} at {interval}, {jrc_text}; along the motion, mean rising slope {rising:.2g}, "
-        f"falling slope {falling:.2g}",
-        hanging_indent="  ",
+        f"falling slope {falling:.2g}"
     )
 
 
 def _closure_text(attributes: Mapping[Any, Any]) -> str:
     stiffness = STIFFNESS_PER_AREA_FACTOR * float(attributes["closure_initial_stiffness_GPa_per_um"])
     maximum = format_with_unit(float(attributes["maximum_closure_um"]), "um")
-    return wrap_text(
+    return (
         f"closure at the start: initial stiffness {format_significant(stiffness, 2)} {STIFFNESS_PER_AREA_UNIT}, "
-        f"maximum closure {maximum} (Bandis' law, within {format_percent(float(attributes['closure_misfit']))})",
-        hanging_indent="  ",
+        f"maximum closure {maximum} (Bandis' law, within {format_percent(float(attributes['closure_misfit']))})"
     )
 
 
@@ -235,20 +267,25 @@ def _registration_text(attributes: Mapping[Any, Any]) -> str:
         format_with_unit(float(attributes[name]), "um")
         for name in ("rms_gap_before_registration_um", "registration_rms_gap_um")
     )
-    return wrap_text(
+    return (
         f"registered: shift {', '.join(shifts)}, rotation {attributes['registration_rotation_deg']:.2f}°; rms gap "
-        f"{after} (before: {before}), correlation of the slopes {attributes['fit_correlation']:.2f}",
-        hanging_indent="  ",
+        f"{after} (before: {before}), correlation of the slopes {attributes['fit_correlation']:.2f}"
     )
 
 
-def _curve_table(test: xarray.Dataset, *, verbose: bool) -> str:
+def _select_rows(test: xarray.Dataset, *, verbose: bool) -> list[int]:
+    """Return the indices of the displacements to print: all, or some that are spread evenly, and the peak."""
     count = test.sizes["displacement"]
-    indices = np.arange(count)
-    if count > MAX_PRINTED_DISPLACEMENTS and not verbose:
-        indices = np.unique(np.rint(np.linspace(0, count - 1, MAX_PRINTED_DISPLACEMENTS - 1)).astype(int))
-        if test.attrs["peak_status"] == STATUS_OK:
-            indices = np.union1d(indices, [int(np.nanargmax(test["friction_coefficient"].values))])
+    if count <= MAX_PRINTED_DISPLACEMENTS or verbose:
+        return list(range(count))
+    indices = np.unique(np.rint(np.linspace(0, count - 1, MAX_PRINTED_DISPLACEMENTS - 1)).astype(int))
+    if test.attrs["peak_status"] == STATUS_OK:
+        indices = np.union1d(indices, [int(np.nanargmax(test["friction_coefficient"].values))])
+    return [int(index) for index in indices]
+
+
+def curve_rows(test: xarray.Dataset, indices: Iterable[int]) -> list[list[str]]:
+    """Return a table of the displacements with the given indices, after a row of titles."""
     columns = [
         _column(test, name, float(np.max(np.abs(test[name].values), initial=0.0, where=np.isfinite(test[name].values))))
         for name in ("displacement", "dilation", "shear_stress")
@@ -258,7 +295,7 @@ def _curve_table(test: xarray.Dataset, *, verbose: bool) -> str:
         columns.append(_column({"normal_stress": normal_stress}, "normal_stress", float(normal_stress.max())))
     (title, displacements), *others = columns
     rows = [[title.replace("displacement", "u"), "μ", "contact", *(title for title, _ in others)]]
-    for index in map(int, indices):
+    for index in indices:
         status, contact = str(test["status"].values[index]), float(test["contact_area_fraction"][index])
         coefficient = curve_estimate(test, "friction_coefficient", index).text()
         rows.append(
@@ -267,7 +304,7 @@ def _curve_table(test: xarray.Dataset, *, verbose: bool) -> str:
                 "none" if math.isnan(contact) else format_percent(contact), *(numbers[index] for _, numbers in others),
             ]
         )  # fmt: skip
-    return format_table(rows)
+    return rows
 
 
 def _column(test: Any, name: str, largest: float) -> tuple[str, list[str]]:

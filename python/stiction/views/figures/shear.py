@@ -6,39 +6,46 @@ import matplotlib as mpl
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from stiction._number_format import choose_prefixed_unit, format_with_unit
-from stiction.views.style import (
-    AREA_COLOUR,
-    FORCE_COLOUR,
-    MATPLOTLIB_STYLE,
-    OPPOSING_COLOUR,
-    SLIP_COLOUR_MAP,
-    new_figure,
-)
+from stiction.views.style import AREA_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, OPPOSING_COLOUR, new_figure
 
 MARKER_AREA = 2.0  # area of the marker of a contact point (points²)
+PRESSURE_COLOURS = ListedColormap(mpl.colormaps["inferno"](np.linspace(0, 0.8, 256)), "pressure")
+"""Colours of pressures without their pale end, which would not be visible on white."""
 
 
 def shear_figure(test: xarray.Dataset) -> Figure:
     """Draw a figure, 80 mm wide, of a dataset that `shear_test` returned."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         has_contacts = "peak_pressure" in test
-        figure = new_figure(140 if has_contacts else 80)
-        panels = figure.subplots(3 if has_contacts else 2, 1, height_ratios=[1, 0.8, 1.4][: 3 if has_contacts else 2])
+        has_map = has_contacts and test["peak_pressure"].ndim == 2
+        figure = new_figure(165 if has_map else 120 if has_contacts else 80)
+        panels = figure.subplots(
+            3 if has_contacts else 2, 1, height_ratios=[1, 0.8, 2 if has_map else 0.8][: 3 if has_contacts else 2]
+        )
         factor, unit = choose_prefixed_unit(float(test["displacement"][-1]), "um")
         displacement = test["displacement"].values / factor
         _draw_stress(panels[0], test, displacement)
         dilation_factor, dilation_unit = choose_prefixed_unit(_largest(test["dilation"]), "um")
+        if "dilation_interval" in test:
+            lower, upper = test["dilation_interval"].values / dilation_factor
+            panels[1].fill_between(displacement, lower, upper, color=AREA_COLOUR, alpha=0.2, linewidth=0)
         panels[1].plot(displacement, test["dilation"] / dilation_factor, color=AREA_COLOUR, linewidth=1)
         panels[1].set(ylabel=f"dilation ({dilation_unit})", xlabel=f"displacement ({unit})")
         panels[1].sharex(panels[0])
         panels[0].set_xlim(0, displacement[-1])
         panels[0].tick_params(labelbottom=False)
         if has_contacts:
+            peak = test.attrs["peak_displacement_um"] / factor
             for axes in panels[:2]:
-                axes.axvline(test.attrs["peak_displacement_um"] / factor, color="0.6", linewidth=0.5, linestyle=":")
+                axes.axvline(peak, color="0.4", linewidth=0.5, linestyle=":")
+            panels[0].annotate(
+                "peak", (peak, 1), (0, 1), xycoords=("data", "axes fraction"), textcoords="offset points", color="0.4",
+                ha="center", va="bottom",
+            )  # fmt: skip
             _draw_contacts(panels[2], test["peak_pressure"])
             panels[2].set_title(f"contacts at the peak, {format_with_unit(test.attrs['peak_displacement_um'], 'um')}")
         return figure
@@ -56,9 +63,11 @@ def _draw_stress(axes: Axes, test: xarray.Dataset, displacement: np.ndarray) -> 
     axes.plot(displacement, test["shear_stress"] / factor, color=OPPOSING_COLOUR, linewidth=1, label="shear stress")
     normal_stress = test["normal_load"] / test["overlap_area"] / factor
     axes.plot(displacement, normal_stress, color=FORCE_COLOUR, linewidth=0.7, linestyle="--", label="normal stress")
-    axes.axhline(0, color="0.7", linewidth=0.4)
     axes.set_ylabel(f"stress ({unit})")
-    axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    if float(test["shear_stress"].min()) < 0:
+        axes.axhline(0, color="0.7", linewidth=0.4)
+    else:
+        axes.set_ylim(bottom=0)
     axes.legend(loc="best")
 
 
@@ -73,7 +82,7 @@ def _draw_contacts(axes: Axes, pressure: xarray.DataArray) -> None:
     rows, columns = np.nonzero(megapascals > 0)
     # Markers are larger than grid points, because single points would not be visible.
     image = axes.scatter(
-        x[columns], y[rows], c=megapascals[rows, columns], s=MARKER_AREA, linewidth=0, cmap=SLIP_COLOUR_MAP, vmin=0
+        x[columns], y[rows], c=megapascals[rows, columns], s=MARKER_AREA, linewidth=0, cmap=PRESSURE_COLOURS, vmin=0
     )
-    axes.figure.colorbar(image, ax=axes, label="pressure (MPa)", pad=0.03)
+    axes.figure.colorbar(image, ax=axes, label="pressure (MPa)", location="bottom", shrink=0.8)
     axes.set(xlabel=f"$x$ ({unit})", ylabel=f"$y$ ({unit})", xlim=x[[0, -1]], ylim=y[[0, -1]], aspect="equal")

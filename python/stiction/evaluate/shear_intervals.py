@@ -1,0 +1,266 @@
+"""Intervals of a shear test: uncertain inputs, and the scatter between strips of the faces.
+
+Inputs are propagated by sampling (JCGM 101, 2008). μ0 and τ0 enter at the solved contacts. The hardness and E* change
+the contacts, so the test is repeated at the limits of each, and the curves are interpolated.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction._estimate import extend_intervals
+from stiction.evaluate.budget import find_inputs_and_strengths
+from stiction.evaluate.combined_intervals import compute_quantiles
+from stiction.mechanics.friction import LOAD_SUM_NAMES, STATUS_DOWNHILL, STATUS_OK, FrictionLaw
+from stiction.mechanics.shear import ShearBox, compute_dilation_angles
+from stiction.study.input_distributions import NUM_INPUT_SAMPLES, generate_stratified_points
+from stiction.study.inputs import Inputs
+from stiction.study.interfaces import InterfaceStrength
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
+CONTACT_INPUTS = ("hardness", "effective_modulus")
+"""Inputs that change the contacts, so that the test is repeated at their limits."""
+
+CURVES = ("friction_coefficient", "shear_stress", "dilation")
+"""Quantities with an interval at each displacement."""
+
+SUMMARY_NAMES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
+"""Attributes of a shear test with an interval."""
+
+_Samples = dict[str, Floats]  # arrays by quantity; the first axis is that of the samples or of the strips
+
+
+@dataclass(frozen=True)
+class InputSamples:
+    """Samples of the inputs of a shear test, each an array of shape (n,).
+
+    `contact_inputs` contains those `CONTACT_INPUTS` that are uncertain, relative to their central values.
+    `probabilities` are cumulative probabilities of another quantity, which is independent of the inputs.
+    """
+
+    mu0: Floats
+    tau0: Floats
+    contact_inputs: Mapping[str, Floats]
+    probabilities: Floats
+
+
+def draw_shear_samples(inputs: Inputs, strength: InterfaceStrength | None) -> list[InputSamples]:
+    """Draw samples of the inputs; of an interface, also those with mu0 or tau0 at its bound. Empty if all are exact."""
+    uncertain, joint_strengths = find_inputs_and_strengths(inputs, strength)
+    if not uncertain and all(np.ptp(mu0) == np.ptp(tau0) == 0 for mu0, tau0, *_ in joint_strengths):
+        return []
+    *points, probabilities, interface_points = generate_stratified_points(len(uncertain) + 2).T
+    values = {
+        name: each.estimate.quantile(column) for column, (name, each) in zip(points, uncertain.items(), strict=True)
+    }
+    mu0, tau0 = (values.get(name, np.full(NUM_INPUT_SAMPLES, inputs.central(name))) for name in ("mu0", "tau0"))
+    ratios = {"effective_modulus": np.asarray(inputs.relative_modulus(values))}
+    if "hardness" in values:
+        ratios["hardness"] = values["hardness"] / inputs.central("hardness")
+    drawn = [InputSamples(mu0, tau0, ratios, probabilities)]
+    if joint_strengths:
+        index = (interface_points * joint_strengths[0][0].size).astype(int)
+        drawn = [
+            InputSamples(
+                joint_mu0[index], joint_tau0[index],
+                ratios if hardness is None else ratios | {"hardness": hardness[index] / inputs.central("hardness")},
+                probabilities,
+            )
+            for joint_mu0, joint_tau0, hardness, _ in joint_strengths
+        ]  # fmt: skip
+    return [
+        replace(each, contact_inputs={name: ratio for name, ratio in each.contact_inputs.items() if np.ptp(ratio) > 0})
+        for each in drawn
+    ]
+
+
+@dataclass(frozen=True)
+class ContactVariation:
+    """Ratio of an input in `CONTACT_INPUTS` to its central value at one of its limits."""
+
+    name: str
+    ratio: float
+
+    def apply(self, box: ShearBox) -> ShearBox:
+        """Return the shear test with the changed input."""
+        changes: Any = {self.name: getattr(box, self.name) * self.ratio}
+        return replace(box, **changes)
+
+
+def list_variations(samples: Sequence[InputSamples]) -> list[ContactVariation]:
+    """Return the limits of the uncertain inputs that change the contacts."""
+    if not samples:
+        return []
+    return [
+        ContactVariation(name, float(f"{limit:.6g}"))
+        for name in CONTACT_INPUTS
+        if name in samples[0].contact_inputs
+        for limit in np.quantile(samples[0].contact_inputs[name], INTERVAL_PROBABILITIES)
+    ]
+
+
+class _SampledCurves:
+    """Curves over the displacement for samples of the inputs, from tests at the central inputs and at their limits.
+
+    Between them, curves are linear in the logarithm of the input. The effects of two inputs are added.
+    `has_no_solution` is True for samples near a limit at which the contact has no solution, with the shape (samples,
+    displacements).
+    """
+
+    def __init__(
+        self, test: xr.Dataset, samples: InputSamples, variations: Sequence[tuple[ContactVariation, xr.Dataset]]
+    ) -> None:
+        self._test, self._terms = test, []
+        self.has_no_solution = np.zeros((1, test.sizes["displacement"]), bool)
+        for variation, other in variations:
+            logarithm = math.log(variation.ratio)
+            weight = np.clip(np.log(samples.contact_inputs[variation.name])[:, np.newaxis] / logarithm, 0.0, 1.0)
+            self._terms.append((weight, other))
+            is_lost = ~np.isin(other["status"].values, (STATUS_OK, STATUS_DOWNHILL))
+            self.has_no_solution = self.has_no_solution | ((weight > 0.5) & is_lost)
+
+    def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
+        """Return a curve for each sample, with the shape (samples, displacements) or (displacements,)."""
+        central = get_curve(self._test)
+        return central + sum(weight * np.nan_to_num(get_curve(other) - central) for weight, other in self._terms)
+
+
+def _sample_test(
+    test: xr.Dataset, samples: InputSamples, variations: Sequence[tuple[ContactVariation, xr.Dataset]]
+) -> _Samples:
+    """Return samples of `CURVES` and of `SUMMARY_NAMES`. Coefficients are infinite where the faces lock."""
+    curves = _SampledCurves(test, samples, variations)
+    law = FrictionLaw(samples.mu0[:, np.newaxis], samples.tau0[:, np.newaxis])
+    sums = {name: curves.sample(partial(_divide, name=name, divisor="normal_load")) for name in LOAD_SUM_NAMES}
+    normal, tangential = (law.load(load, sums) for load in ("normal", "tangential"))
+    with np.errstate(invalid="ignore"):
+        coefficient = np.divide(tangential, normal, out=np.full_like(normal, np.inf), where=normal > 0)
+    coefficient = np.where(curves.has_no_solution, np.inf, coefficient)
+    dilation = curves.sample(lambda each: each["dilation"].values)
+    stress = coefficient * curves.sample(lambda each: _divide(each, "normal_load", "overlap_area"))
+    return _summarize_samples(test, coefficient, stress, np.broadcast_to(dilation, coefficient.shape))
+
+
+def _divide(test: xr.Dataset, name: str, divisor: str) -> Floats:
+    return np.asarray((test[name] / test[divisor]).values)
+
+
+def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, dilation: Floats) -> _Samples:
+    """Return curves and summary of samples. The peak is that of the displacements at which the test has one."""
+    displacement, is_ok = test["displacement"].values, test["status"].values == STATUS_OK
+    found = {"friction_coefficient": coefficient, "shear_stress": stress, "dilation": dilation}
+    if is_ok[-1]:
+        found["end"] = coefficient[:, -1]
+    if test.attrs["peak_status"] == STATUS_OK:
+        rows, peaks = np.arange(len(coefficient)), np.where(is_ok, coefficient, -np.inf).argmax(axis=1)
+        found["peak"], found["peak_displacement_um"] = coefficient[rows, peaks], displacement[peaks]
+        found["peak_dilation_angle_deg"] = compute_dilation_angles(displacement, dilation)[rows, peaks]
+        found["peak_shear_stress_GPa"] = np.where(is_ok, stress, -np.inf).max(axis=1)
+    return found
+
+
+def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _Samples:
+    """Return the standard errors of the means over the strips.
+
+    They are NaN, or the name is missing, if a strip has no solution.
+    """
+    if not strips:
+        return {}
+    coefficient = np.stack(
+        [_divide(each, "shear_stress", "normal_load") * each["overlap_area"].values for each in strips]
+    )
+    stress, dilation = (np.stack([each[name].values for each in strips]) for name in ("shear_stress", "dilation"))
+    values = _summarize_samples(test, coefficient, stress, dilation)
+    if not np.isfinite(coefficient[:, test["status"].values == STATUS_OK]).all():
+        # A strip without a coefficient may have its peak there.
+        values = {name: each for name, each in values.items() if name in CURVES}
+    return {name: np.asarray(each.std(axis=0, ddof=1)) / math.sqrt(len(strips)) for name, each in values.items()}
+
+
+def add_shear_intervals(
+    test: xr.Dataset, samples: Sequence[InputSamples], variations: Sequence[tuple[ContactVariation, xr.Dataset]],
+    strips: Sequence[xr.Dataset],
+) -> xr.Dataset:  # fmt: skip
+    """Add the 95 % intervals of a shear test.
+
+    `variations` are the tests at the limits of the inputs, and `strips` those of the strips. The standard error of the
+    mean over the strips counts as the error of the test, with Student's t distribution. An interval contains the value,
+    and that of the displacement at the peak also the displacements before and after the peak.
+    """
+    errors = _estimate_strip_errors(test, strips)
+    if samples:
+        sampled = [_sample_test(test, each, variations) for each in samples]
+        probabilities = samples[0].probabilities
+    elif errors:
+        curves = (np.asarray(test[name].values)[np.newaxis] for name in CURVES)
+        sampled, probabilities = [_summarize_samples(test, *curves)], generate_stratified_points(1)[:, 0]
+    else:
+        return test
+    scores = _student_scores(probabilities, len(strips))
+    limits = {}
+    for name in sampled[0]:
+        value = test[name].values if name in CURVES else np.asarray(test.attrs[name])
+        error = np.broadcast_to(errors.get(name, np.nan), value.shape)
+        if samples:
+            error = np.nan_to_num(error)  # the interval contains the scatter between strips where it is known
+        shift = np.multiply.outer(scores, error)
+        limits[name] = _extend_to_value(name, value, [_compute_limits(each[name] + shift) for each in sampled])
+    return _store_limits(test, limits)
+
+
+def _student_scores(probabilities: Floats, num_strips: int) -> Floats:
+    """Return quantiles of the error of a mean over strips in standard errors, or zeros without strips."""
+    from scipy.special import stdtrit
+
+    return np.asarray(stdtrit(num_strips - 1, probabilities)) if num_strips else np.zeros_like(probabilities)
+
+
+def _compute_limits(values: Floats) -> Floats:
+    """Return the limits of samples along the first axis (last axis: lower, upper), NaN if a sample is NaN."""
+    columns = values.reshape(len(values), -1)
+    limits = np.full((columns.shape[1], 2), np.nan)
+    is_known = ~np.isnan(columns).any(axis=0)
+    if is_known.any():
+        limits[is_known] = compute_quantiles(INTERVAL_PROBABILITIES, columns[:, is_known], axis=0).T
+    return limits.reshape(*values.shape[1:], 2)
+
+
+def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
+    """Extend limits to the value and to other limits. Only dilations and dilation angles may be negative."""
+    first, *others = limits
+    extended = extend_intervals(first, *others, np.stack([value, value], axis=-1))
+    return extended if "dilation" in name else np.maximum(extended, 0.0)
+
+
+def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
+    """Return the test with variables for the limits of curves, and attributes for those of other quantities."""
+    attributes: dict[str, float] = {}
+    displacement = test["displacement"].values
+    for name in SUMMARY_NAMES:
+        if name not in limits or np.isnan(limits[name]).any():
+            continue
+        lower, upper = map(float, limits[name])
+        if name == "peak_displacement_um":
+            index = int(np.nanargmax(test["friction_coefficient"].values))
+            before, after = displacement[[max(index - 1, 0), min(index + 1, displacement.size - 1)]]
+            lower, upper = min(lower, float(before)), min(max(upper, float(after)), float(displacement[-1]))
+        attributes |= {f"{name}_lower": lower, f"{name}_upper": upper}
+    is_ok = test["status"].values == STATUS_OK
+    variables = {
+        f"{name}_interval": (
+            ("end", "displacement"), np.where(is_ok | (name != "friction_coefficient"), limits[name].T, np.nan),
+            test[name].attrs | {"long_name": f"95 % interval of the {test[name].attrs['long_name']}"},
+        )
+        for name in CURVES
+    }  # fmt: skip
+    return test.assign_coords(end=["lower", "upper"]).assign(variables).assign_attrs(attributes)
