@@ -21,7 +21,7 @@ from stiction._text import printable_path
 from stiction._units import loads_to_core_units, quantity, short_repr
 from stiction.evaluate.shear_intervals import (
     ContactVariation,
-    InputSamples,
+    ShearInputSamples,
     add_shear_intervals,
     draw_shear_samples,
     list_variations,
@@ -249,7 +249,7 @@ class _TestSetup:
     inputs: Inputs
     strength: InterfaceStrength | None
     interface_name: str
-    samples: list[InputSamples]
+    samples: list[ShearInputSamples]
     variations: list[ContactVariation]
     strips: list[ShearBox]
 

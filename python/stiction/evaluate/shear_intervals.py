@@ -41,7 +41,7 @@ _Samples = dict[str, Floats]  # arrays by quantity; the first axis is that of th
 
 
 @dataclass(frozen=True)
-class InputSamples:
+class ShearInputSamples:
     """Samples of the inputs of a shear test, each an array of shape (n,).
 
     `contact_inputs` contains those `CONTACT_INPUTS` that are uncertain, relative to their central values.
@@ -54,7 +54,7 @@ class InputSamples:
     probabilities: Floats
 
 
-def draw_shear_samples(inputs: Inputs, strength: InterfaceStrength | None) -> list[InputSamples]:
+def draw_shear_samples(inputs: Inputs, strength: InterfaceStrength | None) -> list[ShearInputSamples]:
     """Draw samples of the inputs; of an interface, also those with mu0 or tau0 at its bound. Empty if all are exact."""
     uncertain, joint_strengths = find_inputs_and_strengths(inputs, strength)
     if not uncertain and all(np.ptp(mu0) == np.ptp(tau0) == 0 for mu0, tau0, *_ in joint_strengths):
@@ -67,11 +67,11 @@ def draw_shear_samples(inputs: Inputs, strength: InterfaceStrength | None) -> li
     ratios = {"effective_modulus": np.asarray(inputs.relative_modulus(values))}
     if "hardness" in values:
         ratios["hardness"] = values["hardness"] / inputs.central("hardness")
-    drawn = [InputSamples(mu0, tau0, ratios, probabilities)]
+    drawn = [ShearInputSamples(mu0, tau0, ratios, probabilities)]
     if joint_strengths:
         index = (interface_points * joint_strengths[0][0].size).astype(int)
         drawn = [
-            InputSamples(
+            ShearInputSamples(
                 joint_mu0[index], joint_tau0[index],
                 ratios if hardness is None else ratios | {"hardness": hardness[index] / inputs.central("hardness")},
                 probabilities,
@@ -97,7 +97,7 @@ class ContactVariation:
         return replace(box, **changes)
 
 
-def list_variations(samples: Sequence[InputSamples]) -> list[ContactVariation]:
+def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariation]:
     """Return the limits of the uncertain inputs that change the contacts."""
     if not samples:
         return []
@@ -118,7 +118,7 @@ class _SampledCurves:
     """
 
     def __init__(
-        self, test: xr.Dataset, samples: InputSamples, variations: Sequence[tuple[ContactVariation, xr.Dataset]]
+        self, test: xr.Dataset, samples: ShearInputSamples, variations: Sequence[tuple[ContactVariation, xr.Dataset]]
     ) -> None:
         self._test, self._terms = test, []
         self.has_no_solution = np.zeros((1, test.sizes["displacement"]), bool)
@@ -136,7 +136,7 @@ class _SampledCurves:
 
 
 def _sample_test(
-    test: xr.Dataset, samples: InputSamples, variations: Sequence[tuple[ContactVariation, xr.Dataset]]
+    test: xr.Dataset, samples: ShearInputSamples, variations: Sequence[tuple[ContactVariation, xr.Dataset]]
 ) -> _Samples:
     """Return samples of `CURVES` and of `SUMMARY_NAMES`. Coefficients are infinite where the faces lock."""
     curves = _SampledCurves(test, samples, variations)
@@ -188,7 +188,7 @@ def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _S
 
 
 def add_shear_intervals(
-    test: xr.Dataset, samples: Sequence[InputSamples], variations: Sequence[tuple[ContactVariation, xr.Dataset]],
+    test: xr.Dataset, samples: Sequence[ShearInputSamples], variations: Sequence[tuple[ContactVariation, xr.Dataset]],
     strips: Sequence[xr.Dataset],
 ) -> xr.Dataset:  # fmt: skip
     """Add the 95 % intervals of a shear test.
