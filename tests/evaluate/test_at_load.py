@@ -1,5 +1,7 @@
 """Test `at_load`: the definitions of the load, and the means and intervals of the coefficient and other quantities."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from stiction import (
@@ -23,6 +25,8 @@ from stiction.mechanics.friction import STATUSES
 from stiction.study.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
 from stiction.study.members import load_bodies
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
+
+SCANS = Path(__file__).parents[2] / "examples/scans"
 
 ROUND_OFF = 1e-9
 
@@ -156,6 +160,23 @@ def test_stiffness_of_closure_is_the_derivative_of_the_mean_closure(result_of_yi
         closure = get_means(values, "closure")
         difference = 1e6 * 1e-3 * load / result.nominal_area / (closure[2] - closure[0])
         assert get_means(values, "closure_stiffness")[1] == pytest.approx(difference, rel=0.01)
+
+
+def test_interpolated_stiffnesses_of_yielding_profiles_agree_with_direct_solutions():
+    """Compare where half of the load is on yielded contacts, and where hardly any contact yields."""
+    result = pair(
+        SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", load="50 MPa", effective_modulus=78.7, hardness=1.27,
+        mu0=0.2, mechanics="half-space", offsets=16, onset=0, cutoff="none",
+    )  # fmt: skip
+    loads = [result.nominal_area * pressure for pressure in (0.073, 0.28, 0.34, 0.41)]
+    all_loads = sorted([*loads, *result.study.contact.loading_steps().tolist()])
+    direct_result = run(result.study.with_changes({"contact.load": [f"{load} mN" for load in all_loads]}))
+    interpolated, direct = (each.at(loads) for each in (result, direct_result))
+    for name, tolerance in (
+        ("closure", 0.005), ("closure_stiffness", 0.05), ("unloading_closure_stiffness", 0.05),
+        ("tangential_stiffness_per_area", 0.05),
+    ):  # fmt: skip
+        np.testing.assert_allclose(get_means(interpolated, name), get_means(direct, name), rtol=tolerance, err_msg=name)
 
 
 def test_tangential_stiffness_per_area_is_that_of_the_onset_without_bending(result_of_yielding_maps):

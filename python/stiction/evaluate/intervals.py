@@ -166,6 +166,33 @@ class LoadCrossings:
             np.where(self.reached, np.where(is_at_step, slope_after, slope), np.nan),
         )
 
+    def interpolate_smoothly(self, values: Floats) -> Floats:
+        """Interpolate values of shape (..., k) over the logarithm of the load, as monotonic cubics.
+
+        The slope at a step is the weighted harmonic mean of the slopes of the adjacent chords (Fritsch & Butland 1984),
+        and at the first and last step that of the parabola through three steps. The crossings must have been found with
+        `interpolates_ratio`.
+        """
+        assert self.scale is not None, "the crossings were found with interpolates_ratio"
+        slopes = np.full(values.shape, np.nan)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            lengths = np.diff(np.log(self.scale[0]))
+            (before, after), chords = (lengths[..., :-1], lengths[..., 1:]), np.diff(values) / lengths
+            harmonic_mean = (
+                3 * (before + after)
+                / ((before + 2 * after) / chords[..., :-1] + (2 * before + after) / chords[..., 1:])
+            )  # fmt: skip
+            has_one_sign = chords[..., :-1] * chords[..., 1:] > 0
+            slopes[..., 1:-1] = np.where(has_one_sign, harmonic_mean, np.where(np.isnan(harmonic_mean), np.nan, 0.0))
+            for end, near, far in ((0, 0, 1), (-1, -1, -2)) if chords.shape[-1] > 1 else ():
+                fraction = lengths[..., near] / (lengths[..., near] + lengths[..., far])
+                slopes[..., end] = (1 + fraction) * chords[..., near] - fraction * chords[..., far]
+        return self.interpolate_with_slopes(values, slopes)[0]
+
+    def min_at_bracketing_steps(self, values: Floats) -> Floats:
+        """Return the smaller of the values at the steps before and after each crossing, with shape (..., l)."""
+        return np.minimum(*self._get_bracketing_values(values))
+
     def slope(self, values: Floats, over: Floats) -> Floats:
         """Return the slope of one quantity with respect to another at each crossing, with shape (..., l)."""
         index = np.maximum(self.index, 1)

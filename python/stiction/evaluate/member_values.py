@@ -397,6 +397,13 @@ def has_grooves(study: Study) -> bool:
     return study.uses_half_space or isinstance(contact.contact_model().law, HertzCylinder)
 
 
+ELASTICITY_EXPONENT = 4
+"""Exponent of the ratio of the loading to the unloading stiffness in the weight of elastic contacts.
+
+For a pair of profiles that yields at 2 to 70 % of its contacts, interpolated unloading stiffnesses deviate by 1.3 %
+(rms) and at most 3 %.
+"""
+
 _DISPLACEMENTS = {
     "closure": ("closure_stiffness", "unloading_closure_stiffness"),
     "approach": ("normal_stiffness", "unloading_stiffness"),
@@ -410,8 +417,9 @@ def _interpolate_by_stiffness(
     """Replace interpolated displacements and stiffnesses by values that are derivatives of each other.
 
     Between two computed loads, a displacement is the cubic in the logarithm of the load with the stored values and
-    stiffnesses. The loading stiffness is its derivative. The unloading stiffness keeps its interpolated ratio to the
-    loading stiffness.
+    stiffnesses. The loading stiffness is its derivative. The unloading stiffness is a weighted geometric mean of two
+    estimates: the loading stiffness times the interpolated ratio of both, which is exact for elastic contacts, and a
+    power law with a smooth exponent, which yielding does not disturb. The weights follow from the yielding.
     """
     steps = piece["load"].values
     for name, stiffness_names in _DISPLACEMENTS.items():
@@ -429,8 +437,13 @@ def _interpolate_by_stiffness(
             stiffness = per_area * load_crossings.loads / slope
             values = {name: displacement, stiffness_names[0]: stiffness}
             if stiffness_names[1] in stored:
-                ratio = load_crossings.interpolate(stored[stiffness_names[1]] / loading, are_sums=False)
-                values[stiffness_names[1]] = ratio * stiffness
+                unloading = stored[stiffness_names[1]]
+                ratio = load_crossings.interpolate(unloading / loading, are_sums=False)
+                log_unloading = load_crossings.interpolate_smoothly(np.log(unloading))
+                elasticity = load_crossings.min_at_bracketing_steps(np.minimum(loading / unloading, 1.0))
+                weight = np.nan_to_num(elasticity) ** ELASTICITY_EXPONENT
+                log_by_ratio = np.where(weight > 0, np.log(ratio * stiffness), 0.0)
+                values[stiffness_names[1]] = np.exp(weight * log_by_ratio + (1 - weight) * log_unloading)
         for each, array in values.items():
             if each in variables:
                 dims, interpolated, attributes = variables[each]
