@@ -123,6 +123,24 @@ def test_interval_of_the_area_covers_the_areas_at_the_ends_of_the_hardness_range
     assert lower < areas[1] < value < areas[0] < upper
 
 
+@pytest.mark.parametrize(
+    ("name", "limits", "rms"), [("hardness", (0.7, 1.3), 0.05), ("effective_modulus", (64.0, 96.0), 0.005)]
+)
+def test_interval_of_the_closure_ends_at_the_closures_for_the_limits_of_an_input(name, limits, rms):
+    """A gap has a single position, so that its interval contains only the inputs."""
+    upper, _ = rough_maps(5, hurst_exponent=0.7, rms=rms, points=128, spacing=0.05, shortest_wavelength=0.3)
+    options = {"hardness": 1.0, "effective_modulus": 80.0, "load": "50 MPa", "cutoff": "none", "onset": 0, "mu0": 0.2}
+    options |= {"yield_exponent": 1.15, "junction_growth": 0}
+    ranged = pair(gap=upper, **options | {name: f"{limits[0]}..{limits[1]} GPa"}).at()
+    lower, upper_limit = (
+        float(ranged["closure"].sel(statistic=each).squeeze()) / mean_value(pair(gap=upper, **options), "closure")
+        for each in ("lower", "upper")
+    )
+    direct = [mean_value(pair(gap=upper, **options | {name: limit}), "closure") for limit in limits]
+    expected = np.array(sorted(direct)) / mean_value(pair(gap=upper, **options), "closure")
+    assert (lower, upper_limit) == pytest.approx(tuple(expected), abs=0.2 * np.ptp(expected))
+
+
 def test_pressure_and_area_have_reciprocal_intervals():
     table = press("0.8..1.25 GPa").at()
     area, pressure = (table[name].squeeze().values for name in ("contact_area", "mean_pressure"))

@@ -30,7 +30,7 @@ from stiction.evaluate.combined_intervals import (
 from stiction.evaluate.contact_area import build_area_functions, compute_load_exponent
 from stiction.evaluate.intervals import ScanPairMean, average_scan_pairs
 from stiction.evaluate.member_values import interpolate_member_sums, member_values
-from stiction.evaluate.response import ContactResponse, InputValues
+from stiction.evaluate.response import ContactResponse, InputValues, build_closure_curves
 from stiction.mechanics.friction import LOAD_SUM_NAMES, sums_per_load
 from stiction.mechanics.quantities import ZERO_LOAD_SUM_QUANTITIES, quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
@@ -316,6 +316,7 @@ def _iterate_intervals(
     loads = at["load"].values
     stiffness_exponents = compute_load_exponent(result, "normal_stiffness", loads)
     law = Inputs.from_study(study).friction_law(np.nan, np.nan)
+    closure_curves = result.compute_once(build_closure_curves)
     study_inputs = InputValues(
         mu0=np.nan, tau0=np.nan,
         hardness=np.nan if contact.hardness is None else float(contact.hardness),
@@ -351,6 +352,7 @@ def _iterate_intervals(
             replace(study_inputs, mu0=float(point["mu0"]), tau0=float(point["tau0"])),
             float(stiffness_exponents[indices["load"]]),
             {name: float(sums[position]) for name, sums in sums_at_no_load.items()} or None,
+            closure_curves[indices.get("cut_off", 0)],
         )
         key = tuple(index for dim, index in indices.items() if dim not in ("mu0", "tau0"))
         if key not in central_values:

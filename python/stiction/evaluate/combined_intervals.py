@@ -56,7 +56,7 @@ _NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
 def compute_quantity_ratios(
     response: ContactResponse, inputs: InputValues, central: ResponseValues
 ) -> dict[str, Floats]:
-    """Return the ratios of quantities at given inputs to the quantities at the central inputs, by name."""
+    """Return the ratios of quantities besides the closure to those at the central inputs, by name."""
     values = response.evaluate(inputs)
     area_ratio = values.area / central.area
     loading, unloading = response.stiffness_ratios(inputs, values.area)
@@ -68,7 +68,7 @@ def compute_quantity_ratios(
         "contact_area_at_onset": onset_area_ratio,
         "mean_pressure": 1 / area_ratio,
         "normal_stiffness": loading,
-        "closure_stiffness": loading,
+        "closure_stiffness": response.closure_stiffness_ratio(inputs, values.area),
         "stiffness_per_area": loading,
         "unloading_stiffness": unloading,
         "unloading_stiffness_per_area": unloading,
@@ -80,7 +80,7 @@ def compute_quantity_ratios(
 
 COMBINED_QUANTITIES = (
     "contact_area", "contact_area_fraction", "contact_area_at_onset", "mean_pressure", "normal_stiffness",
-    "closure_stiffness", "stiffness_per_area", "unloading_stiffness", "unloading_stiffness_per_area",
+    "closure", "closure_stiffness", "stiffness_per_area", "unloading_stiffness", "unloading_stiffness_per_area",
     "unloading_closure_stiffness", "tangential_stiffness_per_area", "friction_at_no_load",
 )  # fmt: skip
 """Quantities of a contact besides friction whose intervals include the uncertain inputs."""
@@ -105,6 +105,7 @@ class InputSampler:
         self._creep = self._inputs.estimate("creep")
         self._cache: dict[Any, _InputSamples] = {}
         self._areas: dict[Any, AreasBeforeShear] = {}
+        self._closures: tuple[Any, Floats] = (None, np.empty(0))
 
     def draw(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
@@ -122,6 +123,15 @@ class InputSampler:
                 self._areas.pop(next(iter(self._areas)))
             self._areas[key] = response.areas_before_shear(inputs)
         return self._areas[key]
+
+    def find_closures(self, key: Any, response: ContactResponse, inputs: InputValues) -> Floats:
+        """Return `closures_at_computed_loads` for samples with the given key, or with None for other samples.
+
+        The closures of the last key are cached for other loads.
+        """
+        if key is None or key != self._closures[0]:
+            self._closures = key, response.closures_at_computed_loads(inputs)
+        return self._closures[1]
 
     def _draw_uncached(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
@@ -351,6 +361,10 @@ class CombinedIntervals:
             return dict(estimates)
         inputs, samples = self._sample_inputs({}, names=(*names, POSITIONS_INPUT_NAME))
         ratios = compute_quantity_ratios(self.response, inputs, self._central)
+        if "closure" in estimates and self.response.closure_curve is not None:
+            key = None if self.strengths else (id(self.response.closure_curve), names)
+            closures = self._sampler.find_closures(key, self.response, inputs)
+            ratios["closure"] = self.response.closure_ratio(inputs, closures)
         combined = {}
         for name, estimate in estimates.items():
             value, lower, upper = estimate.tolist()

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.evaluate.contact_area import AreaFunction
 from stiction.mechanics.friction import FrictionLaw, OnsetState
+from stiction.solve.member_sums import MemberSums
 
 UNLOADING_STIFFNESS_EXPONENT, LOADING_STIFFNESS_EXPONENT = 0.55, -0.4
 """Exponents of the stiffness as powers of the area that yielding adds, fitted to solutions at other hardnesses.
@@ -62,6 +63,70 @@ class InputValues:
     def law(self) -> FrictionLaw:
         """Law of friction of the contacts."""
         return FrictionLaw(self.mu0, self.tau0, self.junction_growth, self.uses_slip_lines, self.area_loss)
+
+
+@dataclass(frozen=True, eq=False)
+class ClosureCurve:
+    """Closure of a pair at its computed loads, averaged over its members.
+
+    Attributes
+    ----------
+    loads : (l,) ndarray, mN
+        Ascending loads.
+    closures : (l,) ndarray, µm
+        Increasing closures at these loads.
+    stiffness_exponents : (l,) ndarray
+        Logarithmic derivative of the closure stiffness with respect to the load, at these loads.
+    """
+
+    loads: Floats
+    closures: Floats
+    stiffness_exponents: Floats
+
+    def exponent_at(self, load: float) -> float:
+        """Return the logarithmic derivative of the closure stiffness at a load."""
+        return float(np.interp(np.log(load), np.log(self.loads), self.stiffness_exponents))
+
+    def scale_stiffness(self, ratios: Floats) -> Floats:
+        """Return the closures of contacts whose closure stiffnesses at the loads are multiplied by ratios.
+
+        The arrays have the shape (l, ...). The closure is the integral of the load over the stiffness.
+        """
+        compliances = 1 / ratios
+        means = (compliances[1:] + compliances[:-1]) / 2
+        steps = np.diff(self.closures).reshape(-1, *[1] * (ratios.ndim - 1)) * means
+        return np.cumsum(np.concatenate([self.closures[:1] * compliances[:1], steps]), axis=0)
+
+    def interpolate(self, closures: Floats, load: Floats) -> Floats:
+        """Interpolate closures of shape (l, ...) at loads, as power laws, which are extended beyond the loads."""
+        log_loads, logs = np.log(self.loads), np.log(closures)
+        index = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
+        below, above = (np.take_along_axis(logs, each[np.newaxis], axis=0)[0] for each in (index - 1, index))
+        position = (np.log(load) - log_loads[index - 1]) / (log_loads[index] - log_loads[index - 1])
+        return np.asarray(np.exp(below + position * (above - below)))
+
+
+def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
+    """Return the closure curve for each cell (cutoff) of a result for measured bodies; None without known closures."""
+    num_cells = result.study.surfaces.cell_coordinates()["cut_off"].size
+    names = ["closure", "closure_stiffness"]
+    if any(name not in result.head.variables for name in names):
+        return [None] * num_cells
+    means, loads = result.means(names), result.study.contact.loading_steps()
+    curves: list[ClosureCurve | None] = []
+    for closures, stiffnesses in zip(
+        *(np.asarray(means[name].transpose("cut_off", "load").values, float) for name in names), strict=True
+    ):
+        with np.errstate(invalid="ignore"):
+            is_known = (closures > 0) & (stiffnesses > 0) & np.isfinite(closures) & np.isfinite(stiffnesses)
+        is_known[is_known] &= np.diff(closures[is_known], prepend=0.0) > 0
+        if is_known.sum() < 2:
+            curves.append(None)
+            continue
+        known_loads = loads[is_known]
+        exponents = np.gradient(np.log(stiffnesses[is_known]), np.log(known_loads))
+        curves.append(ClosureCurve(known_loads, closures[is_known], exponents))
+    return curves
 
 
 class AreasBeforeShear(NamedTuple):
@@ -117,6 +182,7 @@ class ContactResponse:
         Logarithmic derivative of the normal stiffness with respect to the load.
     sums_at_no_load : mapping of str to float, optional
         Contact sums of adhesive bodies without an external load.
+    closure_curve : ClosureCurve, optional
     """
 
     load: float
@@ -125,6 +191,7 @@ class ContactResponse:
     central: InputValues
     stiffness_exponent: float = 1.0
     sums_at_no_load: Mapping[str, float] | None = None
+    closure_curve: ClosureCurve | None = None
 
     def areas_before_shear(self, inputs: InputValues) -> AreasBeforeShear:
         """Return the true areas before shear, which depend neither on mu0 nor on tau0."""
@@ -182,6 +249,40 @@ class ContactResponse:
         area_ratio = true_area / smallest_load.areas_before_shear(self.central).true
         central_force = self.central.law.load("unloaded", self.sums_at_no_load, 1 - self.central.area_loss)
         return inputs.law.load("unloaded", self.sums_at_no_load, area_ratio * (1 - inputs.area_loss)) / central_force
+
+    def closure_stiffness_ratio(self, inputs: InputValues, area_before_shear: Floats) -> Floats:
+        """Return the closure stiffness while loading, divided by that at the central inputs."""
+        curve = self.closure_curve
+        response = self if curve is None else replace(self, stiffness_exponent=curve.exponent_at(self.load))
+        return response.stiffness_ratios(inputs, area_before_shear)[0]
+
+    def closures_at_computed_loads(self, inputs: InputValues) -> Floats:
+        """Return the closures (µm) at all loads of the closure curve, with the shape (loads, ...), for `closure_ratio`.
+
+        E* and the height factor are those of the study. The hardness is divided by their changes.
+        """
+        assert self.closure_curve is not None, "the closure is known"
+        hardness = np.asarray(inputs.hardness / (inputs.modulus * inputs.height_factor))
+        inputs = replace(inputs, hardness=hardness, modulus=1.0, height_factor=1.0)
+        ratios = []
+        for load in self.closure_curve.loads.tolist():
+            response = replace(self, load=load)
+            area = response.areas_before_shear(inputs).true
+            ratio, _ = response.stiffness_ratios(inputs, area)
+            ratios.append(np.broadcast_to(ratio, np.broadcast_shapes(np.shape(area), hardness.shape)))
+        return self.closure_curve.scale_stiffness(np.stack(ratios))
+
+    def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
+        """Return the closure, divided by that at the central inputs.
+
+        By similarity, it is that at the load over the change of E* and heights, times the height factor. `closures` is
+        the result of `closures_at_computed_loads`.
+        """
+        curve = self.closure_curve
+        assert curve is not None, "the closure is known"
+        loads = np.broadcast_to(self.load / (inputs.modulus * inputs.height_factor), closures.shape[1:])
+        closure, central = curve.interpolate(closures, loads), curve.interpolate(curve.closures, np.asarray(self.load))
+        return np.asarray(inputs.height_factor * closure / central)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
         """Return all quantities for the central inputs, of which some may be replaced."""
