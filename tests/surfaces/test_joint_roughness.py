@@ -58,6 +58,14 @@ def test_map_is_sampled_along_any_direction_without_missing_points():
     assert measure_joint_roughness(bent, 0).z2 == pytest.approx(0.2)
 
 
+@pytest.mark.parametrize(("angle", "slope"), [(45, 0.3), (135, -0.1), (225, -0.3), (0, 0.2 * math.sqrt(2))])
+def test_map_shorter_than_the_sampling_interval_is_sampled_along_the_given_direction(angle, slope):
+    y, x = np.mgrid[:40, :80] * 10.0
+    roughness = measure_joint_roughness(Surface(0.2 * x + 0.1 * y, spacing=10.0), angle)
+    assert roughness.z2 == pytest.approx(abs(slope) / math.sqrt(2))
+    assert roughness.sampling_interval == pytest.approx(790 if angle == 0 else 390 * math.sqrt(2))
+
+
 def test_isotropic_map_has_similar_roughness_along_all_directions():
     rough = self_affine_surface(
         1, hurst_exponent=0.8, rms=700.0, shape=(256, 256), spacing=400.0, longest_wavelength=30_000.0

@@ -25,7 +25,7 @@ class JointRoughness:
     Attributes
     ----------
     sampling_interval : float, µm
-        Distance of the points, the multiple of the grid spacing next to 1.27 mm.
+        Distance of the points, the multiple of the grid spacing next to 1.27 mm, or less on a face that is shorter.
     z2 : float
         Root-mean-square slope. It is the same for both senses of a direction.
     rising_slope, falling_slope : float
@@ -52,10 +52,12 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
     motion = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
     spacing = np.array(face.spacings)
     largest = np.array(face.heights.shape) - 1
-    steps = np.rint(SAMPLING_INTERVAL * motion / spacing).astype(int)
+    # On a face that is too short, all axes are scaled by the same factor, so that the direction remains.
+    offsets = SAMPLING_INTERVAL * motion / spacing
+    offsets *= min(1.0, float(np.min(largest / np.maximum(np.abs(offsets), 1e-9))))
+    steps = np.rint(offsets).astype(int)
     if not steps.any():
         steps[int(np.argmax(np.abs(motion / spacing)))] = 1 if motion[np.argmax(np.abs(motion / spacing))] > 0 else -1
-    steps = np.clip(steps, -largest, largest)
     interval = float(np.hypot.reduce(steps * spacing))
     slopes = _height_differences(face, steps) / interval
     rising, falling = slopes[slopes > 0], -slopes[slopes < 0]
