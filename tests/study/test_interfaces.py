@@ -63,6 +63,14 @@ def result(film_file):
     return pair(*rough_surfaces(), interface=film_file, **PAIR_OPTIONS)
 
 
+def test_change_of_the_returned_catalogue_does_not_change_published_interfaces():
+    name, entry = next(iter(interfaces().items()))
+    value = entry["mu0"]
+    interfaces()[name]["mu0"] = "0.9"
+    interfaces().clear()
+    assert interfaces()[name]["mu0"] == value
+
+
 def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, result) -> None:
     _, adhesion, _ = result.summary().points[0].contributions
     fit = interface(film_file).fits[0]

@@ -1,5 +1,6 @@
 """Test the summary of a result, which the command, the function and the methods share."""
 
+import contextlib
 import json
 import sys
 import traceback
@@ -7,6 +8,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+import xarray
 from stiction import Result, Study, open_result, pair, run, self_affine_surface, write_surface
 from stiction.cli import application
 from stiction.summary import evaluation
@@ -71,8 +73,71 @@ def test_result_caches_its_summary_including_onset_and_resolution(surface_folder
     result = open_result(surface_folder / "pair")
     first_summary, second_summary = result.summary(), result.summary()
     assert first_summary.points is second_summary.points
-    assert first_summary.onset is second_summary.onset is not None
+    assert np.shares_memory(*(each.onset["sliding_load"].values for each in (first_summary, second_summary)))
     assert first_summary.values_at_cutoffs.sizes["cut_off"] > 1
+
+
+def change_in_place(dataset):
+    """Set all arrays of a dataset to 0 unless they are read-only, and remove its variables and attributes."""
+    for variable in dataset.variables.values():
+        with contextlib.suppress(ValueError):  # the array is read-only
+            variable.values[...] = variable.dtype.type(0)
+    for name in list(dataset.data_vars):
+        del dataset[name]
+    dataset.attrs.clear()
+
+
+@pytest.mark.parametrize(
+    "get_dataset",
+    [
+        lambda result: result.at(),
+        lambda result: result.at(per_member=True),
+        lambda result: result.at(["20 MPa", "30 MPa"], mu0=0.3),
+        lambda result: result.at_study_loads,
+        lambda result: result.at_report_loads,
+        lambda result: result.summary().at,
+        lambda result: result.onset,
+        lambda result: result.values_at_cutoffs,
+        lambda result: result.contact_picture,
+        lambda result: result.head,
+        lambda result: result.mean_elastic_loads.to_dataset(),
+        lambda result: next(result.pieces()),
+    ],
+    ids=[
+        "at",
+        "per_member",
+        "between",
+        "study",
+        "report",
+        "summary",
+        "onset",
+        "cutoffs",
+        "picture",
+        "head",
+        "loads",
+        "pieces",
+    ],
+)
+def test_change_of_a_returned_dataset_does_not_change_later_results(surface_folder, call_counts, get_dataset):
+    result = open_result(surface_folder / "pair")
+    expected = get_dataset(result).copy(deep=True)
+    summary_text = repr(result)
+    change_in_place(get_dataset(result))
+    xarray.testing.assert_identical(get_dataset(result), expected)
+    assert repr(result) == summary_text
+    other = open_result(surface_folder / "pair")
+    change_in_place(get_dataset(other))
+    assert repr(other) == summary_text
+
+
+def test_change_of_returned_loads_does_not_change_later_results(surface_folder, call_counts):
+    result = open_result(surface_folder / "pair")
+    expected = result.default_loads.tolist()
+    for loads in (result.default_loads, result.reached_loads(3), result.members):
+        with contextlib.suppress(ValueError):  # the array is read-only
+            loads[:] = 1
+    assert result.default_loads.tolist() == expected
+    assert result.members.tolist() == [0, 1, 2]
 
 
 def test_caveat_about_steep_scans_contains_the_rms_gradient_of_the_summary():

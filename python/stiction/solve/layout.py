@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import check_instance, validate_number
+from stiction._checks import check_instance, make_read_only, validate_number
 from stiction._core import __version__
 from stiction.mechanics.friction import STATUSES
 from stiction.mechanics.quantities import (
@@ -43,6 +43,8 @@ MEMBER_COORDINATE_TYPES: dict[str, np.dtype[Any]] = {
 """Data types of the coordinates that describe the members of measured bodies."""
 
 ArraysByName = dict[str, NDArray[Any]]
+
+_Value = TypeVar("_Value")
 
 
 @dataclass(frozen=True)
@@ -282,3 +284,19 @@ def nondimensional(
         {name: value for name, value in result.attrs.items() if name != "study"}
         | {"length_um": length, "effective_modulus_GPa": modulus_value},
     )
+
+
+def share(value: _Value) -> _Value:
+    """Return a shallow copy of a cached dataset with read-only arrays, so that nobody can change the cached values.
+
+    Values of other types are returned unchanged.
+    """
+    import xarray
+
+    if not isinstance(value, xarray.Dataset):
+        return value
+    dataset = value.copy()
+    for variable in dataset.variables.values():
+        if not isinstance(variable, xarray.IndexVariable):
+            variable.data = make_read_only(variable.values.view())
+    return dataset

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import check_callable, check_instance, parse_names, parse_path
+from stiction._checks import check_callable, check_instance, make_read_only, parse_names, parse_path
 from stiction._units import short_repr
-from stiction.solve.layout import compute_members_per_piece
+from stiction.solve.layout import compute_members_per_piece, share
 from stiction.solve.store import StoredResult, export
 from stiction.study.study import Study, parse_study_of_dataset
 
@@ -79,24 +79,27 @@ class MemberSums:
         """
         return self.source.dataset() if isinstance(self.source, StoredResult) else self.source
 
-    @cached_property
+    @property
     def head(self) -> xarray.Dataset:
         """Dataset with the coordinates and attributes of the result.
 
         For a stored result, this dataset contains the values of one member only. Raises a `StoreError` if no
         member is finished.
         """
-        if not isinstance(self.source, StoredResult):
-            return self.source
+        return self._first_member.copy() if isinstance(self.source, StoredResult) else self.source
+
+    @cached_property
+    def _first_member(self) -> xarray.Dataset:
+        assert isinstance(self.source, StoredResult)
         # If the result has no members, `StoredResult.dataset` raises an error.
-        return self.source.first_member() if self.source.num_finished else self.source.dataset()
+        return share(self.source.first_member() if self.source.num_finished else self.source.dataset())
 
     @cached_property
     def members(self) -> NDArray[np.intp]:
         """Indices of the finished members."""
         if isinstance(self.source, StoredResult):
-            return self.source.finished_members
-        return np.asarray(self.source["repetition"].values, dtype=np.intp)
+            return make_read_only(self.source.finished_members)
+        return make_read_only(np.asarray(self.source["repetition"].values, dtype=np.intp).view())
 
     @property
     def version(self) -> str:
@@ -154,12 +157,12 @@ class MemberSums:
     @cached_property
     def mean_elastic_loads(self) -> xarray.DataArray:
         """Elastic load (mN) of each cell at each loading step, averaged over the members solved at this step."""
-        return self.means(["normal_elastic"])["normal_elastic"]
+        return share(self.means(["normal_elastic"]))["normal_elastic"]
 
     def load_companion(self, read: Callable[[StoredResult], _Value | None]) -> _Value | None:
         """Call `read` to load data that are stored alongside the result, and cache the data.
 
-        Returns None for results in memory.
+        Returns None for results in memory. The arrays of datasets are read-only.
 
         The value None is not cached, because an unfinished run may add the data later.
         """
@@ -171,14 +174,17 @@ class MemberSums:
             if value is None:
                 return None
             self._companions[read] = value
-        return self._companions[read]  # type: ignore[no-any-return]
+        return share(self._companions[read])  # type: ignore[no-any-return]
 
     def compute_once(self, compute: Callable[[Self], _Value]) -> _Value:
-        """Return `compute(self)`, and cache the value for the next call with the same function."""
+        """Return `compute(self)`, and cache the value for the next call with the same function.
+
+        The arrays of datasets are read-only.
+        """
         check_callable("compute", compute)
         if compute not in self._computed:
             self._computed[compute] = compute(self)
-        return self._computed[compute]  # type: ignore[no-any-return]
+        return share(self._computed[compute])  # type: ignore[no-any-return]
 
     def to_netcdf(self, path: str | Path) -> None:
         """Write the result to a new netCDF file, including all variables, coordinates and attributes."""

@@ -49,6 +49,7 @@ from stiction.solve.layout import (
     compute_bytes_per_member,
     compute_members_per_piece,
     coordinate_specs_and_values,
+    share,
     variable_specs,
 )
 from stiction.solve.members_in_progress import remove_stored_steps
@@ -228,10 +229,7 @@ class StoredResult:
     @cached_property
     def _whole_dataset(self) -> xarray.Dataset:
         """Whole result as a dataset of read-only arrays that all tables and figures share."""
-        dataset = self._read_member_range(0, self.num_finished)
-        for variable in dataset.data_vars.values():
-            variable.values.flags.writeable = False
-        return dataset
+        return share(self._read_member_range(0, self.num_finished))
 
     def _read_member_range(self, first: int, last: int, names: Collection[str] | None = None) -> xarray.Dataset:
         """Return a dataset of the finished members `self.finished_members[first:last]`, in ascending order.

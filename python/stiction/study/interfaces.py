@@ -169,11 +169,11 @@ class InterfaceStrength:
     def named(cls, name_or_path: str | Path) -> Self:
         """Return a published strength, or read one from a file. A `ValueError` names the published interfaces."""
         check_instance("interface", name_or_path, (str, Path), "a name or a path")
-        published_entry = interfaces().get(str(name_or_path))
+        published_entry = _published_interfaces().get(str(name_or_path))
         if published_entry is None:
             if Path(name_or_path).is_file():
                 return cls.read(name_or_path)
-            known_names = "; ".join(interfaces())
+            known_names = "; ".join(_published_interfaces())
             raise ValueError(f"interface must be a file or one of {known_names}, got {short_repr(str(name_or_path))}")
         ranges: dict[str, UncertainInput] = {
             "mu0": parse_uncertain_input("mu0", published_entry["mu0"]),
@@ -412,7 +412,6 @@ def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> Streng
     return StrengthFit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, *more)
 
 
-@cache
 def interfaces() -> dict[str, dict[str, str]]:
     """Return the published interfaces by name. Each entry is a dict with keys such as kind, mu0 and tau0.
 
@@ -431,8 +430,13 @@ def interfaces() -> dict[str, dict[str, str]]:
     >>> interfaces()["MoS2 on bearing steel, dry air"]["kind"]
     'measured'
     """
+    return {name: dict(entry) for name, entry in _published_interfaces().items()}
+
+
+@cache
+def _published_interfaces() -> dict[str, dict[str, str]]:
     text = (resources.files("stiction.study") / "interfaces.toml").read_text(encoding="utf-8")
-    return {str(name): table for name, table in tomllib.loads(text).items()}
+    return tomllib.loads(text)
 
 
 def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
@@ -472,7 +476,7 @@ class InterfaceSettings(SettingsTable):
     @classmethod
     def from_source(cls, name_or_path: str) -> InterfaceSettings:
         """Create the entry of a published interface or of a file. Raises a `ValueError` if there is none."""
-        is_published = name_or_path in interfaces()
+        is_published = name_or_path in _published_interfaces()
         try:
             file = name_or_path if is_published else str(Path(name_or_path).resolve())
             strength = _read_cached_interface(file, 0 if is_published else Path(file).stat().st_mtime_ns)
@@ -491,7 +495,7 @@ class InterfaceSettings(SettingsTable):
         try:
             if InterfaceSettings.from_source(self.file) != self:
                 return None
-            is_published = self.file in interfaces()
+            is_published = self.file in _published_interfaces()
             return _read_cached_interface(self.file, 0 if is_published else Path(self.file).stat().st_mtime_ns)
         except (ValueError, OSError):
             return None
@@ -503,7 +507,7 @@ class InterfaceSettings(SettingsTable):
 
     @model_serializer(mode="wrap")
     def _serialize(self, serialize: SerializerFunctionWrapHandler) -> Any:
-        is_published = self.file in interfaces() and InterfaceSettings.from_source(self.file) == self
+        is_published = self.file in _published_interfaces() and InterfaceSettings.from_source(self.file) == self
         return self.file if is_published else serialize(self)
 
 

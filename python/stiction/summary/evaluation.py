@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import check_bool, check_instance, parse_names, validate_whole_number
+from stiction._checks import check_bool, check_instance, make_read_only, parse_names, validate_whole_number
 from stiction._units import loads_to_core_units, short_repr, to_core_units
 from stiction.companions.contact_forces import compute_contact_forces
 from stiction.companions.contact_picture import build_contact_table, compute_loading_cycle, load_contact_picture
@@ -116,21 +116,21 @@ class Evaluation(MemberSums):
         """Heights, contacts and pressures of a typical member, or None if no contact picture is stored."""
         return self.load_companion(load_contact_picture)
 
-    @cached_property
+    @property
     def loading_cycle(self) -> xarray.Dataset | None:
         """Load, contact area and approach of a typical adhesive member during loading and unloading.
 
         The values are computed on first use.
         """
-        return compute_loading_cycle(self)
+        return self.compute_once(compute_loading_cycle)
 
-    @cached_property
+    @property
     def contact_forces(self) -> xarray.Dataset | None:
         """Two profiles in contact, and the forces on the upper profile at each contact of the asperity model.
 
         None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first use.
         """
-        return compute_contact_forces(self)
+        return self.compute_once(compute_contact_forces)
 
     @property
     def height_factors(self) -> dict[ScaledBodies, list[float]]:
@@ -161,14 +161,17 @@ class Evaluation(MemberSums):
 
         Raises a `ValueError` if there is no contact.
         """
-        return choose_default_loads(self)
+        return make_read_only(choose_default_loads(self))
 
-    @cached_property
+    @property
     def at_study_loads(self) -> xarray.Dataset:
-        """Values, intervals and uncertainty budget at the loads, mu0 and tau0 of the study.
+        """Values, intervals and uncertainty budget at the loads, mu0 and tau0 of the study, in read-only arrays.
 
         If the study has a range of fractal dimensions, only `NUM_OVERVIEW_FRACTAL_DIMENSIONS` values are evaluated.
         """
+        return self.compute_once(Evaluation._evaluate_at_study_loads)
+
+    def _evaluate_at_study_loads(self) -> xarray.Dataset:
         values = self.at(budget=True)
         if self.study.is_measured:
             return values
@@ -183,13 +186,16 @@ class Evaluation(MemberSums):
         )
         return values.isel(fractal_dimension=shown_indices)
 
-    @cached_property
+    @property
     def at_report_loads(self) -> xarray.Dataset:
         """Values and intervals of measured bodies at the loads of the study and at all computed loads.
 
         mu0 and tau0 have the values of the study. Values at the loads of the study equal those of `at_study_loads`,
-        which also contains predictions and the uncertainty budget.
+        which also contains predictions and the uncertainty budget. The arrays are read-only.
         """
+        return self.compute_once(Evaluation._evaluate_at_report_loads)
+
+    def _evaluate_at_report_loads(self) -> xarray.Dataset:
         import xarray
 
         study_points = self.at_study_loads
@@ -280,18 +286,12 @@ class Evaluation(MemberSums):
         loads = self.default_loads if load is None else self._to_forces(load)
         strengths = to_core_units("tau0", tau0, "pressure")
         if per_member:
-            return member_values(
-                self,
-                loads,
-                mu0=mu0,
-                tau0=strengths,
-                load_definition="elastic" if load_definition is None else load_definition,
-            )
-        return add_uncertainty(
-            at_load(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition, names=quantities),
-            self,
-            budget=budget,
-        )
+            load_definition = "elastic" if load_definition is None else load_definition
+            values = member_values(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition)
+        else:
+            values = at_load(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition, names=quantities)
+            values = add_uncertainty(values, self, budget=budget)
+        return values.copy(deep=True)  # some arrays are shared with cached values
 
     def _evaluate_at_height_factors(
         self, factors: Any, load: Any, mu0: Any, tau0: Any, load_definition: Any, scaled: Any, compute: bool
@@ -413,7 +413,8 @@ class Evaluation(MemberSums):
         if load is None and mu0 is None and tau0 is None:
             if isinstance(self._study_summary, ValueError):
                 raise self._study_summary.with_traceback(None)  # otherwise each call would extend the same traceback
-            return replace(self._study_summary, onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
+            summary = self._study_summary
+            return replace(summary, at=summary.at.copy(), onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
         return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
     def summarize_dataset(self, at: xarray.Dataset) -> Summary:
