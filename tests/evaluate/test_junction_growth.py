@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
+from stiction import Result, Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
 from stiction.evaluate.at_load import at_load
 from stiction.mechanics.friction import FrictionLaw
 from stiction.solve.member_sums import MemberSums
@@ -117,6 +117,15 @@ def test_friction_interval_contains_results_at_both_ends_of_the_junction_growth_
     lower, upper = result.interval
     assert lower == pytest.approx(mean_coefficient(results_at_ends[0]), rel=0.02)
     assert upper == pytest.approx(mean_coefficient(results_at_ends[1]), rel=0.02)
+    assert result.budget["input"].iloc[0] == "the junction growth α"
+
+
+def test_central_junction_growth_of_zero_keeps_its_range(growth_result, result_without_growth):
+    study = growth_result.study.with_changes({"contact.junction_growth": "0 (0..27)"})
+    result = Result.of(growth_result.with_study(study))
+    assert result.value == pytest.approx(result_without_growth.value, rel=1e-12)
+    assert result.interval[0] <= result_without_growth.value
+    assert result.interval[1] == pytest.approx(mean_coefficient(growth_result), rel=0.02)
     assert result.budget["input"].iloc[0] == "the junction growth α"
 
 

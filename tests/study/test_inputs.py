@@ -30,7 +30,7 @@ def compute_pair(directory=None, **options):
     ("contact.hardness", "120 HV ± 10 %", 1.269, (1.0204, 1.5180)),
     ("contact.hardness", "0.6 GPa (0.2..1.7 GPa)", 0.6, (0.2, 1.7)), ("contact.hardness", "2 GPa", 2.0, (2.0, 2.0)),
     ("contact.effective_modulus", "80 GPa ± 5 %", 80.0, (72.16, 87.84)), ("contact.junction_growth", 9, 9.0, (9, 9)),
-    ("contact.junction_growth", "11 (0..27)", 11.0, (0, 27)),
+    ("contact.junction_growth", "11 (0..27)", 11.0, (0, 27)), ("contact.junction_growth", "0 (0..9)", 0.0, (0, 9)),
     ("contact.junction_growth", "slip-line", 5.6, (5.14, 6.05)),
     ("contact.junction_growth", "slip-line 5.3..5.7", 5.5, (5.3, 5.7)),
     ("friction.mu0", "0.2 ± 0.02", 0.2, (0.1608, 0.2392)),

@@ -300,7 +300,7 @@ class CombinedIntervals:
     @property
     def unlimited_fraction(self) -> float:
         """Fraction of input samples that leave the coefficient without an upper limit."""
-        if not np.any(self.response.central.junction_growth):
+        if "junction_growth" not in self.inputs and not np.any(self.response.central.junction_growth):
             return 0.0
         return float(np.isinf(self._sample_friction({})[1]).mean())
 

@@ -415,6 +415,10 @@ class InputValue(Quantity):
 
     __hash__ = Quantity.__hash__
 
+    def __bool__(self) -> bool:
+        """Return False for an exact 0. A central value of 0 with a range is not 0."""
+        return float(self) != 0 or not self.is_exact
+
     @property
     def is_exact(self) -> bool:
         """True if the input is a number without uncertainty."""

@@ -729,7 +729,7 @@ class MeasuredPair:
                 return None
             interface_growth = None if self.given_interface is None else self.given_interface.junction_growth
             if interface_growth is not None:
-                return _build_entry(interface_growth) if interface_growth.value else None
+                return _build_entry(interface_growth) or None
             given_value = SLIP_LINE_TEXT
         elif self._hardness is None:
             raise ArgumentError("{junction_growth} needs {hardness}, because elastic contacts do not grow")
