@@ -65,6 +65,14 @@ def test_functions_half_space_and_pair_accept_arrays():
         lambda: pair(*HEIGHT_ARRAYS, load="1 MPa", mu0=0.2, effective_modulus="10 GPa"),
         "spacing must be given for an array",
     ),
+    (
+        lambda: pair(*HEIGHT_ARRAYS, unit="um,nm", spacing=0.1, load="1 MPa", mu0=0.2, effective_modulus="10 GPa"),
+        r"^unit must be one unit of length for arrays, such as um or nm, got \['um', 'nm'\]",
+    ),
+    (
+        lambda: pair(*HEIGHT_ARRAYS, spacing=-1, load="1 MPa", mu0=0.2, effective_modulus="10 GPa"),
+        "^spacing must be a finite number above 0",
+    ),
     (lambda: half_space(*HEIGHT_ARRAYS, [1e-3]), r"upper must be .*Surface\(z, spacing=...\)"),
     (lambda: surface_parameters(UPPER_SURFACE, spacing=0.1), "spacing must be omitted"),
     (lambda: surface_parameters(LINE_HEIGHTS, spacing=0.1), "shape"),

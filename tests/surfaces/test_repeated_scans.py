@@ -131,6 +131,8 @@ def test_comparison_of_repeated_scans_rejects_invalid_outliers():
     for outliers in (masks[:1], masks[::-1], [masks[0], np.zeros(190)]):
         with pytest.raises(ValueError, match="outliers must be two boolean arrays"):
             compare_repeated_scans(*profiles, outliers=outliers)
+    with pytest.raises(ValueError, match=r"outliers must be two boolean arrays .*, got 1$"):
+        compare_repeated_scans(*profiles, outliers=1)
     flat_heights = np.where(np.arange(200) == 7, 1.0, 0.0)
     with pytest.raises(ValueError, match="second must not be flat except for outliers"):
         compare_repeated_scans(profiles[0], Profile(flat_heights, spacing=0.1), outliers=[masks[0], flat_heights > 0])

@@ -230,7 +230,9 @@ class MeasuredPair:
         try:
             return as_body(side, heights, spacing=_split_at_commas(spacing), unit=_split_at_commas(unit))  # type: ignore[no-any-return]
         except ValueError as error:
-            raise ArgumentError(f"{{{side}}}{{why}}", why=str(error).removeprefix(side)) from None
+            reason = str(error)
+            name = next((name for name in ("unit", "spacing") if reason.startswith(f"{name} ")), side)
+            raise ArgumentError(f"{{{name}}} {{why}}", why=reason.removeprefix(name).lstrip()) from None
 
     @cached_property
     def bodies(self) -> tuple[MeasuredBody, MeasuredBody]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats, make_read_only
 from stiction._drawing import draw_scan_comparison
 from stiction._repr import PlotReprMixin, axes_or_new_axes
+from stiction._units import short_repr
 from stiction.surfaces.filters import gaussian_transmission
 from stiction.surfaces.missing_data import with_interpolated_points
 from stiction.surfaces.preparation import levelled
@@ -224,7 +225,7 @@ def _interpolate_outliers(
     masks = [np.asarray(mask) for mask in outliers] if isinstance(outliers, (list, tuple, np.ndarray)) else []
     shapes = [first.heights.shape, second.heights.shape]
     if [mask.shape for mask in masks] != shapes or any(mask.dtype != bool for mask in masks):
-        given = ", ".join(f"{mask.dtype} of shape {mask.shape}" for mask in masks) or "none"
+        given = ", ".join(f"{mask.dtype} of shape {mask.shape}" for mask in masks) or short_repr(outliers)
         raise ValueError(
             f"outliers must be two boolean arrays with the shapes {shapes[0]} and {shapes[1]}, got {given}"
         )
