@@ -11,7 +11,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stiction._core import __version__
 from stiction._files import FolderClaim, check_replaceable, replace_file_atomically
@@ -38,6 +38,9 @@ from stiction.solve.store import (
 )
 from stiction.study.study import Study, find_table_differences, format_study_differences
 from stiction.summary.input_caveats import find_alternatives
+
+if TYPE_CHECKING:
+    import xarray
 
 LinePrintFunction = Callable[[str], Any]  # function that prints a line
 
@@ -238,6 +241,8 @@ def compute_companion_files(
             )
         stored_onset = load_stored_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
+            if stored_onset is not None and (stored_result.path / ONSET_TABLE_FILE).exists():
+                _write_onset_table(result, stored_onset)  # the coefficient of the result may have changed
             return
         announce("onset of sliding")
         new_onset = compute_onset(stored_result.study, executor, members=onset)
@@ -246,10 +251,16 @@ def compute_companion_files(
         return
     if new_onset is not None:
         export(new_onset, stored_result.path / ONSET_FILE, replace=True)
-        scaled_onset = result.scale_onset(new_onset)
-        if scaled_onset is None:
-            return
-        with replace_file_atomically(
-            stored_result.path / ONSET_TABLE_FILE, ONSET_TABLE_SIGNATURE, StoreError
-        ) as partial_path:
-            partial_path.write_text(format_backbone_csv(scaled_onset), encoding="utf-8")
+        _write_onset_table(result, new_onset)
+
+
+def _write_onset_table(result: Result, onset: xarray.Dataset) -> None:
+    """Write the table of an onset that is scaled to the coefficient of the result, unless the file contains it."""
+    scaled_onset = result.scale_onset(onset)
+    if scaled_onset is None or result.path is None:
+        return
+    file, text = result.path / ONSET_TABLE_FILE, format_backbone_csv(scaled_onset)
+    if file.exists() and file.read_bytes() == text.encode():
+        return
+    with replace_file_atomically(file, ONSET_TABLE_SIGNATURE, StoreError) as partial_path:
+        partial_path.write_text(text, encoding="utf-8")

@@ -238,6 +238,22 @@ def test_sliding_load_of_the_onset_is_the_coefficient_times_the_load(tmp_path):
     assert record["curve"][-1]["tangential_load"]["value"] == record["sliding_load"]["value"]
 
 
+def test_repeated_pair_replaces_a_table_with_loads_that_are_not_scaled(tmp_path):
+    bodies = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=48, spacing=0.05, shortest_wavelength=0.3)
+    options = {
+        "load": "50 MPa", "hardness": "1.2 GPa", "mu0": "0.1..0.3", "tau0": "50 MPa", "effective_modulus": 80.0,
+        "junction_growth": 9, "shifts": 2, "cutoff": "none", "onset": 1, "directory": tmp_path / "pair",
+    }  # fmt: skip
+    pair(*bodies, **options)
+    file = tmp_path / "pair/onset.csv"
+    scaled = file.read_text("utf-8")
+    unscaled = format_backbone_csv(load_stored_onset(open_stored_result(tmp_path / "pair")))
+    assert scaled != unscaled
+    file.write_text(unscaled, encoding="utf-8")
+    pair(*bodies, **options)
+    assert file.read_text("utf-8") == scaled
+
+
 def test_fitted_models_are_scaled_like_the_tangential_load(onset):
     coefficient = Estimate(0.5, 0.4, 0.7, kind="combined")
     scaled = scale_onset(onset, coefficient)
