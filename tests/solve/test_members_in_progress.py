@@ -5,9 +5,11 @@ import time
 import numpy as np
 import pytest
 from stiction import run
+from stiction.companions.height_scale import scale_study_heights
 from stiction.mechanics.adhesion import AdhesionSolver
 from stiction.mechanics.half_space_problem import ContactSolver
 from stiction.solve import executors, members_in_progress, runner
+from stiction.solve.companion_study import CompanionStudy
 from stiction.solve.member_solution import compute_member_arrays
 from stiction.solve.members_in_progress import (
     IN_PROGRESS_FOLDER,
@@ -109,6 +111,23 @@ def test_interrupted_run_resumes_inside_a_member(study, tmp_path, monkeypatch):
     assert_same_bits(run(study, store=folder).dataset, expected)
     assert calls.num_calls < 1.2 * num_calls
     assert not (folder / IN_PROGRESS_FOLDER).exists()
+
+
+@pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
+def test_interrupted_companion_study_resumes_inside_a_member(study, tmp_path, monkeypatch):
+    calls = InterruptedCalls(monkeypatch, ContactSolver, "at")
+    scaled_study = scale_study_heights(study, 2.0, "both").with_checksums()
+    companion_study = CompanionStudy(scaled_study, tmp_path / "pair/height_scale/both-2")
+    expected = run(scaled_study).dataset
+    num_calls, calls.num_calls, calls.max_calls = calls.num_calls, 0, calls.num_calls // 2
+    with executors.executor_or_thread_pool(None) as executor:
+        with pytest.raises(KeyboardInterrupt):
+            companion_study.complete(executor)
+        assert find_members_in_progress(companion_study.folder) == {0}
+        calls.max_calls = None
+        assert_same_bits(companion_study.complete(executor).dataset, expected)
+    assert calls.num_calls == num_calls
+    assert not (companion_study.folder / IN_PROGRESS_FOLDER).exists()
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
