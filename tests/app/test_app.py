@@ -17,7 +17,7 @@ pytest.importorskip("starlette", reason="the extra app is not installed")
 pytest.importorskip("selenium", reason="selenium is not installed")
 
 from app.server_process import MAX_WAITING_TIME, start_server, wait_until, write_maps
-from stiction import Profile, Study, Surface, run, write_profile, write_surface
+from stiction import Profile, Study, Surface, interface, run, write_interface, write_profile, write_surface
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
 from stiction.app.form import replace_option_names
@@ -174,6 +174,29 @@ def wait_for_report(driver):
     busy_attribute = "getElementById('main')?.getAttribute('aria-busy')"
     busy_attribute = f"return {is_last_report} ? inside.{busy_attribute} : null"
     browser.wait_for(driver, lambda _: run_script_in_report(driver, busy_attribute) == "false")
+
+
+def test_form_accepts_an_interface_file_and_keeps_it_after_a_reload(app, empty_page, map_files, tmp_path):
+    for side, scan in zip(("upper", "lower"), map_files, strict=True):
+        choose_scan(empty_page, side, scan)
+    fill_fields(empty_page, {name: METAL_FORM_VALUES[name] for name in ("upper", "lower", "load", "shifts")})
+    write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "film.csv")
+    empty_page.find_element("id", "interface-file").send_keys(str(tmp_path / "film.csv"))
+    selected_text = "const [option] = form.interface.selectedOptions; return option.value && option.textContent"
+    wait_until(lambda: empty_page.execute_script(selected_text), lambda text: text == "film.csv")
+    assert empty_page.execute_script("return form.mu0.disabled")
+    empty_page.refresh()
+    assert empty_page.execute_script(selected_text) == "film.csv"
+    wait_until(lambda: empty_page.execute_script("return arriving.upper + arriving.lower"), lambda number: number == 0)
+    press_start_button(empty_page)
+    assert wait_until_finished(empty_page) == "done"
+    assert "--interface=film.csv" in empty_page.find_element("id", "command").get_property("textContent")
+    (tmp_path / "other.csv").write_text("mu0,tau0\n0.1,0.2\n")
+    empty_page.find_element("id", "interface-file").send_keys(str(tmp_path / "other.csv"))
+    wait_until(lambda: empty_page.execute_script(selected_text), lambda text: text == "other.csv")
+    empty_page.find_element("css selector", "#pair .go").send_keys("\n")
+    message = "return document.getElementById('field-wrong')?.textContent"
+    wait_until(lambda: empty_page.execute_script(message), lambda text: text and "is not an interface file" in text)
 
 
 def test_form_accepts_uncertain_values_and_vickers_hardness(app, empty_page, map_files):

@@ -23,7 +23,7 @@ import pytest
 pytest.importorskip("starlette", reason="the extra app is not installed")
 
 from app.server_process import start_server, wait_until, write_maps
-from stiction import Study, run
+from stiction import Study, interface, run, write_interface
 from stiction.app import jobs, server
 from stiction.app.jobs import JobQueue, run_module
 from stiction.app.server import MAX_CONCURRENT_REQUESTS
@@ -193,6 +193,28 @@ def test_job_uses_the_directions_dwell_times_and_creep_exponent_of_the_form(app,
 def test_interface_of_the_form_must_be_published_so_that_no_file_is_read(app, map_scans):
     request = {"command": "pair", "options": [["load", "1 MPa"], ["interface", "/etc/passwd"]], **map_scans}
     assert app.request("POST", "/jobs", json.dumps(request).encode())[0] == 400
+
+
+def test_job_uses_an_uploaded_interface_file_and_shows_its_name_only(app, map_scans, tmp_path):
+    path = tmp_path / "film.csv"
+    write_interface(interface("MoS2 on bearing steel, dry air"), path)
+    options = {"upper": "steel", "lower": "brass", "load": "10 MPa", "shifts": "1", "interface": app.upload(path)}
+    job = app.post_json("/jobs", {"command": "pair", "options": list(options.items()), **map_scans})["job"]
+    finished = wait_until(app.list_jobs, lambda listed: listed[-1]["state"] in ("done", "failed"))[-1]
+    assert finished["state"] == "done", finished["error"]
+    assert "--interface=film.csv" in finished["command"]
+    study = tomllib.loads(app.request("GET", f"/jobs/{job}/study.toml")[2].decode())
+    assert study["friction"]["interface"]["file"] == "film.csv"
+
+
+@pytest.mark.parametrize("content", [b"mu0,tau0\n0.1,0.2\n", b"\xff\x00", b""])
+def test_uploaded_file_that_is_no_interface_is_reported_beside_its_field(app, map_scans, tmp_path, content):
+    path = tmp_path / "other.csv"
+    path.write_bytes(content)
+    options = {"upper": "steel", "lower": "brass", "load": "10 MPa", "interface": app.upload(path)}
+    response = app.post_json("/jobs", {"command": "pair", "options": list(options.items()), **map_scans})
+    assert response["option"] == "interface"
+    assert response["error"].startswith('"interface" other.csv is not an interface file')
 
 
 def test_malformed_requests_are_answered_without_a_line_in_the_terminal(tmp_path):

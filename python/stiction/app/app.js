@@ -7,6 +7,7 @@ const UPDATE_DELAY = 400; // time in milliseconds between the last change and th
 const POLL_INTERVAL = 500; // time in milliseconds between two requests for the progress of jobs
 const sides = ["upper", "lower"];
 const scans = {upper: null, lower: null};
+const interfaceFiles = []; // uploaded interface files, which the list of interfaces contains in addition
 const arriving = {upper: 0, lower: 0}; // number of files of each side that are currently being uploaded or read
 // Number of the latest upload or preview request of each side; responses to earlier requests are ignored.
 const latestRequests = {upper: 0, lower: 0};
@@ -102,6 +103,12 @@ function connectDrop(side) {
   });
 }
 
+/** Upload a file, and return its identifier. */
+async function uploadFile(file) {
+  if (file.size > document.body.dataset.maxBytes) throw new Error(`The limit for a file is ${document.body.dataset.maxBytes / 1e6} MB.`);
+  return (await requestJson(`/scans?name=${encodeURIComponent(file.name)}`, {method: "PUT", body: file})).scan;
+}
+
 /** Upload a scan and show its preview. */
 async function uploadScan(side, file) {
   const place = byId(`${side}-drop`);
@@ -111,8 +118,7 @@ async function uploadScan(side, file) {
   const request = (latestRequests[side] += 1);
   scans[side] = null;
   try {
-    if (file.size > document.body.dataset.maxBytes) throw new Error(`The limit for a scan is ${document.body.dataset.maxBytes / 1e6} MB.`);
-    const {scan} = await requestJson(`/scans?name=${encodeURIComponent(file.name)}`, {method: "PUT", body: file});
+    const scan = await uploadFile(file);
     if (request !== latestRequests[side]) return;
     scans[side] = {scan, name: file.name};
     await previewScan(side);
@@ -150,6 +156,27 @@ async function previewScan(side) {
   Object.assign(image, {hidden: Boolean(preview.error), src: preview.picture ?? "data:,", alt: `Heights of ${scan.name}`});
   Object.assign(save, {hidden: !scan.isSample, href: withKey(`/scans/${scan.scan}/${scan.name}`)});
   saveState();
+}
+
+/** Add an uploaded interface file to the list of interfaces. */
+function addInterface(file) {
+  if (interfaceFiles.some(({scan}) => scan === file.scan)) return;
+  interfaceFiles.push(file);
+  form.interface.append(createNode("option", {value: file.scan}, file.name));
+}
+
+/** Upload an interface file and select it. */
+async function uploadInterface(file) {
+  clearFieldErrors();
+  try {
+    const scan = await uploadFile(file);
+    addInterface({scan, name: file.name});
+    form.interface.value = scan;
+    showInterface();
+    saveState();
+  } catch (error) {
+    showEntryError(error.message, "interface", "pair-wrong");
+  }
 }
 
 /** Load both sample surfaces and submit the form. */
@@ -398,7 +425,7 @@ async function listResults() {
 const formFields = () => [...form.querySelectorAll("[name]")];
 /** Store the state of the page, which a reload restores. */
 function saveState() {
-  sessionStorage.setItem("state", JSON.stringify({scans, current, fields: formFields().map(({value}) => value)}));
+  sessionStorage.setItem("state", JSON.stringify({scans, interfaceFiles, current, fields: formFields().map(({value}) => value)}));
 }
 
 function restoreState() {
@@ -406,6 +433,7 @@ function restoreState() {
   if (!state) return;
   current = state.current;
   Object.assign(scans, state.scans);
+  state.interfaceFiles.forEach(addInterface);
   formFields().forEach((field, i) => { field.value = state.fields[i]; });
   sides.forEach(previewScan);
 }
@@ -440,6 +468,11 @@ form.addEventListener("submit", submitPair);
 form.addEventListener("change", () => { showNumbers(); showInterface(); saveState(); });
 form.addEventListener("input", ({target}) => { if (target.ariaInvalid) clearFieldErrors(); });
 for (const name of ["mu0", "tau0"]) form[name].addEventListener("input", transferToReport);
+byId("interface-file").addEventListener("change", ({target}) => {
+  const [file] = target.files;
+  target.value = ""; // otherwise, the browser would ignore a second choice of the same file
+  if (file) uploadInterface(file);
+});
 byId("run").addEventListener("input", updateProfiles);
 byId("run").addEventListener("submit", submitRun);
 byId("page").addEventListener("load", connectReport);

@@ -330,8 +330,12 @@ class Server:
                 raise HTTPException(400)
             if name == "set" and not ALLOWED_STUDY_CHANGE_PATTERN.fullmatch(value):
                 raise HTTPException(400, f"set must be one of the settings on the page, got {short_repr(value)}")
-            if name == "interface" and value not in interfaces():
+            if name == "interface" and value not in interfaces() and value not in self.scans:
                 raise HTTPException(400, f"interface must be one of those on the page, got {short_repr(value)}")
+        options = [
+            (name, str(self.scans[value]) if name == "interface" and value in self.scans else value)
+            for name, value in options
+        ]
         arguments = [f"--{name}={value}" for name, value in options]
         if command == "run":
             return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *arguments]).number})
