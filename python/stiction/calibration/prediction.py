@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Hashable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,12 @@ from stiction.calibration.friction_tests import (
 from stiction.evaluate.budget import predict_interval
 from stiction.mechanics.friction import FrictionCurve, FrictionLaw
 from stiction.solve.member_sums import MemberSums
-from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, InterfaceStrength, ValueWithLimits
+from stiction.study.interfaces import (
+    HARDNESS_HEADER_ENTRY,
+    InterfaceStrength,
+    ValueWithLimits,
+    cover_credible_intervals,
+)
 
 
 class Interface(InterfaceStrength):
@@ -108,16 +112,21 @@ class Interface(InterfaceStrength):
                 stacklevel=2,
             )
 
-        def compute_coefficients(mu0: Floats, tau0: Floats, *, upper: bool) -> Floats:
+        def compute_coefficients(mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
+            """Return the coefficients, and their upper limits, which are infinite if the softer body shears."""
             law, fraction, total_area = FrictionLaw(mu0, tau0), np.ones(()), area_samples
             if area_factor is not None:
                 area, fraction = area_factor.onset_factors(samples, law)
                 total_area = area_samples * area
             values = law.coefficient(test_sums.sums, np.where(tau0 > 0, total_area, 1.0), fraction)
-            return np.where(np.isfinite(values) & ~(upper & (fraction < 1)), values, np.inf)
+            values = np.where(np.isfinite(values), values, np.inf)
+            return values, np.where(fraction < 1, np.inf, values)
 
-        value, lower, _ = self.interval_of(partial(compute_coefficients, upper=False))
-        _, _, upper = self.interval_of(partial(compute_coefficients, upper=True))
+        coefficients, upper_coefficients = zip(
+            *(compute_coefficients(*each) for each in self.strength_samples), strict=True
+        )
+        value, lower, _ = cover_credible_intervals(coefficients)
+        _, _, upper = cover_credible_intervals(upper_coefficients)
         has_shared_errors = test_sums.surfaces in fit.scores or (
             area_factor is not None and bool(fit.scores.keys() & self._list_separate_nuisances(area_factor))
         )

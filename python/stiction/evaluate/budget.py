@@ -245,7 +245,7 @@ def find_inputs_and_strengths(
     hardness_and_growth = fit.hardness if fit_has_same_hardness else None, growth
     replaced_names = {"mu0", "tau0"} | ({"hardness"} if fit_has_same_hardness else set())
     replaced_names |= {"junction_growth"} if growth is not None else set()
-    strengths = [(*each, *hardness_and_growth) for each in ((fit.mu0, fit.tau0), *interface.samples_at_bounds)]
+    strengths = [(*each, *hardness_and_growth) for each in interface.strength_samples]
     return {name: each for name, each in inputs.items() if name not in replaced_names}, strengths
 
 

@@ -12,7 +12,7 @@ import io
 import math
 import tomllib
 import zlib
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, lru_cache
 from importlib import resources
@@ -227,6 +227,11 @@ class InterfaceStrength:
         """Intervals of mu0 and tau0 (GPa), computed even if the tests do not separate mu0 and tau0."""
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
+    @property
+    def strength_samples(self) -> tuple[tuple[Floats, Floats], ...]:
+        """Joint samples of mu0 and tau0 (GPa), followed by `samples_at_bounds`."""
+        return (self.fits[0].mu0, self.fits[0].tau0), *self.samples_at_bounds
+
     @cached_property
     def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
         """Pairs of mu0 and tau0 samples (GPa). In each pair, a parameter whose interval includes 0 is set to 0.
@@ -250,12 +255,7 @@ class InterfaceStrength:
         The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
         check_callable("coefficient", coefficient)
-        fit = self.fits[0]
-        value, low, high = compute_credible_interval(coefficient(fit.mu0, fit.tau0), 0.0)
-        for strength in self.samples_at_bounds:
-            _, low_at_bound, high_at_bound = compute_credible_interval(coefficient(*strength), 0.0)
-            low, high = min(low, low_at_bound), max(high, high_at_bound)
-        return value, low, high
+        return cover_credible_intervals([coefficient(*samples) for samples in self.strength_samples])
 
     def at(self, area_per_load: float) -> ValueWithLimits:
         """Return the sum mu0 + tau0 A/F with its 95 % interval, evaluated at a given A/F (1/GPa)."""
@@ -320,6 +320,12 @@ def compute_credible_interval(values: Floats, bound: float = -math.inf) -> Value
             float(end) for end in np.quantile(sorted_values, [(1 - INTERVAL_COVERAGE) / 2, (1 + INTERVAL_COVERAGE) / 2])
         )
     return float(np.median(sorted_values)), low, high
+
+
+def cover_credible_intervals(samples: Sequence[Floats]) -> ValueWithLimits:
+    """Return the median of the first samples, and an interval that covers the credible interval of each set."""
+    values, lows, highs = zip(*(compute_credible_interval(each, 0.0) for each in samples), strict=True)
+    return values[0], min(lows), max(highs)
 
 
 # ---- Files -----------------------------------------------------------------------------------------------------------
