@@ -127,7 +127,7 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
     assert sorted(inputs) == ["effective_modulus", "hardness", "yield_exponent"]
     table = result.at_study_loads
     dims = ("cut_off", "sliding", "load", "mu0", "tau0")
-    first, samples = next(_iterate_intervals(result, table, dims, inputs, [], {}, {}))
+    first, samples = next(_iterate_intervals(result, table, dims, {(0.2, 0.05): (inputs, [])}, {}, {}))
     assert table["sliding"].values[first[1]] == "all"
     # The samples must not contain errors of the mean over positions.
     samples.names, samples.standard_errors = tuple(inputs), {}

@@ -22,6 +22,7 @@ OPTIONS = {
     "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": MODULUS, "shifts": 4, "cutoff": "none", "onset": 0,
     "direction": [0.0, 180.0],
 }  # fmt: skip
+NO_INPUTS = {(OPTIONS["mu0"], 0.05): ({}, [])}  # uncertain inputs and joint samples at mu0 and tau0 (GPa)
 
 
 def rough_pair(rms=0.01):
@@ -176,7 +177,7 @@ def test_stiffness_at_other_inputs_agrees_with_a_direct_solution(rms, changes):
     result, direct_result = pair(*maps, **options), pair(*maps, **options | changes)
     load, table = float(result.study.friction.load[0]), result.at_study_loads
     dims = ("cut_off", "sliding", "load", "mu0", "tau0")
-    _, intervals = next(_iterate_intervals(result, table, dims, {}, [], {}, {}))
+    _, intervals = next(_iterate_intervals(result, table, dims, NO_INPUTS, {}, {}))
     inputs = replace(
         intervals.response.central,
         hardness=changes.get("hardness", HARDNESS),
@@ -224,7 +225,7 @@ def test_stiffness_of_scaled_heights_follows_from_similarity(result):
     options = OPTIONS | {"load": f"{LOAD} MPa", "hardness": 20.0, "yield_exponent": 1.15}
     base, scaled = pair(*maps, **options), pair(*scaled_maps, **options)
     dims = ("cut_off", "sliding", "load", "mu0", "tau0")
-    _, intervals = next(_iterate_intervals(base, base.at_study_loads, dims, {}, [], {}, {}))
+    _, intervals = next(_iterate_intervals(base, base.at_study_loads, dims, NO_INPUTS, {}, {}))
     inputs = replace(intervals.response.central, height_factor=1.1)
     loading, _ = intervals.response.stiffness_ratios(inputs, intervals.response.areas_before_shear(inputs).true)
     assert float(loading) == pytest.approx(

@@ -23,6 +23,9 @@ from stiction import (
     write_interface,
     write_surface,
 )  # fmt: skip
+from stiction.evaluate.at_load import at_load
+from stiction.evaluate.budget import add_uncertainty
+from stiction.solve.member_sums import MemberSums
 from stiction.study.input_distributions import Z_95
 from stiction.study.inputs import find_interface
 from support.command import assert_rejected, call_stiction, check_stiction
@@ -34,6 +37,7 @@ INTERFACE_KINDS = ("measured", "lumped", "bound")
 MAX_SAMPLING_ERROR = 0.04
 """Largest error of an interval end due to 4000 random samples, as a fraction of the interval width."""
 
+INTERVAL_NAMES = ("friction_combined", "mean_friction")  # coefficients with combined intervals, and those of the mean
 PAIR_OPTIONS = {"load": "20 MPa", "effective_modulus": "3 GPa", "shifts": 4, "onset": 0}
 
 
@@ -96,6 +100,18 @@ def test_interface_is_ignored_if_mu0_of_the_study_is_changed(result) -> None:
     stored_study = Study.from_toml(result.path / "study.toml")
     assert find_interface(stored_study) is find_interface(study) is not None
     assert find_interface(stored_study.with_changes({"friction.mu0": [0.3]})) is None
+
+
+def test_interval_at_another_mu0_includes_the_range_of_tau0_as_in_a_study_with_this_mu0(result) -> None:
+    study = result.study.with_changes({"friction.mu0": [0.3]})
+    changed = MemberSums.of(result).with_study(study)
+    table = result.at(mu0=[0.3], budget=True)
+    expected = add_uncertainty(at_load(changed, table["load"].values), changed)
+    assert table["input_label"].values.tolist() == ["τ0", "positions", "unresolved roughness"]
+    for name in ("friction_combined", "remaining_interval"):
+        np.testing.assert_array_equal(table[name].values, expected[name].values)
+    widths = [np.ptp(table[name].sel(sliding="all", statistic=["lower", "upper"]).values) for name in INTERVAL_NAMES]
+    assert widths[0] > 1.2 * widths[1]
 
 
 def test_independent_ranges_of_mu0_and_tau0_replace_a_missing_interface_file(film_file, tmp_path) -> None:

@@ -35,7 +35,7 @@ from stiction.mechanics.friction import LOAD_SUM_NAMES, sums_per_load
 from stiction.mechanics.quantities import ZERO_LOAD_SUM_QUANTITIES, quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
 from stiction.solve.member_sums import MemberSums
-from stiction.study.inputs import Inputs
+from stiction.study.inputs import Input, Inputs
 from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, InterfaceStrength, round_median_strength
 from stiction.surfaces.pairing import SIDES
 
@@ -153,11 +153,18 @@ def _evaluate_uncertainty(
     study = result.study
     dims = tuple(str(dim) for dim in at["mean_friction"].dims if dim != "statistic")
     shape = tuple(at.sizes[dim] for dim in dims)
-    inputs, strengths = find_inputs_and_strengths(Inputs.from_study(study), strength)
+    study_inputs = Inputs.from_study(study)
+    inputs_by_strength = {
+        (mu0, tau0): find_inputs_and_strengths(study_inputs.replaced(mu0=mu0, tau0=tau0), strength)
+        for mu0 in at["mu0"].values.tolist()
+        for tau0 in at["tau0"].values.tolist()
+    }
+    sampled_names = {name for inputs, _ in inputs_by_strength.values() for name in inputs}
+    inputs = {name: each for name, each in study_inputs.uncertain.items() if name in sampled_names}
     scan_means = _average_pairs_of_scans(result, at, dims)
     drifts = find_slope_drifts(at.attrs)
     input_names = [
-        *([INTERFACE_INPUT_NAME] if strengths else []),
+        *([INTERFACE_INPUT_NAME] if any(strengths for _, strengths in inputs_by_strength.values()) else []),
         *inputs,
         *(name for name in SAMPLING_INPUT_NAMES if scan_means or name in drifts or name == POSITIONS_INPUT_NAME),
         UNRESOLVED_ROUGHNESS_INPUT_NAME,
@@ -170,7 +177,7 @@ def _evaluate_uncertainty(
     percentiles = np.full((*shape, FRICTION_PERCENTILES.size), np.nan)
     dwell_intervals, unlimited_fractions = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
     quantities = _CombinedQuantities(at, dims)
-    for position, samples in _iterate_intervals(result, at, dims, inputs, strengths, scan_means, drifts):
+    for position, samples in _iterate_intervals(result, at, dims, inputs_by_strength, scan_means, drifts):
         quantities.add(position, samples)
         if not samples.names:
             coefficient_intervals[position] = samples.estimate_zero_coefficient()
@@ -224,9 +231,10 @@ def _evaluate_uncertainty(
     return tables, coordinates
 
 
-def find_inputs_and_strengths(
-    study_inputs: Inputs, strength: InterfaceStrength | None = None
-) -> tuple[dict[str, Any], list[StrengthArrays]]:
+_SampledInputs = tuple[dict[str, Input], list[StrengthArrays]]  # uncertain inputs, and joint samples of mu0 and tau0
+
+
+def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength | None = None) -> _SampledInputs:
     """Return the uncertain inputs, and the joint samples of mu0 and tau0 of the interface.
 
     The samples replace inputs that the interface was calibrated with. Without an interface, there are no samples.
@@ -306,11 +314,14 @@ def _create_sampler(result: MemberSums) -> InputSampler:
 
 
 def _iterate_intervals(
-    result: MemberSums, at: xarray.Dataset, dims: Sequence[str], inputs: Mapping[str, Any],
-    strengths: Sequence[StrengthArrays], scan_means: Mapping[tuple[int, ...], ScanPairMean | None],
-    drifts: Mapping[str, float],
+    result: MemberSums, at: xarray.Dataset, dims: Sequence[str],
+    inputs_by_strength: Mapping[tuple[float, float], _SampledInputs],
+    scan_means: Mapping[tuple[int, ...], ScanPairMean | None], drifts: Mapping[str, float],
 ) -> Iterator[tuple[tuple[int, ...], CombinedIntervals]]:  # fmt: skip
-    """Yield the indices of each coefficient (along `dims`) and its combined intervals."""
+    """Yield the indices of each coefficient (along `dims`) and its combined intervals.
+
+    `inputs_by_strength` contains the results of `find_inputs_and_strengths` by mu0 and tau0.
+    """
     study, contact, sampler = result.study, result.study.contact, result.compute_once(_create_sampler)
     areas = result.compute_once(build_area_functions)
     loads = at["load"].values
@@ -334,11 +345,6 @@ def _iterate_intervals(
         sums_at_no_load = _get_arrays_over_dims(
             {name: mean_sums.variables[name] for name in ZERO_LOAD_SUM_QUANTITIES}, at, dims
         )
-    replaced_inputs = {
-        name: each
-        for name, each in Inputs.from_study(study).uncertain.items()
-        if name in ("hardness", "junction_growth") and name not in inputs
-    }
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
     central_values: dict[tuple[int, ...], Any] = {}  # quantities at all mu0 and tau0, by the other indices
@@ -358,12 +364,11 @@ def _iterate_intervals(
         if key not in central_values:
             central_values[key] = response.evaluate(all_inputs)
         central = central_values[key].select(indices["mu0"], indices["tau0"])
+        inputs, strengths = inputs_by_strength[float(point["mu0"]), float(point["tau0"])]
         scan_mean = scan_means.get(position)
         yield (
             position,
-            CombinedIntervals(
-                point, response, central, study, inputs, sampler, strengths, scan_mean, drifts, replaced_inputs
-            ),
+            CombinedIntervals(point, response, central, study, inputs, sampler, strengths, scan_mean, drifts),
         )
 
 

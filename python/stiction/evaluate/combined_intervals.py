@@ -23,7 +23,7 @@ from stiction.mechanics.brackets import friction_range_for_finer_scans, max_fric
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, FrictionLaw
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES, Z_95, UncertainInput, generate_stratified_points
-from stiction.study.inputs import SAME_VALUE_TOLERANCE, Inputs
+from stiction.study.inputs import Inputs
 
 if TYPE_CHECKING:
     from stiction.study.study import Study
@@ -157,15 +157,13 @@ class CombinedIntervals:
     `central` contains the quantities at the central inputs of `response`. `names` lists the uncertain inputs and
     sources of sampling uncertainty; it is empty if there is no coefficient or no interval. `drifts` contains, by source
     of sampling uncertainty, the standard deviations of the logarithm of the slope of the gap between the scan of a part
-    and the whole part. `replaced_inputs` are the inputs besides mu0 and tau0 whose values the samples of `strengths`
-    contain.
+    and the whole part. `inputs` are the uncertain inputs whose values the samples of `strengths` do not contain.
     """
 
     def __init__(
         self, point: Mapping[str, Any], response: ContactResponse, central: ResponseValues, study: Study,
         inputs: Mapping[str, Any], sampler: InputSampler, strengths: Sequence[StrengthArrays] = (),
         scan_mean: ScanPairMean | None = None, drifts: Mapping[str, float] = MappingProxyType({}),
-        replaced_inputs: Mapping[str, Any] = MappingProxyType({}),
     ) -> None:  # fmt: skip
         self.study, self.response, self._sampler = study, response, sampler
         self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
@@ -174,9 +172,7 @@ class CombinedIntervals:
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
         # The first entry contains joint samples of mu0 and tau0.
         # In each of the other entries, mu0 or tau0 equals its bound.
-        self.strengths = self._drop_inputs_of_other_strengths(strengths)
-        if strengths and not self.strengths:  # the inputs that the joint samples contained are needed again
-            self.inputs |= {name: each.estimate for name, each in replaced_inputs.items()}
+        self.strengths = strengths
         self.drifts = drifts
         self._central = central
         self._scan_mean = scan_mean
@@ -205,21 +201,6 @@ class CombinedIntervals:
             *dict.fromkeys((*self.standard_errors, *self.drifts)),
             *((UNRESOLVED_ROUGHNESS_INPUT_NAME,) if is_unresolved else ()),
         )
-
-    def _drop_inputs_of_other_strengths(self, strengths: Sequence[StrengthArrays]) -> Sequence[StrengthArrays]:
-        """Drop mu0 or tau0 from the inputs if its value differs from the value in the study.
-
-        A range in the study does not apply to other values of mu0 or tau0. Joint samples are then dropped too; the
-        remaining joint samples are returned.
-        """
-        for name, value in (("mu0", self.mu0), ("tau0", self.tau0)):
-            if self.study.friction.interface is None and name not in self.inputs:
-                continue
-            study_value = float(getattr(self.study.friction, name)[0])
-            if abs(study_value - value) > SAME_VALUE_TOLERANCE * value:
-                self.inputs.pop(name, None)
-                strengths = ()
-        return strengths
 
     def _split_relative_error(self, lower: float, upper: float, value: float) -> dict[str, float]:
         """Return the nonzero relative standard errors of a mean due to the choice of scans and positions."""
