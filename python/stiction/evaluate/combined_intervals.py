@@ -53,9 +53,28 @@ StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
 _NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
 
 
+RatioName = Literal[
+    "area", "area_at_onset", "pressure", "loading_stiffness", "unloading_stiffness", "closure", "closure_stiffness",
+    "friction_at_no_load",
+]  # fmt: skip
+
+COMBINED_QUANTITIES: Mapping[str, RatioName] = MappingProxyType({
+    "contact_area": "area", "contact_area_fraction": "area", "contact_area_at_onset": "area_at_onset",
+    "mean_pressure": "pressure", "normal_stiffness": "loading_stiffness", "closure": "closure",
+    "closure_stiffness": "closure_stiffness", "stiffness_per_area": "loading_stiffness",
+    "unloading_stiffness": "unloading_stiffness", "unloading_stiffness_per_area": "unloading_stiffness",
+    "unloading_closure_stiffness": "unloading_stiffness",
+    "tangential_stiffness_per_area": "unloading_stiffness", "friction_at_no_load": "friction_at_no_load",
+})  # fmt: skip
+"""Quantities of a contact besides friction whose intervals include the uncertain inputs.
+
+The inputs change each quantity by the named ratio.
+"""
+
+
 def compute_quantity_ratios(
     response: ContactResponse, inputs: InputValues, central: ResponseValues
-) -> dict[str, Floats]:
+) -> dict[RatioName, Floats]:
     """Return the ratios of quantities besides the closure to those at the central inputs, by name."""
     values = response.evaluate(inputs)
     area_ratio = values.area / central.area
@@ -63,27 +82,11 @@ def compute_quantity_ratios(
     with np.errstate(invalid="ignore"):  # both areas at the onset are infinite at seizure
         onset_area_ratio = values.area_at_onset / central.area_at_onset
     return {
-        "contact_area": area_ratio,
-        "contact_area_fraction": area_ratio,
-        "contact_area_at_onset": onset_area_ratio,
-        "mean_pressure": 1 / area_ratio,
-        "normal_stiffness": loading,
+        "area": area_ratio, "area_at_onset": onset_area_ratio, "pressure": 1 / area_ratio,
+        "loading_stiffness": loading, "unloading_stiffness": unloading,
         "closure_stiffness": response.closure_stiffness_ratio(inputs, values.area),
-        "stiffness_per_area": loading,
-        "unloading_stiffness": unloading,
-        "unloading_stiffness_per_area": unloading,
-        "unloading_closure_stiffness": unloading,
-        "tangential_stiffness_per_area": unloading,
         "friction_at_no_load": response.friction_at_no_load_ratio(inputs),
-    }
-
-
-COMBINED_QUANTITIES = (
-    "contact_area", "contact_area_fraction", "contact_area_at_onset", "mean_pressure", "normal_stiffness",
-    "closure", "closure_stiffness", "stiffness_per_area", "unloading_stiffness", "unloading_stiffness_per_area",
-    "unloading_closure_stiffness", "tangential_stiffness_per_area", "friction_at_no_load",
-)  # fmt: skip
-"""Quantities of a contact besides friction whose intervals include the uncertain inputs."""
+    }  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -350,7 +353,8 @@ class CombinedIntervals:
         for name, estimate in estimates.items():
             value, lower, upper = estimate.tolist()
             combined[name] = estimate
-            if not (value > 0 and name in ratios):
+            ratio = ratios.get(COMBINED_QUANTITIES[name])
+            if ratio is None or not value > 0:
                 continue
             if not (math.isfinite(lower) and math.isfinite(upper)):
                 if not self.study.is_gap:
@@ -358,7 +362,7 @@ class CombinedIntervals:
                 lower = upper = value
             errors = self._split_relative_error(lower, upper, value)
             score = samples.scores[POSITIONS_INPUT_NAME] * math.hypot(*errors.values())
-            values = np.broadcast_to(value * ratios[name] * np.exp(score), (NUM_INPUT_SAMPLES,))
+            values = np.broadcast_to(value * ratio * np.exp(score), (NUM_INPUT_SAMPLES,))
             if np.isnan(values).any():
                 continue
             low, high = compute_equal_tailed_interval(values).extended_to((lower, upper))

@@ -16,7 +16,9 @@ from stiction._checks import Floats
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty
 from stiction.evaluate.load_range import choose_loads_in_range
+from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO
 from stiction.study.inputs import SAME_VALUE_TOLERANCE, Inputs
+from stiction.summary.assessment import NEARLY_BULK_STRENGTH_RATIO
 from stiction.summary.evaluation import Evaluation
 
 if TYPE_CHECKING:
@@ -35,8 +37,8 @@ Reports of generated surfaces have more loads, and therefore fewer values of mu0
 MAX_TAU0_STEPS = {True: 6, False: 5}  # largest number of steps of tau0, for measured (True) and generated surfaces
 MAX_STUDY_VALUES = 9  # maximum number of values of mu0 or tau0 in a study that a report shows; more are thinned
 MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 as a fraction of E*, if no tau0 in the study is larger
-MAX_TAU0_OVER_HARDNESS = 0.7 * 27**-0.5
-"""Largest tau0 relative to the hardness, if the study has no larger value (0.7 of von Mises' strength)."""
+MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
+"""Largest tau0 relative to the hardness, if the study has no larger value."""
 
 NUM_REPORT_LOADS = 40  # number of loads in a report of generated surfaces
 # quantities that are evaluated on the grid in addition to friction (measured surfaces)
