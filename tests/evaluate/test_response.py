@@ -13,6 +13,7 @@ from stiction.mechanics.hardness import yielded_area
 from stiction.solve import member_solution
 from stiction.solve.member_sums import MemberSums
 from stiction.study.members import load_bodies
+from stiction.views.rows import values_frame
 from support.rough_surfaces import rough_maps
 
 pytestmark = pytest.mark.usefixtures("no_contact_pictures")
@@ -146,6 +147,18 @@ def test_pressure_and_area_have_reciprocal_intervals():
     table = press("0.8..1.25 GPa").at()
     area, pressure = (table[name].squeeze().values for name in ("contact_area", "mean_pressure"))
     assert pressure[1:] == pytest.approx((pressure[0] * area[0] / area[1:])[::-1], rel=0.01)
+
+
+@pytest.mark.parametrize("hardness", [HARDNESS, "0.8..1.25 GPa"])
+def test_intervals_have_the_same_kind_in_all_outputs(hardness):
+    ranged = press(hardness)
+    quantities = ranged.summary().points[0].quantities
+    rows = values_frame(ranged.at()).set_index("name")
+    combined = {"contact_area", "contact_area_fraction", "mean_pressure", "normal_stiffness", "closure_stiffness"}
+    assert {quantities[name].kind for name in combined} == set(rows.loc[sorted(combined), "kind"]) == {"combined"}
+    assert quantities["contact_count"].kind == rows.loc["contact_count", "kind"] == "mean"
+    table = ranged.joint_table(ranged.study.friction.load).rows[0].estimates
+    assert {table[name].kind for name in combined & set(table)} == {"combined"}
 
 
 def test_interval_includes_the_exponent_of_the_yielding_area():

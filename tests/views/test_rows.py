@@ -57,12 +57,14 @@ def test_data_frame_contains_all_numeric_variables():
     assert set(friction["sliding"]) == {"all", "opposing"}
 
 
-def test_area_intervals_are_combined_if_the_dataset_has_combined_intervals():
+def test_kind_of_an_interval_is_an_attribute_of_its_variable():
     dataset = measured_result()
-    combined_dataset = dataset.assign(friction_combined=dataset["mean_friction"])
+    combined_dataset = dataset.assign(
+        {name: dataset[name].assign_attrs(interval_kind="combined") for name in ("contact_area", "mean_pressure")}
+    )
     for values, kind in (dataset, "mean"), (combined_dataset, "combined"):
         rows = values_frame(values).set_index("name")
-        assert set(rows.loc[["contact_area", "contact_area_fraction", "mean_pressure"], "kind"]) == {kind}
+        assert set(rows.loc[["contact_area", "mean_pressure"], "kind"]) == {kind}
         assert set(rows.loc[["contact_count"], "kind"]) == {"mean"}
 
 

@@ -32,7 +32,7 @@ from stiction.evaluate.intervals import ScanPairMean, average_scan_pairs
 from stiction.evaluate.member_values import interpolate_member_sums, member_values
 from stiction.evaluate.response import ContactResponse, InputValues, build_closure_curves
 from stiction.mechanics.friction import LOAD_SUM_NAMES, sums_per_load
-from stiction.mechanics.quantities import ZERO_LOAD_SUM_QUANTITIES, quantity_attributes
+from stiction.mechanics.quantities import INTERVAL_KIND_ATTRIBUTE, ZERO_LOAD_SUM_QUANTITIES, quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
 from stiction.solve.member_sums import MemberSums
 from stiction.study.inputs import Input, Inputs
@@ -55,6 +55,8 @@ COVERED_NAMES = (
     "remaining_interval",
 )
 """Intervals of the coefficient that cover the results for alternative preparations of the scans."""
+
+COMBINED_ATTRIBUTES = {INTERVAL_KIND_ATTRIBUTE: "combined"}  # attributes of the variables in `COMBINED_QUANTITIES`
 
 _INTERVAL_VARIABLES = (
     "mean_friction", "spread_low", "spread_high", "ok", "members", "contact_count", "mu0", "tau0", "sliding",
@@ -134,7 +136,10 @@ def _add_own_uncertainty(
     num_coefficients = at["mean_friction"].size // at.sizes["statistic"]
     is_budgeted = _find_budgeted_loads(is_study_load, num_coefficients) if budget else None
     tables, coordinates = _evaluate_uncertainty(at, result, is_budgeted=is_budgeted, tests=tests, strength=strength)
-    variables = {name: (dims, values, quantity_attributes(name)) for name, (dims, values) in tables.items()}
+    variables = {
+        name: (dims, values, quantity_attributes(name) | (COMBINED_ATTRIBUTES if name in COMBINED_QUANTITIES else {}))
+        for name, (dims, values) in tables.items()
+    }
     return at.assign(variables).assign_coords(coordinates)
 
 

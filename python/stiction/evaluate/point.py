@@ -13,7 +13,7 @@ from stiction._estimate import Estimate, Interval
 from stiction.evaluate.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
-from stiction.mechanics.quantities import QUANTITIES
+from stiction.mechanics.quantities import QUANTITIES, find_interval_kind
 from stiction.study.inputs import Inputs
 
 if TYPE_CHECKING:
@@ -51,12 +51,12 @@ class SlidingRuleCoefficient(Estimate):
     @property
     def mean(self) -> Estimate:
         """Coefficient with its interval of the mean."""
-        return Estimate(self.value, *self.interval_of_mean, **_get_estimate_fields("mean_friction"))
+        return Estimate(self.value, *self.interval_of_mean, **_get_estimate_fields("mean_friction", {}))
 
     @property
     def prediction(self) -> Estimate:
         """Coefficient with its prediction interval."""
-        return Estimate(self.value, *self.prediction_interval, **_get_estimate_fields("friction_prediction"))
+        return Estimate(self.value, *self.prediction_interval, **_get_estimate_fields("friction_prediction", {}))
 
 
 def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
@@ -96,22 +96,23 @@ def find_statistic_indices(table: xarray.Dataset | xarray.DataArray) -> list[int
 
 def read_estimate(table: xarray.DataArray) -> Estimate:
     """Return the estimate in an array; dimensions other than `statistic` must have size 1."""
-    fields = _get_estimate_fields(table.name)
+    fields = _get_estimate_fields(table.name, table.attrs)
     if "statistic" not in table.dims:
         return Estimate(table.item(), **fields | {"kind": ""})
     return Estimate(*table.values.ravel()[find_statistic_indices(table)].astype(float).tolist(), **fields)
 
 
-def _get_estimate_fields(name: Any) -> dict[str, Any]:
-    """Return the name, the unit and the kind of the interval of an estimate of a quantity."""
-    quantity = QUANTITIES[str(name)]
-    return {"name": str(name), "unit": quantity.unit, "kind": quantity.interval_kind}
+def _get_estimate_fields(name: Any, attributes: Mapping[Any, Any]) -> dict[str, Any]:
+    """Return the name, the unit and the kind of the interval of an estimate in a variable with some attributes."""
+    return {
+        "name": str(name), "unit": QUANTITIES[str(name)].unit, "kind": find_interval_kind(str(name), attributes),
+    }  # fmt: skip
 
 
 def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float, Estimate]:
     """Return the estimates in an array with the dimensions `dimension` and `statistic`, by coordinate."""
     rows = table.variable.transpose(dimension, "statistic").values[:, find_statistic_indices(table)].astype(float)
-    fields = _get_estimate_fields(table.name)
+    fields = _get_estimate_fields(table.name, table.attrs)
     return {
         coordinate: Estimate(*row, **fields)
         for coordinate, row in zip(table[dimension].values.tolist(), rows.tolist(), strict=True)
@@ -146,7 +147,7 @@ def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
         variable = variable.isel(indices)
         if variable.dims == ("statistic",):
             limits = variable.values[statistics].astype(float).tolist()
-            quantities.estimates[name] = Estimate(*limits, **_get_estimate_fields(name))
+            quantities.estimates[name] = Estimate(*limits, **_get_estimate_fields(name, variable.attrs))
         elif not variable.dims and variable.dtype.kind in "if":
             quantities.numbers[name] = float(variable.values)
         elif set(variable.dims) == {"fraction_below", "statistic"}:

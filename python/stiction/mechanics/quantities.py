@@ -7,7 +7,7 @@ the table.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -622,6 +622,16 @@ def quantity_attributes(name: str) -> dict[str, str]:
     """Return the attributes that describe a quantity as a variable of a dataset."""
     quantity = QUANTITIES[name]
     return {"units": quantity.unit, "long_name": quantity.words} if quantity.unit else {"long_name": quantity.words}
+
+
+INTERVAL_KIND_ATTRIBUTE = "interval_kind"
+"""Attribute of a variable whose intervals are of another kind than `ResultQuantity.interval_kind`."""
+
+
+def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:
+    """Return the kind of the intervals of a quantity in a variable with the given attributes."""
+    kind: EstimateKind = attributes.get(INTERVAL_KIND_ATTRIBUTE, QUANTITIES[name].interval_kind)
+    return kind
 
 
 def column_title_and_factor(name: str) -> tuple[str, float]:

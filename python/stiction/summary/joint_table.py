@@ -13,7 +13,7 @@ from stiction._checks import Floats, check_choice
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
 from stiction._units import quantity
-from stiction.evaluate.combined_intervals import COMBINED_QUANTITIES, FRICTION_PERCENTILES
+from stiction.evaluate.combined_intervals import FRICTION_PERCENTILES
 from stiction.evaluate.member_values import find_tangential_stiffness_ratio, has_grooves
 from stiction.evaluate.point import list_sliding_rules_reported_first, read_estimate, select_sliding_rule
 from stiction.mechanics.onset import DEFAULT_POISSON_RATIO
@@ -189,8 +189,7 @@ def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
     estimates = {"nominal_pressure": Estimate(pressure, name="nominal_pressure", unit="GPa")}
     for name in (*JOINT_QUANTITIES, "friction_combined"):
         estimate = read_estimate(point[name]) if name in point else Estimate(math.nan, name=name)
-        is_combined = name in COMBINED_QUANTITIES and "friction_combined" in point
-        kind = ("combined" if is_combined else estimate.kind) if estimate.has_interval else ""
+        kind = estimate.kind if estimate.has_interval else ""
         is_missing = math.isnan(estimate.value)
         estimates[name] = replace(estimate, kind=kind, status="not-computed" if is_missing else "ok")
     for percentile in FRICTION_PERCENTILES.tolist():

@@ -14,10 +14,14 @@ import numpy as np
 
 from stiction._estimate import Estimate, estimate_column_titles, to_file_unit
 from stiction._number_format import format_time
-from stiction.evaluate.combined_intervals import COMBINED_QUANTITIES
 from stiction.evaluate.point import CELL_DIMENSIONS, list_sliding_rules_reported_first
 from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.quantities import QUANTITIES, column_title_and_factor, quantity_names_shown_in
+from stiction.mechanics.quantities import (
+    QUANTITIES,
+    column_title_and_factor,
+    find_interval_kind,
+    quantity_names_shown_in,
+)
 from stiction.summary.summary import PointSummary, Summary
 from stiction.surfaces.pairing import SIDES
 from stiction.views.json_record import caveat_record, record_json
@@ -116,8 +120,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
     else:
         columns["value"] = broadcast_to_rows(table).astype(float)
     has_interval = "statistic" in table.dims and name in QUANTITIES
-    is_combined = name in COMBINED_QUANTITIES and "friction_combined" in dataset
-    columns["kind"] = ("combined" if is_combined else QUANTITIES[name].interval_kind) if has_interval else ""
+    columns["kind"] = find_interval_kind(name, table.attrs) if has_interval else ""
     unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
     columns["unit"] = to_file_unit(str(table.attrs.get("units", unit)))
     if name == "contact_area_fraction" and "contact_status" in dataset:
