@@ -247,7 +247,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     # ---- Contact at a load -----------------------------------------------------------------------------------------
     "contact_area_fraction": ResultQuantity(
         unit="1", words="ratio of true to nominal contact area", brief="true area A/A0", kind="ratio", along=_STEP_AXIS,
-        percent=True, shown=_DEFAULT_VIEWS,
+        percent=True, bounds=(-math.inf, 1.0), shown=_DEFAULT_VIEWS,
     ),
     "contact_status": ResultQuantity(
         unit="", words="status of the true contact area", kind="statistic", along=_STEP_AXIS, dtype=str,
