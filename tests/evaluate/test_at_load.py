@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray
 from stiction import (
     Study,
     approach_at_load,
@@ -18,6 +19,7 @@ from stiction import (
 )
 from stiction.evaluate import intervals
 from stiction.evaluate.at_load import at_load
+from stiction.evaluate.budget import add_uncertainty
 from stiction.evaluate.load_range import choose_loads_in_range
 from stiction.evaluate.member_means import find_axes_with_both_directions
 from stiction.evaluate.member_values import member_values
@@ -394,3 +396,20 @@ def test_value_at_a_computed_load_does_not_depend_on_an_interpolated_load(areal_
     load = study.contact.loading_steps()[:1]
     both = at_load(result, [*load, 1.2 * load[0]]).isel(load=[0])
     assert both.drop_attrs().equals(at_load(result, load).drop_attrs())
+
+
+def test_interval_of_a_fraction_ends_at_one(areal_study_and_dataset):
+    _, dataset = areal_study_and_dataset
+    changed = dataset.copy(deep=True)
+    name = "share_on_largest"
+    changed[name] = changed[name] * 0 + xarray.DataArray([1.0, 1.0, 0.7, 1.0, 0.9], dims="repetition")
+    mean, lower, upper = at_load(changed, [2.0], names=[name])[name].values.ravel()
+    assert mean == pytest.approx(0.92)
+    assert lower < mean < upper == 1.0
+
+
+def test_budget_contains_only_the_quoted_sliding_rule(areal_study_and_dataset):
+    _, dataset = areal_study_and_dataset
+    table = add_uncertainty(at_load(dataset, [2.0]), dataset)
+    assert np.isfinite(table["remaining_width"].sel(sliding="all", input="positions")).all()
+    assert np.isnan(table["remaining_width"].sel(sliding="opposing")).all()

@@ -1,0 +1,106 @@
+"""Test the values and caveats of single points of a summary, with numbers that the tests choose."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray
+from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO
+from stiction.summary.summary import summarize
+from support.synthetic_results import measured_result, measured_study
+
+
+def summarize_point(dataset, study=None, **options):
+    return summarize(dataset, measured_study(hardness=2.0) if study is None else study, **options).points[0]
+
+
+def caveats_with(point, text):
+    return [(caveat.severity, caveat.text) for caveat in point.caveats if text in caveat.text]
+
+
+def test_contributions_add_up_to_the_coefficient():
+    point = summarize_point(measured_result(all_contacts=0.24, contact_area=6.0))
+    assert point.contributions == pytest.approx((0.2, 0.05 * 6.0 / 10.0, 0.24 - 0.2 - 0.03))
+    assert sum(point.contributions) == pytest.approx(point.value)
+
+
+def test_contact_size_is_the_diameter_of_a_circle_of_the_median_area():
+    point = summarize_point(measured_result())
+    area = point.distributions["patch_area"][0.5]
+    assert math.pi / 4 * point.contact_size.value**2 == pytest.approx(area.value)
+    assert math.pi / 4 * point.contact_size.upper**2 == pytest.approx(area.upper)
+
+
+def test_kappa_is_the_true_area_times_modulus_and_gradient_per_load():
+    point = summarize_point(measured_result(rms_gradient=0.25, mean_pressure=5.0))
+    assert point.kappa == pytest.approx(100.0 * 0.25 / 5.0)
+
+
+@pytest.mark.parametrize(("fraction", "is_dominant"), [(0.95, False), (0.85, True)])
+def test_input_dominates_if_it_narrows_the_interval_by_a_tenth(fraction, is_dominant):
+    dataset = measured_result(half_width_ratio=0.05)
+    dataset["friction_at_cutoff"] = dataset["mean_friction"]
+    dataset["remaining_interval"] = dataset["mean_friction"].expand_dims(input=["hardness"])
+    width = np.ptp(dataset["mean_friction"].sel(sliding="all", statistic=["lower", "upper"]).values)
+    widths = xarray.full_like(dataset["mean_friction"].sel(statistic="mean", drop=True), fraction * width)
+    dataset["remaining_width"] = widths.expand_dims(input=["hardness"])
+    point = summarize_point(dataset.assign_coords(input_label=("input", ["the hardness"])))
+    assert (point.dominant_input is not None) == is_dominant
+
+
+@pytest.mark.parametrize(("fraction", "severity"), [(0.01, "caution"), (0.024, "caution"), (0.026, "fault")])
+def test_samples_without_an_upper_limit_are_a_fault_if_the_interval_has_none(fraction, severity):
+    study = measured_study(hardness=2.0).with_changes({"contact.junction_growth": "slip-line"})
+    dataset = measured_result(load_share_at_hardness=0.5)
+    dataset["fraction_unlimited"] = xarray.full_like(dataset["spread_low"], fraction)
+    ((actual_severity, text),) = caveats_with(summarize_point(dataset, study), "stronger than the softer body for")
+    assert actual_severity == severity
+    assert ("no upper limit" in text) == (severity == "fault")
+
+
+@pytest.mark.parametrize(("tau0", "has_caveat"), [(0.26, False), (0.28, True)])
+def test_tau0_near_the_shear_strength_of_the_body_has_a_caveat(tau0, has_caveat):
+    """With α = 27 and H = 2 GPa, the shear strength is 0.385 GPa."""
+    study = measured_study(hardness=2.0).with_changes({"contact.junction_growth": 27, "friction.tau0": [f"{tau0} GPa"]})
+    dataset = measured_result(load_share_at_hardness=0.5, tau0=(tau0,))
+    dataset["fraction_unlimited"] = xarray.zeros_like(dataset["spread_low"])
+    assert bool(caveats_with(summarize_point(dataset, study), "nearly as strong as the bulk")) == has_caveat
+    slip_lines = study.with_changes({"contact.junction_growth": f"slip-line {CENTRAL_SHEAR_RATIO}"})
+    assert not caveats_with(summarize_point(dataset, slip_lines), "nearly as strong as the bulk")
+
+
+@pytest.mark.parametrize(("pressure", "has_caveat"), [(0.85, False), (0.95, True)])
+def test_area_with_limited_pressure_has_a_caveat_near_half_the_hardness(pressure, has_caveat):
+    study = measured_study(hardness=2.0).with_changes({"contact.yield_exponent": None})
+    point = summarize_point(measured_result(mean_pressure=pressure), study)
+    assert bool(caveats_with(point, "yielding below the surface is neglected")) == has_caveat
+    assert not caveats_with(summarize_point(measured_result(mean_pressure=pressure)), "yielding below the surface")
+
+
+@pytest.mark.parametrize(("load_fraction_at_hardness", "has_caveat"), [(0.0, True), (0.9, False)])
+def test_drift_of_the_roughness_matters_for_the_elastic_fraction_of_the_load(load_fraction_at_hardness, has_caveat):
+    dataset = measured_result(all_contacts=0.4, load_share_at_hardness=load_fraction_at_hardness)
+    point = summarize_point(dataset.assign_attrs(upper_drift=(0.1, 0.5)))
+    assert bool(caveats_with(point, "rms slope changes by a factor of 1.1")) == has_caveat
+
+
+@pytest.mark.parametrize(("ratio", "has_caveat"), [(2.5, False), (3.5, True)])
+def test_scan_coarser_by_more_than_a_factor_of_three_has_a_caveat(ratio, has_caveat):
+    dataset = measured_result().assign_attrs(upper_spacing_um=0.1 * ratio, lower_spacing_um=0.1)
+    assert bool(caveats_with(summarize_point(dataset), "times coarser than the lower")) == has_caveat
+
+
+def test_fault_at_the_other_cutoff_or_of_an_alternative_removes_the_range_for_finer_scans():
+    study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
+    dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
+    assert summarize_point(dataset, study).bracket is not None
+    faulty = dataset.copy(deep=True)
+    faulty["mean_friction"].loc[{"cut_off": 0.0, "statistic": "upper"}] = 2.0
+    assert summarize_point(faulty, study).bracket is None
+
+    single, wide = measured_result(half_width_ratio=0.02), measured_result(half_width_ratio=0.9)
+    assert summarize_point(single).bracket is not None
+    alternative = summarize(wide, measured_study(hardness=2.0))
+    point = summarize_point(single, alternatives={"spikes": alternative})
+    assert point.bracket is None
+    assert caveats_with(point, "without outliers")[0][0] == "fault"
