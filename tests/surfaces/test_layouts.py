@@ -1093,7 +1093,7 @@ def test_written_scans_are_read_back_exactly_whatever_their_history_contains(tmp
             assert body_read.spacing == body.spacing
 
 
-@pytest.mark.parametrize(("word", "quoted_word"), [("#DIV/0!", "'#DIV/0!'"), ("(1.5)", "'(1.5)'"), ("1\t2", r"'1\t2'")])
+@pytest.mark.parametrize(("word", "quoted_word"), [("#DIV/0!", "'#DIV/0!'"), ("(bad)", "'(bad)'"), ("1\t2", r"'1\t2'")])
 def test_recommended_missing_value_can_be_pasted_into_a_shell(tmp_path, word, quoted_word):
     rows = format_rows(HEIGHTS, ";")
     first, _, *others = rows[3].split(";")
@@ -1101,3 +1101,20 @@ def test_recommended_missing_value_can_be_pasted_into_a_shell(tmp_path, word, qu
     (tmp_path / "a.csv").write_text("\n".join(rows))
     with pytest.raises(FormatError, match=rf"--missing-value {re.escape(quoted_word)} treats it"):
         read_measurement(tmp_path / "a.csv", unit="um", spacing="0.5 um")
+
+
+@pytest.mark.parametrize(
+    ("word", "advice"),
+    [("03. Okt", "converted numbers to dates"), ("2024-10-03", "converted numbers to dates"),
+     ("3-Oct", "converted numbers to dates"), ("12:30", "converted numbers to dates"),
+     ("1/10", "converted numbers to dates"),
+     ("(181.481)", "write negative numbers with a minus sign"), ("3460-", "write negative numbers with a minus sign"),
+     ("[0.5", "write the numbers without brackets")],
+)  # fmt: skip
+def test_number_in_another_notation_is_not_recommended_as_a_missing_point(tmp_path, word, advice):
+    rows = format_rows(HEIGHTS, ";")
+    rows[3] = ";".join([word, *rows[3].split(";")[1:]])
+    (tmp_path / "a.csv").write_text("\n".join(rows))
+    with pytest.raises(FormatError, match=advice) as caught:
+        read_measurement(tmp_path / "a.csv", unit="um", spacing="0.5 um")
+    assert "--missing-value" not in str(caught.value)

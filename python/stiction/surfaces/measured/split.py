@@ -224,6 +224,25 @@ def cell_kind(cell: str, dialect: Dialect, text: DecodedText) -> str | None:
     return "word" if text.missing_word_pattern.fullmatch(cell.encode()) else None
 
 
+_DATE_PATTERN = re.compile(
+    r"[0-9]{1,4}([-./])[0-9]{1,2}\1(?:[0-9]{2,4})?(?:[ T][0-9:.]{4,15})?|"
+    r"[0-9]{1,2}/[0-9]{1,2}|[0-9]{1,2}:[0-9]{2}(?::[0-9.]+)?|"
+    r"[0-9]{1,2}[-. ]{1,2}[^\W\d_]{3,5}\.?(?:[-. ]{1,2}[0-9]{2,4})?|[^\W\d_]{3,5}\.?[-. ]{1,2}[0-9]{2,4}"
+)
+"""Pattern of a date or a time, into which a spreadsheet program converts numbers such as 3.10."""
+
+
+def describe_remedy_of_word(word: str) -> str:
+    """Return advice for a cell that is not a number. Only a word without digits may mark a missing point."""
+    if _DATE_PATTERN.fullmatch(word):
+        return "a spreadsheet program has converted numbers to dates; export the file again with a decimal point"
+    if re.search(r"[\[\]{}]", word):
+        return "write the numbers without brackets, one row per line"
+    if re.fullmatch(r"\([0-9.,]+\)|[0-9.,]+-", word):
+        return "write negative numbers with a minus sign in front of them"
+    return f"--missing-value {shlex.quote(printable_text(word))} treats it as a missing point"
+
+
 def _truncate_line(line: str, width: int) -> str:
     """Truncate a long line after a complete cell."""
     return line if len(line) <= width else re.sub(r"[^\t;|, ]*$", "", line[:width]).rstrip("\t;|, ")
@@ -452,7 +471,7 @@ def _parse_number_lines(text: DecodedText, lines: LineNumbers, width: int, colum
                 word = token.decode("utf-8", "replace")[:40]
                 raise FormatError(
                     f"{text.describe_line(line)} has {word!r} in cell {place % width + 1}, which is not a number; "
-                    f"--missing-value {shlex.quote(printable_text(word))} treats it as a missing point"
+                    f"{describe_remedy_of_word(word)}"
                 ) from None
         raise
     return np.asarray(frame["z"].to_numpy(), dtype=np.float64)

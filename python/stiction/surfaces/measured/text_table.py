@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import itertools
-import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from stiction._text import printable_text
-from stiction.surfaces.measured.decode import TEXT_LINE_CODE, DecodedText
+from stiction.surfaces.measured.decode import NUMBER_LINE_CODE, TEXT_LINE_CODE, DecodedText
 from stiction.surfaces.measured.header import parse_column_headings, parse_declarations, parse_history
 from stiction.surfaces.measured.raw import (
     ColumnTable,
@@ -22,9 +21,11 @@ from stiction.surfaces.measured.raw import (
 )
 from stiction.surfaces.measured.shapes import has_equal_steps
 from stiction.surfaces.measured.split import (
+    MAX_COUNT_LINE_CELLS,
     Dialect,
     NumberBlock,
     cell_kind,
+    describe_remedy_of_word,
     detect_dialect,
     find_numeric_line_runs,
     parse_number_block,
@@ -71,7 +72,22 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
             f"{text.describe_line(line)} does not belong to the same table as lines {first + 1} to {end}; keep only "
             "one table in the file"
         )
+    _reject_rows_above(text, block)
     return _to_table(text, block, 0, word_columns)
+
+
+def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
+    """Raise `FormatError` if many lines of numbers above a block are neither counts nor sizes."""
+    lines = np.flatnonzero(text.line_kinds[: int(block.lines[0])] == NUMBER_LINE_CODE).tolist()
+    max_rows = int(MAX_FOOTER_FRACTION * block.lines.size) + 2
+    if len(lines) <= max_rows:
+        return
+    rows = [line for line in lines if len(block.dialect.split_line(text.line(line))) > MAX_COUNT_LINE_CELLS]
+    if len(rows) > max_rows:
+        raise FormatError(
+            f"{text.describe_line(rows[0])} and {len(rows) - 1} more lines of numbers do not belong to the same table "
+            f"as lines {block.lines[0] + 1} to {block.lines[-1] + 1}; keep only one table in the file"
+        )
 
 
 def _to_table(
@@ -184,7 +200,7 @@ def _repeats_words(text: DecodedText, dialect: Dialect, kinds: list[str | None],
 def _reject_word(text: DecodedText, line: int, word: str) -> None:
     raise FormatError(
         f"{text.describe_line(line)} is between numbers, but {word[:40]!r} is not a number; "
-        f"--missing-value {shlex.quote(printable_text(word[:40]))} treats it as a missing point"
+        f"{describe_remedy_of_word(word[:40])}"
     )
 
 
