@@ -50,7 +50,10 @@ def test_container_with_several_arrays_is_rejected_with_their_names_unless_one_i
 
 
 @pytest.mark.parametrize("suffix", CONTAINERS)
-@pytest.mark.parametrize("name", ["mask", "valid_mask", "x", "branch_indexes", "labels"])
+@pytest.mark.parametrize(
+    "name",
+    ["mask", "valid_mask", "x", "branch_indexes", "labels", "phase", "slope_x", "velocity", "current_nA", "amplitude"],
+)
 def test_array_whose_name_denotes_no_heights_is_not_read_unless_it_is_chosen(tmp_path, suffix, name):
     pytest.importorskip("SurfaceTopography")
     path = write_arrays(tmp_path / f"map.{suffix}", **{name: HEIGHTS})

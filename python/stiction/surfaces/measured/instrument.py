@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN
 from stiction.surfaces.measured.raw import (
     ColumnTable,
     FormatError,
@@ -38,10 +39,16 @@ _UNSUPPORTED_FORMATS = {"nms": "a NanoFocus .nms file, whose spacing has no reli
 _ARRAY_WITHOUT_HEIGHTS_PATTERN = re.compile(
     r"(?:.*[/_ .-])?(?:[xyt]+|d[xy]|time|ax[ei]s|coord\w*|pos\w*|\w*mask\w*|(?:in)?valid\w*|flags?|ind(?:ex|ic)\w*|idx|"
     r"ids?|labels?|rows?|col(?:umn)?s?|err(?:or)?s?|std\w*|sigma|uncertaint\w*|weights?|quality|intensity|spacing|size|"
-    r"units?|pixel\w*|scale)\d*",
+    r"units?|pixel\w*|scale|residuals?|noise|velocit\w*|speed|amplitude|gr[ae]y\w*)\d*",
     re.IGNORECASE,
 )
 """Pattern of array names that denote something other than heights."""
+
+
+def _denotes_no_heights(name: str) -> bool:
+    """Return whether the name of an array denotes something other than heights."""
+    words = name.replace("_", " ").replace("/", " ")
+    return bool(_ARRAY_WITHOUT_HEIGHTS_PATTERN.fullmatch(name) or NON_HEIGHT_NAME_PATTERN.search(words))
 
 
 def is_reader_installed() -> bool:
@@ -73,7 +80,7 @@ def read_instrument_file(path: Path) -> HeightChannels:
         if not names:
             raise FormatError("contains no matrix of numbers that may be heights")
         default_index: int | None = int(reader.default_channel.index)
-        if reader.format() in _ARRAY_FORMATS and (len(names) > 1 or _ARRAY_WITHOUT_HEIGHTS_PATTERN.fullmatch(names[0])):
+        if reader.format() in _ARRAY_FORMATS and (len(names) > 1 or _denotes_no_heights(names[0])):
             default_index = None
     return HeightChannels(names, lambda index: _read_channel(path, index, names[index]), default_index)
 

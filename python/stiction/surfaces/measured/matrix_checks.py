@@ -6,6 +6,7 @@ their numbers alone, because nothing else in the file distinguishes them.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -45,8 +46,9 @@ def reject_other_tables(values: Floats, column_numbers: Sequence[int]) -> None:
         return
     count = values.shape[1]
     if (places := find_grid_columns(values)) is not None:
-        x, y, *others = (*places, *(place for place in range(count) if place not in places and place > places[0]))
-        z = column_numbers[others[0]]
+        x, y = places
+        others = [place for place in range(count) if place not in places]
+        z = column_numbers[next((place for place in others if place > x), others[0])]
         raise FormatError(
             f"has {count} columns without names, and columns {column_numbers[x]} and {column_numbers[y]} are the "
             f"coordinates of a grid; choose x, y and z (--columns {column_numbers[x]},{column_numbers[y]},{z})"
@@ -73,28 +75,30 @@ def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -
 
 
 def find_grid_columns(values: Floats) -> tuple[int, int] | None:
-    """Return the two neighbouring columns that are the coordinates of the points of a grid, or None.
+    """Return two columns that are the coordinates of the points of a grid, or None.
 
-    A column of row numbers may precede these columns. The points are different, and fill at least half of the grid.
+    The points are different, fill at least half of the grid, and are listed line by line, unless they fill all of it.
+    Other columns, such as point numbers or colours, may stand before, between and behind these columns.
     """
     rows, count = values.shape
     if count < 3 or rows < MIN_GRID_POINTS:
         return None
-    is_numbered = count > 3 and np.array_equal(values[:, 0], values[0, 0] + np.arange(rows))
-    for first in (0, 1) if is_numbered else (0,):
-        x, y = values[:, first], values[:, first + 1]
-        if not (np.isfinite(x).all() and np.isfinite(y).all()):
+    positions: dict[int, tuple[int, Any]] = {}  # number of positions in a column, and their indices
+    for place in range(min(count, MAX_POINT_COLUMNS) if count <= MAX_POINT_COLUMNS else 2):
+        if np.isfinite(values[:, place]).all():
+            distinct, index = np.unique(values[:, place], return_inverse=True)
+            if 2 <= distinct.size < rows:
+                positions[place] = distinct.size, index
+    for first, second in itertools.combinations(positions, 2):
+        (x_count, x_index), (y_count, y_index) = positions[first], positions[second]
+        nodes = x_count * y_count
+        if nodes > MAX_NODES_PER_GRID_POINT * rows or np.unique(x_index * y_count + y_index).size < rows:
             continue
-        (x_positions, x_index), (y_positions, y_index) = (np.unique(item, return_inverse=True) for item in (x, y))
-        nodes = x_positions.size * y_positions.size
-        if min(x_positions.size, y_positions.size) < 2 or max(x_positions.size, y_positions.size) == rows:
-            continue
-        is_grid = (
-            nodes <= MAX_NODES_PER_GRID_POINT * rows and np.unique(x_index * y_positions.size + y_index).size == rows
-        )
-        is_in_lines = any((np.diff(item) >= 0).all() or (np.diff(item) <= 0).all() for item in (x, y))
-        if is_grid and (is_in_lines or nodes == rows):
-            return first, first + 1
+        steps = (np.diff(values[:, place]) for place in (first, second))
+        if any((step >= 0).all() or (step <= 0).all() for step in steps) or (
+            nodes == rows and (first, second) == (0, 1)
+        ):
+            return first, second
     return None
 
 
