@@ -66,6 +66,37 @@ def test_column_of_positions_is_read_without_a_caveat(tmp_path, name):
     assert not caveats_of(write_columns(tmp_path / "a.csv", f"{name};z"), unit="um")
 
 
+@pytest.mark.parametrize("name", ["tempo", "Tiempo", "時間", "azimuth", "motor steps", "Dehnung", "shot", "v", ""])
+def test_positions_with_an_unknown_name_and_no_unit_have_a_caveat_unless_they_are_chosen(tmp_path, name):
+    path = write_columns(tmp_path / "a.csv", f"{name};z")
+    if name == "motor steps":
+        assert "has positions in 'steps'" in error_message(path, unit="um")
+        return
+    assert "choose it by --columns 0,1 if it contains positions" in caveats_of(path, unit="um")["positions"]
+    assert not caveats_of(path, unit="um", columns=(0, 1))
+    if name:
+        assert not caveats_of(write_columns(tmp_path / "b.csv", f"{name} (um);z (um)"))
+
+
+@pytest.mark.parametrize(
+    "name", ["Distanza", "posição", "longueur", "odległość", "Положение", "距離", "위치", "avstånd"]
+)
+def test_name_of_positions_in_another_language_has_no_caveat(tmp_path, name):
+    assert not caveats_of(write_columns(tmp_path / "a.csv", f"{name};z"), unit="um")
+
+
+@pytest.mark.parametrize("line", ["X_Dimension\tTime", "X axis: Time", "X quantity = angle", "X label: frequency"])
+def test_header_line_with_another_quantity_along_x_rejects_the_positions(tmp_path, line):
+    path = write_columns(tmp_path / "a.csv", f"{line}\nX_Value;Laser")
+    assert f"has positions in '{line.split()[-1]}', which is not a supported unit" in error_message(path, unit="mm")
+
+
+@pytest.mark.parametrize("name", ["1000*z", "10^3 z", "z/1000", "-z", "log z", "|z|", "z/Sq", "z·10³", "z normalised"])
+def test_column_of_calculated_heights_has_a_caveat(tmp_path, name):
+    path = write_columns(tmp_path / "a.csv", f"x (um);{name} (um)")
+    assert list(caveats_of(path)) == ["scale"]
+
+
 # ---- Codes ----------------------------------------------------------------------------------------------------------
 
 
@@ -120,6 +151,20 @@ def test_rows_that_repeat_the_row_before_are_reported(tmp_path, axis):
     )
 
 
+@pytest.mark.parametrize("axis", [0, 1])
+def test_rows_that_are_all_listed_twice_are_reported(tmp_path, axis):
+    path = write_map(tmp_path / "a.csv", np.repeat(MAP, 2, axis))
+    assert "equal to the" in caveats_of(path, unit="um", spacing="1 mm")["repeated-rows"]
+
+
+@pytest.mark.parametrize("kind", ["clipped", "filled with the lowest height"])
+def test_extreme_that_is_much_more_frequent_than_similar_heights_is_reported(tmp_path, kind):
+    rng = np.random.default_rng(8)
+    heights = np.round(rng.normal(size=(40, 40)), 4)
+    heights = np.minimum(heights, 1.5) if kind == "clipped" else np.where(rng.random((40, 40)) < 0.05, -4.0, heights)
+    assert "exactly" in caveats_of(write_map(tmp_path / "a.csv", heights), unit="um", spacing="1 mm")["repeated-height"]
+
+
 @pytest.mark.parametrize("digit", [1e-4, 1e-3, 1e-2, 0.05])
 def test_rounded_heights_have_no_caveat_about_repeated_values(tmp_path, digit):
     rng = np.random.default_rng(2)
@@ -172,9 +217,25 @@ def test_surfer_grid_with_an_impossible_header_is_rejected(tmp_path, header, mes
 @pytest.mark.parametrize(
     ("header", "message"),
     [("\\*File list\n\\Samps/line: 30\n\\*File list end\nHeight(nm)", "is a NanoScope list with one height per line"),
-     ("a surface\nGRD 30 24 SUR WVL 0.6328 SSZ 1000 NDA -32768", "is a CODE V interferogram")],
+     ("a surface\nGRD 30 24 SUR WVL 0.6328 SSZ 1000 NDA -32768", "is a CODE V interferogram"),
+     ("ISO 5436 - 2000 own\nPRF 0 own\nCX I 720 mm 1.0 D 5.0e-04\nCZ A 720 um 1.0e-4 L\n", "is a text of ISO 5436-2"),
+     ("P2\n30 24\n255", "is an image in text")],
 )  # fmt: skip
 def test_list_of_a_map_is_not_read_as_a_profile(tmp_path, header, message):
     path = tmp_path / "a.txt"
     path.write_text(header + "\n" + "\n".join(f"{1000 * z:.0f}" for z in MAP.ravel()))
     assert message in error_message(path, unit="nm", spacing="1 um")
+
+
+@pytest.mark.parametrize("numbers", [[240, 0.5], [0.5, 240], [240, 0.5, 1]])
+def test_count_among_the_first_numbers_of_a_column_is_not_read_as_a_height(tmp_path, numbers):
+    path = tmp_path / "a.txt"
+    path.write_text("".join(f"{z:g}\n" for z in [*numbers, *PROFILE]))
+    assert f"begins with {len(numbers)} numbers" in error_message(path, unit="um", spacing="0.5 um")
+
+
+def test_spacing_below_a_column_of_heights_has_a_caveat(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("".join(f"{z:.4f}\n" for z in [*PROFILE, 0.125]))
+    text = caveats_of(path, unit="um", spacing="0.125 um")["first-number"]
+    assert "the last number, 0.125, equals the given spacing" in text

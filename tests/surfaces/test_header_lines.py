@@ -117,7 +117,10 @@ def test_equal_spacings_along_both_axes_are_used(read_text, line):
     "line",
     ["Scale factor 1.0e-03", "Factor: 0.001", "Heights multiplied by 1000",
      "Values have been divided by 1000", "Sensitivity: 0.25 um/V", "Calibration: 2.5 V per µm", "z ×10⁻³", "z*1000",
-     "values x 1000", "Scaling: 1000", "Resolution: 10 nm/bit", "z·10³"],
+     "values x 1000", "Scaling: 1000", "Resolution: 10 nm/bit", "z·10³", "10^-3", "Scale: 0.001", "Gain: 1000",
+     "values times 1000", "facteur: 0.001", "係数 0.001", "коэффициент 0.001", "exponent: -3", "1 digit = 0.01 um",
+     "1 LSB = 0.5 nm", "Counts per um: 100", "Height per gray level: 0.02 um", "normalized by 0.8 um", "in 10 nm",
+     "units of 0.1 um", "add_offset 0 scale_factor 0.001"],
 )  # fmt: skip
 def test_factor_in_words_adds_a_caveat(read_text, line):
     reading = read_text(f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
@@ -134,7 +137,8 @@ def test_factor_above_a_displayed_matrix_adds_a_caveat(read_text, factor):
 @pytest.mark.parametrize(
     "line",
     ["Factor: 1", "Objective: x100", "Magnification x1000", "1024 x 1000 points", "Form factor 0.5", "Speed: 2 mm/s",
-     "Pixel size: 0.5 um x 0.5 um", "# history: multiplied by 2 um, as declared in the file"],
+     "Pixel size: 0.5 um x 0.5 um", "Feedback gain: 0.3", "Gain: 45 dB", "Scale: 1", "Speed: 0.5 mm/s in 2 mm", "100",
+     "Scan in 0.5 um steps", "# history: multiplied by 2 um, as declared in the file"],
 )  # fmt: skip
 def test_factor_that_does_not_apply_to_heights_has_no_caveat(read_text, line):
     assert not read_text(f"{line}\n{MAP_TEXT}", unit="um", spacing="0.5 um").caveats
@@ -165,6 +169,47 @@ def test_given_unit_does_not_replace_a_unit_of_a_header_line_that_is_not_known(r
 def test_unit_with_a_power_of_ten_or_in_another_script_is_read(read_text, unit):
     rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
     assert read_text(f"x (mm);z ({unit})\n{rows}").body.heights.tolist() == PROFILE.tolist()
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["z in mils", "Z-Axis_in", "z, km", "Height_digit", "z MPa", "Height, µrad", "z in 0.1 um", "z (hundredths of mm)"],
+)
+def test_unit_at_the_end_of_a_column_name_that_is_no_length_is_not_replaced(read_text, name):
+    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
+    message = error_message(read_text, f"x (mm);{name}\n{rows}", unit=("mm", "um"))
+    assert "which is not a supported unit of length" in message
+
+
+@pytest.mark.parametrize("name", ["data points", "z min", "height left", "Channel A", "Profile, left"])
+def test_last_word_of_a_column_name_is_not_always_a_unit(read_text, name):
+    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
+    assert read_text(f"x (mm);{name}\n{rows}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
+
+
+def test_unit_with_a_power_of_ten_after_the_names_is_read(read_text):
+    rows = "".join(f"{500 * at};{1000 * z:.1f}\n" for at, z in enumerate(PROFILE))
+    reading = read_text(f"x in 1e-9 m;z in 1e-9 m\n{rows}")
+    assert reading.body.spacing == pytest.approx(0.5)
+    assert reading.body.heights == pytest.approx(PROFILE)
+
+
+@pytest.mark.parametrize(("line", "unit"), [("Z: grey levels", "grey levels"), ("z = V", "V")])
+def test_unit_after_z_in_a_header_line_is_used_or_rejected(read_text, line, unit):
+    message = error_message(read_text, f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
+    assert f"has heights in {unit!r}" in message
+    assert read_text(f"Z: nm\n{PROFILE_TEXT}", spacing="0.5 um").unit == "nm"
+
+
+def test_declared_range_of_the_heights_determines_their_unit(read_text):
+    header = f"X Amplitude: 200 nm\nY Amplitude: 140 nm\nZ Amplitude: {np.ptp(MAP):.4f} nm\n"
+    reading = read_text(header + MAP_TEXT)
+    assert reading.body.heights == pytest.approx(MAP / 1000)
+    assert "declares its heights in nm, but the given unit is um" in error_message(
+        read_text, header + MAP_TEXT, unit="um"
+    )
+    other_range = header.replace(f"{np.ptp(MAP):.4f}", f"{1.5 * np.ptp(MAP):.4f}")
+    assert "does not contain the unit of its heights" in error_message(read_text, other_range + MAP_TEXT)
 
 
 @pytest.mark.parametrize("remark", ["raw", "trace", "Filtered", "level 2", "-"])

@@ -181,3 +181,43 @@ def test_profile_with_another_number_of_points_than_its_header_declares_has_a_ca
     path = tmp_path / "a.txt"
     path.write_text("Number of points: 300\nspacing: 0.5 um\nz (um)\n" + to_text(HEIGHTS.ravel()[:299, None]))
     assert "declares 300 points, but 299 heights are read" in str(read_with_interpretation(path).caveats[0])
+
+
+@pytest.mark.parametrize("order", [(3, 0, 1, 2), (3, 4, 5, 0, 1, 2), (0, 2, 1, 3), (2, 0, 1, 3)])
+def test_columns_around_the_coordinates_of_a_grid_do_not_hide_them(tmp_path, order):
+    columns = np.column_stack([X, Y, HEIGHTS.ravel(), np.sqrt(NUMBERS % 97) / 10, np.cos(X * Y), np.sin(NUMBERS**2)])
+    path = tmp_path / "a.txt"
+    path.write_text(to_text(columns[:, order]))
+    x, y, z = (order.index(place) for place in (0, 1, 2))
+    message = error_message(path, **OPTIONS)
+    assert f"columns {min(x, y)} and {max(x, y)} are the coordinates of a grid" in message
+    assert np.array_equal(read_measurement(path, unit="um", columns=(x, y, z)).heights, HEIGHTS)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_numbers_of_rows_or_columns_at_the_last_side_of_a_matrix_are_rejected(tmp_path, axis):
+    path = tmp_path / "a.txt"
+    heights = create_map(24, 18)
+    numbers = np.arange(heights.shape[axis])
+    path.write_text(to_text(np.insert(heights, heights.shape[1 - axis], numbers, axis=1 - axis)))
+    assert f"of which the last {'column' if axis == 0 else 'row'} has equal steps" in error_message(path, **OPTIONS)
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_numbers_of_rows_and_columns_are_not_positions_of_a_matrix(tmp_path, first):
+    path = tmp_path / "a.csv"
+    rows = [["", *range(first, first + 20)], *([first + at, *row] for at, row in enumerate(HEIGHTS.tolist()))]
+    path.write_text("".join(",".join(map(str, row)) + "\n" for row in rows))
+    assert "contains no spacing" in error_message(path, unit="um")
+    assert np.array_equal(read_surface(path, **OPTIONS).heights, HEIGHTS)
+
+
+def test_rows_of_another_width_above_a_matrix_are_rejected(tmp_path):
+    path = tmp_path / "a.txt"
+    heights = create_map(16, 19)
+    path.write_text(
+        f"Columns 1 through 8\n\n{to_text(heights[:, :8])}\nColumns 9 through 19\n\n{to_text(heights[:, 8:])}"
+    )
+    assert "15 more lines of numbers do not belong to the same table as lines 22 to 37" in error_message(
+        path, **OPTIONS
+    )

@@ -41,28 +41,49 @@ _UNKNOWN_UNIT_PATTERN = re.compile(
 )
 """Pattern of a line that declares the unit of the heights in any words. The unit need not be known."""
 
+_UNIT_OF_Z_PATTERN = re.compile(
+    r"\W*z\s*[:=]\s*((?:1(?:0\^?|e)[-+][0-9]{1,2}\s*)?[^\W\d][^\d:=]{0,15}?)\W*", re.IGNORECASE
+)
 _POSITION_UNIT_PATTERN = re.compile(
     rf"\W*(?:x|lateral|horizontal|position|length)[\s_-]*(?:axis[\s_-]*)?{_UNIT_WORDS}\s*[:=,;\t]\s*"
     r"[\"']?([^\"',;]{1,20}?)[\"']?[\s,;]*",
     re.IGNORECASE,
 )
+_POSITION_QUANTITY_PATTERN = re.compile(
+    r"\W*x[\s_-]*(?:axis[\s_-]*)?(?:dimension|quantity|label|name|title|axis)\s*[:=,;\t]\s*[\"']?([^\"',;\t]{1,30}).*",
+    re.IGNORECASE,
+)
+"""Pattern of a line that names the quantity of the positions, such as "X_Dimension  Time" of LabVIEW."""
 _NO_UNIT_WORDS = ("", "-", "--", "1", "metric", "si", "none", "n/a", "default", "yes", "no", "on", "off")
 """Words that a line with the word "unit" may contain instead of a unit."""
 
+_POWER_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-−+])[0-9]{1,2}|1?e[-−+][0-9]{1,2})"
+_DIGIT_PATTERN = r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|gr[ae]y[ _-]?(?:levels?|values?))"
 _UNAPPLIED_FACTOR_PATTERN = re.compile(
     r"\W*[0-9.,]{1,20}(?:e[+-]?[0-9]{1,3})?\s*[*×x]\W*|"  # "1.0e-03 *" above a matrix
+    rf"\W*{_POWER_PATTERN}\W*|"
     r".*(?<![0-9])(?<![0-9] )(?:[×*·]\s*(?:10|1e)|x\s*(?:10\s*\^|10\s*[-−+][0-9]|1e[-+−]?[0-9]|10{3,6}\b)).*|"
-    r".*\b(?:multiplied|multiply|divided|divide|scaled|multipliziert|dividiert|skaliert)\s+(?:by|mit|durch|um)\b.*|"
-    rf"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|conversion|calibration|unit|multiplication|amplitude)[\s_-]*)*"
-    rf"(?:fa[ck]tor|multiplier|scaling|skalierung|sensitivity|empfindlichkeit)\b.{{0,20}}?{SEPARATOR_PATTERN}"
-    rf"(?!1(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"
-    r".*(?:[nuµpm]?m|volts?|V)\s*(?:/|per)\s*(?:V|volts?|mV|LSB|bits?|digits?|counts?|div|[nuµm]m)\b.*",
+    r".*\b(?:multiplied|multiply|divided|divide|scaled|normali[sz]ed|multipliziert|dividiert|skaliert|normiert)\s+"
+    r"(?:by|to|mit|durch|um|auf)\b.*|"
+    rf".*\btimes\s+{DECIMAL_PATTERN}\b.*|"
+    rf"\W*(?:(?:z|heights?|data|values?|numbers?)\W+)?(?:are\s+)?(?:in|units? of)\s+{DECIMAL_PATTERN}\s*[nuµpm]?m\W*|"
+    rf"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|conversion|calibration|unit|multiplication|amplitude|"
+    rf"add[ _]offset\W*{DECIMAL_PATTERN})[\s_-]*)*"
+    r"(?:fa[ck]tor|facteur|fattore|fator|multiplier|multiplicat\w*|scaling|skalierung|sensitivity|empfindlichkeit|"
+    r"exponent|gain|verstärkung|amplification|倍率|係数|系数|比例|множитель|коэффициент)(?![^\W\d_]).{0,20}?"
+    rf"{SEPARATOR_PATTERN}(?!1(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"
+    rf"\W*(?:(?:z|heights?|data|values?|vertical)[\s_-]*)*scale{SEPARATOR_PATTERN}"
+    rf"(?!1(?:[.,]0*)?\W*$){DECIMAL_PATTERN}\W*|"
+    rf".*(?:\b(?:[nuµp]?m|heights?|volts?|V)|[0-9][nuµp]m)\s*(?:/|per)\s*(?:{_DIGIT_PATTERN}|div|[nuµm]m)\b.*|"
+    rf".*\b{_DIGIT_PATTERN}\s*(?:/|per)\s*[nuµm]m\b.*|"
+    rf".*(?<![0-9.,])1\s*{_DIGIT_PATTERN}\s*[=:]\s*{DECIMAL_PATTERN}.*",
     re.IGNORECASE,
 )
 """Pattern of a line with a factor in words that may apply to the heights."""
 
 _NO_HEIGHT_FACTOR_PATTERN = re.compile(
-    r"objective|objektiv|magnif|zoom|lens|shape|form|crest|filter|quality|aspect|exaggerat|spring|frequency|defl|piezo|bias",
+    r"objective|objektiv|magnif|zoom|lens|shape|form|crest|filter|quality|aspect|exaggerat|spring|frequency|defl|piezo|bias|"
+    r"feedback|\bdB\b",
     re.IGNORECASE,
 )
 _HEIGHT_FACTOR_PATTERN = re.compile(
@@ -87,14 +108,21 @@ _TIP_RADIUS_PATTERN = re.compile(
     rf"\W*(?:stylus|tip|probe)[\s,;:_-]*radius\s*(?:[\[(]({UNIT_PATTERN})[\])])?{SEPARATOR_PATTERN}({DECIMAL_PATTERN})\s*({UNIT_PATTERN})?\W*",
     re.IGNORECASE,
 )
+_HEIGHT_RANGE_PATTERN = re.compile(
+    rf"\W*(?:z[\s_-]*(?:amplitude|range|p-?v)|height[\s_-]*range|peak[\s_-]*(?:to|-)[\s_-]*valley)"
+    rf"\s*(?:[\[(]({UNIT_PATTERN})[\])])?{SEPARATOR_PATTERN}({DECIMAL_PATTERN})\s*({UNIT_PATTERN})?\W*",
+    re.IGNORECASE,
+)
 MAX_UNIT_LENGTH = 12  # maximum number of characters of a unit that is not known
 _HISTORY_PREFIX = "# history: "
 
 NON_LENGTH_UNIT_PATTERN = re.compile(
     r"(?:[afpnuµμmcdhkMGT]|micror?|milli|nano|kilo)?[ -]?"
     r"(?:rad(?:ians?)?|V|A|N|s|Hz|Pa|K|C|W|J|g|F|T|volts?|amp(?:ere)?s?|newtons?|seconds?|sec|min|deg(?:rees?)?|°|°C|"
-    r"counts?|cts|lsb|digits?|adu|dB|%|a\.?u\.?|arb\.?(?: ?units?)?|px|pixels?|pts?|points?|inch(?:es)?|in|mil|"
-    r"1/0|0/1|bool|waves?|fringes?|lines?|1)(?:/[\w.°µ]+)?"
+    r"counts?|cts|lsb|digits?|adu|dB|%|a\.?u\.?|arb\.?(?: ?units?)?|px|pixels?|pts?|points?|"
+    r"gr[ae]y ?(?:levels?|values?)|graustufen|inch(?:es)?|in|mils?|thou|zoll|ft|feet|foot|yd|yards?|ticks?|"
+    r"tenths|steps?|schritte|1/0|0/1|bool|waves?|fringes?|lines?|1)"
+    r"(?:/[\w.°µ]+)?|[kdhf]m|µm²|[µu]m\^?2"
 )
 """Units of quantities other than lengths, and ambiguous units of length."""
 
@@ -107,14 +135,28 @@ NON_HEIGHT_NAME_PATTERN = re.compile(
 """Pattern of the names of quantities that are not heights."""
 
 _NON_POSITION_NAME_PATTERN = re.compile(
-    r"(?<![^\W_])(?:(wave[ _-]?(?:lengths?|numbers?|vectors?)|wellenlängen?|frequenc(?:y|ies)|frequenz(?:en)?|freq|lag|"
-    r"load|force|kraft|(?:time|zeit)\w*)|temps|t|seconds?|sekunden?|sec|minutes?|date|angles?|winkel|theta|phi|degrees?|"
+    r"(?<![^\W_])(?:(wave[ _-]?(?:lengths?|numbers?|vectors?)|wellenlängen?|lambda|λ|frequenc(?:y|ies)|frequenz(?:en)?|"
+    r"freq|lag|load|force|kraft|(?:time|zeit)\w*)|temps|t|seconds?|sekunden?|sec|minutes?|date|angles?|winkel|theta|phi|degrees?|"
     r"grad|radians?|f|q|k|pressure|druck|temp(?:eratur\w*)?|voltage|spannung|current|strom|cycles?|zyklen|"
     r"speed|velocity|energy|intensity|probability)(?![^\W_])",
     re.IGNORECASE,
 )
 """Pattern of the names of axes that are not positions. The group has names that are none in any unit."""
 
+_LENGTH_AXIS_PATTERN = re.compile(
+    r"(?<![^\W_])(?:[xy]\w?|(?:pos|coord|koord|dist|length|län[gn]|lateral|horiz|travers|track|scan|path|abstand|"
+    r"strecke|weg|mess(?:weg|länge)|ort|abscis|longit|longueur|lungh|compr|poz|odle|dłu[gż]|dél|vzd|poloh|afst|avst|"
+    r"lengte|lengde|läge|etäis|paik|pituus|távol|hossz|mesafe|konum|uzun|полож|коорд|длин|расст|путь)\w*)(?![^\W_])|"
+    r"距離|距离|位置|座標|坐标|長さ|长度|横|거리|위치|길이|좌표",
+    re.IGNORECASE,
+)
+"""Pattern of the names of positions along a profile in several languages."""
+
+_CALCULATION_PATTERN = re.compile(
+    r"[*×·^√|]|/\s*(?:[0-9]|[RS][aqz]\b)|^\W*[-−]\s*z\b|\b(?:log(?:10)?|ln|sqrt|abs|exp)\b|\bd\w\s*/\s*d\w\b|"
+    r"\b(?:scaled|normali[sz]ed|skaliert|normiert)\b",
+    re.IGNORECASE,
+)
 _HEIGHT_NAME_PATTERN = re.compile(
     r"(?<![^\W_])(?:z|heights?|höhen?|hauteurs?|altezz[ae]|alturas?|topograph\w*|elevations?|amplitudes?)(?![^\W_])",
     re.I,
@@ -136,9 +178,15 @@ _REMARK_PATTERN = re.compile(
 """Pattern of remarks in a column name that are not units, as in "Height (trace)"."""
 
 _UNIT_AFTER_NAME_PATTERN = re.compile(
-    r"(?:x|z|heights?|höhe|position|distance|length|weg)\s*(?:/|\bin\b)\s*(\S{1,8}(?: \S{1,4})?)", re.IGNORECASE
+    r"(?:[xyz]|heights?|höhen?|hauteur|altura|altezza|profile?|positions?|distances?|lengths?|weg|abstand|lateral)"
+    r"(?:[ _-]?(?:axis|achse|pos(?:ition)?|coord\w*))?"
+    r"\s*(?:/|\bin\b|,(?=\s*(?:[0-9]|[^\W\d_]{1,8}$)))\s*(\S{1,12}(?: \S{1,12})?)",
+    re.IGNORECASE,
 )
-"""Pattern of a column name with any unit after a stroke or after "in"."""
+"""Pattern of a column name with any unit after a stroke, a comma or "in"."""
+
+_WORDS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "sec", "px", "pixel", "pixels")
+"""Last words of column names that are not units, as in "data point" and "z min"."""
 
 
 @dataclass(frozen=True)
@@ -179,7 +227,12 @@ def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> 
     is_count = [
         match[1] is None and code.is_integer() and code >= 0 for match, code in zip(code_lines, codes, strict=True)
     ]
-    position_units = (match[1] for line in lines if (match := _POSITION_UNIT_PATTERN.fullmatch(line)))
+    position_units = [match[1] for line in lines if (match := _POSITION_UNIT_PATTERN.fullmatch(line))]
+    position_units += [
+        match[1]
+        for line in lines
+        if (match := _POSITION_QUANTITY_PATTERN.fullmatch(line)) and find_other_axis(match[1], None)
+    ]
     return HeaderDeclarations(
         spacing=spacings.spacing,
         spacings=spacings.spacings,
@@ -194,6 +247,7 @@ def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> 
         counts=tuple(code for code, count in zip(codes, is_count, strict=True) if count),
         scale="" if factor_line else next(iter(factor_lines), "").strip(),
         points=next((int(match[1]) for line in lines if (match := _POINT_COUNT_PATTERN.fullmatch(line))), None),
+        height_range=find_first_match(_HEIGHT_RANGE_PATTERN, lines, parse_bracketed_length),
         tip_radius=find_first_match(_TIP_RADIUS_PATTERN, lines, parse_bracketed_length),
         line=factor_line or unit_line,
     )
@@ -205,6 +259,8 @@ def _parse_height_unit(lines: Sequence[str]) -> tuple[str | None, str]:
         if (match := _HEIGHT_UNIT_PATTERN.fullmatch(line)) and is_unit(match[1]):
             return parse_length_unit(match[1]) or match[1], line
     for line in lines:
+        if (match := _UNIT_OF_Z_PATTERN.fullmatch(line)) and is_unit(match[1]):
+            return parse_length_unit(match[1]) or match[1], line
         if (match := _UNKNOWN_UNIT_PATTERN.fullmatch(line)) is None:
             continue
         text = match[1].strip()
@@ -242,6 +298,7 @@ def _is_declaration(line: str) -> bool:
         _HEIGHT_FACTOR_PATTERN,
         _MISSING_CODE_PATTERN,
         _POINT_COUNT_PATTERN,
+        _HEIGHT_RANGE_PATTERN,
     )
     return any(pattern.fullmatch(line) for pattern in full_patterns) or is_spacing_declaration(line)
 
@@ -293,6 +350,16 @@ def find_other_axis(name: str, unit: str | None) -> str | None:
     if match is None or (unit is not None and (match[1] is None or parse_length_unit(unit) is None)):
         return None
     return match[0].lower()
+
+
+def is_length_axis(name: str) -> bool:
+    """Return whether the name of a column denotes positions along a profile."""
+    return _LENGTH_AXIS_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", name)) is not None
+
+
+def is_computed_height(name: str) -> bool:
+    """Return whether the name of a column of heights contains a calculation, such as "1000*z", "-z" or "log z"."""
+    return _CALCULATION_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", name)) is not None
 
 
 # ---- Column names ---------------------------------------------------------------------------------------------------
@@ -354,9 +421,14 @@ def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> t
 def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | None, ...]:
     """Return the unit of each column from the line of names above the data."""
     name_line = _find_last_line_with_letters(lines)
-    if name_line is None or _has_number_outside_brackets(name_line):
+    if name_line is None:
         return (None,) * width
     cells = split_column_names(name_line, width, dialect) if width > 1 else None
+    if _has_number_outside_brackets(name_line):  # only a number in a unit, as in "z in 1e-9 m", is part of a name
+        is_names = cells is not None and all(
+            _UNIT_AFTER_NAME_PATTERN.fullmatch(cell) or not _has_number_outside_brackets(cell) for cell in cells
+        )
+        return tuple(map(unit_in_column_name, cells)) if cells is not None and is_names else (None,) * width
     if cells is not None and any(unit_in_column_name(cell) for cell in cells):
         return tuple(unit_in_column_name(cell) for cell in cells)
     units = _find_units(name_line)
@@ -379,14 +451,20 @@ def unit_in_column_name(cell: str) -> str | None:
     last = bracketed_texts[-1].strip() if bracketed_texts else cell.strip(" \"'")
     if NON_LENGTH_UNIT_PATTERN.fullmatch(last):
         return last
+    after_name = None if bracketed_texts else _UNIT_AFTER_NAME_PATTERN.fullmatch(last)
+    if after_name is not None and re.search("[0-9]", after_name[1]):  # "z in 0.1 um"
+        return parse_length_unit(after_name[1]) or after_name[1]
     unit = parse_length_unit((last if bracketed_texts else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))
     if unit is not None:
         return unit
-    if not bracketed_texts and (match := _UNIT_AFTER_NAME_PATTERN.fullmatch(last)) is not None:
-        last = match[1]
+    words = re.split(r"[\s_]+", last)
+    if after_name is not None:
+        last = after_name[1]
+    elif not bracketed_texts and len(words) > 1 and len(words[-1]) > 1 and words[-1] not in _WORDS_LIKE_UNITS:
+        return words[-1] if NON_LENGTH_UNIT_PATTERN.fullmatch(words[-1]) else None
     elif not bracketed_texts:
         return None
     known_units = {unit for word in re.split(r"[\s,;]+", last) if (unit := parse_length_unit(word)) is not None}
-    if len(known_units) == 1 and not re.search(r"[0-9/*^×]", last):  # "µm RMS", "nm, filtered"
+    if len(known_units) == 1 and not re.search(r"[0-9/*^×]|\b(?:of|per|pro)\b", last):  # "µm RMS", "nm, filtered"
         return known_units.pop()
     return None if not known_units and _REMARK_PATTERN.fullmatch(last) else last

@@ -178,7 +178,7 @@ def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, coded = _convert_heights(raw, options)
     dx, steps, spacing_caveats = _profile_spacing(raw, _position_unit(raw, options), given)
-    caveats += _find_spacing_as_first_number(raw, given)
+    caveats += _find_spacing_as_height(raw, given)
     if dx < 0:
         heights, dx = heights[::-1], -dx
         steps.append("reversed, because its positions decreased")
@@ -508,15 +508,20 @@ def _profile_spacing(
     return mean_spacing, [history_entry], caveats
 
 
-def _find_spacing_as_first_number(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
-    """Return a caveat if the first of the heights without positions equals the given spacing in any unit of length."""
+def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
+    """Return a caveat if the first or the last height, without positions, equals the given spacing in any unit."""
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
-    first = float(raw.heights[0])
-    if not any(math.isclose(first * factor, given, rel_tol=1e-9) for factor in LENGTH_UNITS.values()):
-        return []
-    text = f"the first number, {first:g}, equals the given spacing"
-    return [FileCaveat("first-number", text, "delete it if it is the spacing instead of a height, or accept it")]
+    ends = {"first": float(raw.heights[0])}
+    if raw.source.column in ("", "column 0"):  # a table of several columns has no spacing below its heights
+        ends["last"] = float(raw.heights[-1])
+    for place, number in ends.items():
+        if any(math.isclose(number * factor, given, rel_tol=1e-9) for factor in LENGTH_UNITS.values()):
+            text = f"the {place} number, {number:g}, equals the given spacing"
+            return [
+                FileCaveat("first-number", text, "delete it if it is the spacing instead of a height, or accept it")
+            ]
+    return []
 
 
 def _declared_spacing(raw: RawHeights) -> tuple[float, float] | None:

@@ -30,6 +30,8 @@ NUM_NEIGHBOURS = 12  # number of next lower and next higher heights with which a
 # a multiple of the standard deviation of this frequency
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4  # range of the fraction of such heights
+# maximum fraction of rows that equal the row before; in a map with more of them, a profile was probably extended
+MAX_REPEATED_ROWS = 0.9
 MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
 # Minimum spacing (one ångström), maximum spacing (one centimetre) and maximum extent (one metre), in µm.
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
@@ -134,7 +136,7 @@ def _find_missing_point_codes(heights: Floats) -> list[tuple[float, int, float]]
 
 
 def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
-    """Find values within the heights that occur much more often than their neighbours, such as filled-in zeros."""
+    """Find values that occur much more often than their neighbours, such as filled-in zeros and clipped heights."""
     if not scan.from_file:
         return
     heights = scan.non_missing_heights
@@ -148,12 +150,10 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
             counts[max(0, place - NUM_NEIGHBOURS) : place + NUM_NEIGHBOURS + 1], min(place, NUM_NEIGHBOURS)
         )
         usual = float(np.median(neighbours))
-        is_inside = 0 < place < values.size - 1
         fraction = counts[place] / total
         if (
             counts[place] >= MIN_REPEAT_RATIO * usual + MIN_REPEAT_DEVIATIONS * usual**0.5
             and MIN_REPEAT_FRACTION <= fraction <= MAX_REPEAT_FRACTION
-            and (is_inside or values[place] == 0)
         ):
             number = float(f"{values[place] / scan.factor:.12g}")
             yield (
@@ -174,7 +174,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
             continue
         is_repeated = (lines[1:] == lines[:-1]).all(axis=1) & (np.ptp(lines[1:], axis=1) > 0)
         count = int(is_repeated.sum())
-        if 0 < count < lines.shape[0] / 3:
+        if 0 < count <= MAX_REPEATED_ROWS * lines.shape[0]:
             text = f"{count} of {lines.shape[0]} {kind} are equal to the {kind[:-1]} before"
             yield f"{text}, like {kind} that were not measured"
 
@@ -237,6 +237,7 @@ PLAUSIBILITY_CHECKS = (
 READER_CAVEAT_NAMES = (
     "x3p-increment",
     "numbering",
+    "positions",
     "truncated",
     "first-number",
     "unit-not-needed",

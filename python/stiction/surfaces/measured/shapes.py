@@ -14,7 +14,14 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._text import printable_text
 from stiction.surfaces.measured.grid import to_grid
-from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN, find_other_axis, is_unit, unit_in_column_name
+from stiction.surfaces.measured.header import (
+    NON_HEIGHT_NAME_PATTERN,
+    find_other_axis,
+    is_computed_height,
+    is_length_axis,
+    is_unit,
+    unit_in_column_name,
+)
 from stiction.surfaces.measured.matrix_checks import (
     find_wrapped_profile_caveat,
     reject_other_tables,
@@ -22,6 +29,7 @@ from stiction.surfaces.measured.matrix_checks import (
 )
 from stiction.surfaces.measured.raw import (
     ColumnTable,
+    DeclaredLength,
     FileCaveat,
     FormatError,
     HeightChannels,
@@ -53,7 +61,8 @@ MIN_STEP_DIGITS = 3.0
 NameOrIndex = str | int
 
 _NUMBERING_NAME_PATTERN = re.compile(
-    r"|index|idx|unnamed: ?0|(?:lfd\.? ?)?(?:no\.?|nr\.?|number|num|nummer)|#|n|i|id|(?:data ?)?points?|pt\.?|"
+    r"|index|idx|unnamed: ?0|(?:lfd\.? ?)?(?:no\.?|nr\.?|number|num|nummer|n[úu]mero|n°)|#|n|i|id|seq|"
+    r"(?:data ?)?points?|pt\.?|番号|序号|번호|номер|"
     r"(?:mess)?punkt\w*|"
     r"zeile|line|row|dataline|trace|samples?|frames?|pixels?|px|counter|"
     r"(?:points?|samples?|punkt)[ _-]?(?:no|nr|number|index)\.?",
@@ -159,7 +168,11 @@ def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[NameOrIn
         for index in indices
     )
     history_entry = f"column {description}" if len(indices) == 1 else f"columns {description}"
-    raw = _read_xyz_table(table, *indices) if len(indices) == 3 else _read_profile_columns(table, *indices[-2:])
+    raw = (
+        _read_xyz_table(table, *indices)
+        if len(indices) == 3
+        else _read_profile_columns(table, *indices[-2:], is_chosen=True)
+    )
     return replace(raw, history=(history_entry, *raw.history))
 
 
@@ -181,9 +194,21 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **att
         stated_spacings=declared.spacings, unclear_spacing=declared.unclear_spacing,
     )  # fmt: skip
     raw = replace(raw, **attributes)
+    if (
+        raw.unit is None
+        and (declared.height_range is not None)
+        and _has_height_range(raw.heights, declared.height_range)
+    ):
+        raw = replace(raw, unit=declared.height_range.unit)
     if (tip := declared.tip_radius) is None or not tip.length > 0:
         return raw
     return replace(raw, history=(*raw.history, f"its header gives a tip radius of {tip.length:g} {tip.unit} (--tip)"))
+
+
+def _has_height_range(heights: Floats, declared: DeclaredLength) -> bool:
+    """Return whether the numbers have the declared range, to the digits of a number of at least three digits."""
+    height_range = float(np.fmax.reduce(heights, axis=None) - np.fmin.reduce(heights, axis=None))
+    return abs(height_range - declared.length) <= 0.51 * declared.digit and declared.digit <= 1e-2 * declared.length
 
 
 def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
@@ -193,7 +218,7 @@ def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
     return declared.unit if declared.unit is not None and (unit is None or declared.factor is not None) else unit
 
 
-def _read_profile_columns(table: ColumnTable, *places: int) -> RawHeights:
+def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = False) -> RawHeights:
     """Return the heights of one column, or the positions and heights of rows where both columns contain numbers."""
     heights, declared = table.values[:, places[-1]], table.declared
     layout = "heights, a column" if len(places) == 1 else "positions and heights"
@@ -203,6 +228,7 @@ def _read_profile_columns(table: ColumnTable, *places: int) -> RawHeights:
         stated=declared.spacing or (None if declared.spacings is None else declared.spacings[1]), size=None,
         bare_spacing=None if declared.bare_spacing is None else declared.bare_spacing[-1:],
     )  # fmt: skip
+    raw = replace(raw, caveats=(*raw.caveats, *_find_calculation_caveat(table, places[-1])))
     if len(places) == 1:
         filled_rows = np.flatnonzero(~np.isnan(heights))
         end = int(filled_rows[-1]) + 1 if filled_rows.size and table.values.shape[1] > 1 else heights.size
@@ -229,7 +255,7 @@ def _read_profile_columns(table: ColumnTable, *places: int) -> RawHeights:
         raw, heights=heights[:end], positions=positions[:end],
         position_unit=_column_units(table)[places[0]] or declared.position_unit,
         digits=None if digits is None else lambda: digits()[:end],
-        caveats=(*raw.caveats, *_find_numbering_caveat(table, positions[:end], places[0])),
+        caveats=(*raw.caveats, *_find_position_caveat(table, positions[:end], places, is_chosen)),
     )  # fmt: skip
 
 
@@ -260,13 +286,17 @@ def _height_unit(table: ColumnTable, place: int) -> str | None:
 def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
     """Remove the first number of a height column if it is the count of the numbers that follow."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
-        if heights[place] == heights.size - 1 - place:
-            if place:
+        for others in range(place + 1, 4):  # numbers at the start that are not heights
+            if heights[place] != heights.size - others:
+                continue
+            if others == 1:
+                return heights[1:], (f"first number removed, {heights[0]:.0f}, which is the count of the others",)
+            # a whole number among whole heights is a count only if it is directly above them
+            if others == place + 1 or (heights[others:] % 1 != 0).any():
                 raise FormatError(
-                    f"begins with {place + 1} numbers, of which the last, {heights[place]:.0f}, counts the remaining "
+                    f"begins with {others} numbers, of which one, {heights[place]:.0f}, counts the remaining "
                     "numbers; delete these lines, which are not heights"
                 )
-            return heights[1:], (f"first number removed, {heights[0]:.0f}, which is the count of the others",)
     if width == 1 and heights.size > 6 and heights[0] * heights[1] == heights.size - 2 and min(heights[:2]) > 1:
         raise FormatError(
             f"begins with the size of a map, {heights[0]:.0f} and {heights[1]:.0f}, and lists one height per line; "
@@ -288,6 +318,37 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
         return ()
     text = f"the first number, {table.values[0, 0]:g}, has fewer decimals than all others"
     return (FileCaveat("first-number", text, "delete it if it is a step or a size instead of a height, or accept it"),)
+
+
+def _find_calculation_caveat(table: ColumnTable, place: int) -> tuple[FileCaveat, ...]:
+    """Return a caveat if the name of a column of heights contains a calculation, such as "z x 1000"."""
+    name = table.names[place] if table.names else ""
+    if table.declared.scale or not is_computed_height(name):
+        return ()
+    text = f"its column {printable_text(name)!r} may contain multiples or functions of the heights"
+    return (FileCaveat("scale", text, "accept it if the column contains heights in their unit"),)
+
+
+def _find_position_caveat(
+    table: ColumnTable, positions: Floats, places: Sequence[int], is_chosen: bool
+) -> tuple[FileCaveat, ...]:
+    """Return a caveat if the numbers used as positions may be point numbers or another quantity."""
+    if caveats := _find_numbering_caveat(table, positions, places[0]):
+        return caveats
+    name = table.names[places[0]] if table.names else ""
+    has_unit = _column_units(table)[places[0]] is not None or table.declared.position_unit is not None
+    if is_chosen or has_unit or not any(table.names) or is_length_axis(name):
+        return ()
+    numbers = _column_numbers(table)
+    column = f"column {numbers[places[0]]}" + (f" ({printable_text(name)})" if name else "")
+    return (
+        FileCaveat(
+            "positions",
+            f"{column} is used as positions, but its name has no unit and may denote another quantity",
+            f"choose it by --columns {numbers[places[0]]},{numbers[places[-1]]} if it contains positions; otherwise "
+            f"choose only the heights (--columns {numbers[places[-1]]}) and give --spacing",
+        ),
+    )
 
 
 def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[FileCaveat, ...]:
@@ -437,10 +498,11 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
             return table, ()  # keep the row numbers as positions, with a caveat
         return _select_table_columns(table, range(1, columns)), ("the first column, which numbers the rows, removed",)
     is_numbered = rows > 2 and columns > 2 and not table.names and np.isnan(table.values[0, 0])
+    first = table.values[1, 0] if is_numbered else np.nan
     if (
-        is_numbered
-        and np.array_equal(table.values[1:, 0], np.arange(rows - 1))
-        and np.array_equal(table.values[0, 1:], np.arange(columns - 1))
+        first in (0.0, 1.0)
+        and np.array_equal(table.values[1:, 0], first + np.arange(rows - 1))
+        and np.array_equal(table.values[0, 1:], first + np.arange(columns - 1))
     ):
         stripped_table = replace(
             table,
@@ -489,6 +551,12 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
         if abs(step - spacings[0].length) <= max(0.51 * spacings[0].digit, MAX_STEP_UNEVENNESS * spacings[0].length):
             text = f"the first column removed: positions {step:g} {spacings[0].unit} apart, as its header declares"
             return _select_table_columns(table, range(1, columns)), (text,)
+    for line, name in ((heights.T[::-1], "column"), (heights[::-1], "row")):
+        if has_equal_steps(line[0]) and _first_line_has_positions(line, None):
+            raise FormatError(
+                f"contains {rows} rows of {columns} columns, of which the last {name} has equal steps, like positions "
+                "or numbers; leave only heights in the file"
+            )
     if first_column or first_row:
         both_first = first_column and first_row
         raise FormatError(
@@ -612,11 +680,12 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
     if len(lateral_units) > 1:
         raise FormatError("has x and y in different units; write both in the same unit")
     source = replace(table.source, layout="points x, y, z on a grid", column=_describe_column(table, places[2]))
-    return _to_raw_heights(
+    raw = _to_raw_heights(
         table, heights, _height_unit(table, places[2]), spacing=spacing,
         position_unit=next(iter(lateral_units)) or table.declared.position_unit,
         history=(history_entry,), source=source,
     )  # fmt: skip
+    return replace(raw, caveats=(*raw.caveats, *_find_calculation_caveat(table, places[2])))
 
 
 def _is_line_of_points(table: ColumnTable) -> bool:

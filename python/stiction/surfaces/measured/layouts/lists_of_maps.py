@@ -1,6 +1,6 @@
-r"""Maps as a list of numbers below a header of NanoScope or CODE V. They are recognised in order to be rejected.
+r"""Lists of numbers of NanoScope, CODE V, ISO 5436-2 or an image. They are recognised in order to be rejected.
 
-NanoScope exports a map as a column of heights. CODE V interferograms are lists of integers with a scale.
+NanoScope exports a map as a column of heights. The numbers of CODE V and ISO 5436-2 (.smd) have a scale.
 
 ::
 
@@ -12,6 +12,11 @@ NanoScope exports a map as a column of heights. CODE V interferograms are lists 
     Title of the surface
     GRD 24 20 SUR WVL 0.6328 SSZ 1000 NDA -32768
     153 -20 12
+
+    ISO 5436 - 2000 laboratory
+    PRF 0 laboratory
+    CX I 300 mm 1.0 D 5.0e-04
+    CZ A 300 um 1.0e-4 L
 """
 
 from __future__ import annotations
@@ -23,11 +28,17 @@ from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import FormatError, RawHeights
 
 _CODE_V_PATTERN = re.compile(r"GRD\s+[0-9]+\s+[0-9]+\s+(?:SUR|WFR|FIL)\b", re.IGNORECASE)
+_TEXT_IMAGE_PATTERN = re.compile(r"P[123](?:\s+[0-9]+\s+[0-9]+(?:\s+[0-9]+)?)?", re.IGNORECASE)
+_SMD_PATTERN = re.compile(r"C[XZ]\s+[AI]\s+[0-9]+\s+[nuµm]?m\s+[0-9.]", re.IGNORECASE)
 
 
 def _is_list_of_map(text: DecodedText) -> bool:
     is_nanoscope = text.line(0).lstrip("\\").startswith("*File list")
-    return is_nanoscope or any(_CODE_V_PATTERN.match(line) for line in text.first_lines[:10])
+    patterns = (_CODE_V_PATTERN, _SMD_PATTERN)
+    is_image = _TEXT_IMAGE_PATTERN.fullmatch(text.line(0).strip()) is not None
+    return (
+        is_nanoscope or is_image or any(pattern.match(line) for line in text.first_lines[:10] for pattern in patterns)
+    )
 
 
 def _reject(text: DecodedText) -> RawHeights:
@@ -35,7 +46,11 @@ def _reject(text: DecodedText) -> RawHeights:
         raise FormatError(
             "is a NanoScope list with one height per line; open the file of the instrument instead (.spm)"
         )
+    if _TEXT_IMAGE_PATTERN.fullmatch(text.line(0).strip()):
+        raise FormatError("is an image in text (.pgm, .ppm), whose grey values have no height scale")
+    if any(map(_SMD_PATTERN.match, text.first_lines[:10])):
+        raise FormatError("is a text of ISO 5436-2 (.smd), whose numbers are scaled; export it as X3P")
     raise FormatError("is a CODE V interferogram, whose numbers are scaled; export the heights as a matrix")
 
 
-LAYOUT = TextLayout("list of a map", _is_list_of_map, _reject)
+LAYOUT = TextLayout("list of scaled numbers", _is_list_of_map, _reject)
