@@ -616,7 +616,8 @@ RUBBER_ON_GLASS_OPTIONS = [
     ids=["lapped", "ground", "rubber", "maps", "honed"],
 )
 def test_pair_command_output_fits_in_24_lines(scans_folder, arguments, tmp_path):
-    completed = check_stiction("pair", *arguments, "-o", tmp_path / "out", cwd=scans_folder, columns=80)
+    options = {"cwd": scans_folder, "columns": 80, "without_figures": True, "without_report": True}
+    completed = check_stiction("pair", *arguments, "-o", tmp_path / "out", **options)
     # Paths are not counted, because they are longer in this test than in the current directory.
     output = (completed.stderr + completed.stdout).replace(str(tmp_path / "out"), "out")
     text_before_paths, _, paths = output.partition("wrote ")

@@ -216,7 +216,8 @@ def study_file(tmp_path_factory):
 def test_run_with_a_changed_entry_prints_its_value_and_range_and_lists_it_in_the_budget(
     study_file, tmp_path, key, entry, text, label
 ):
-    check_stiction("run", study_file, "--set", f"{key}={entry}", "--output", "changed", cwd=tmp_path)
+    options = {"cwd": tmp_path, "without_figures": True, "without_report": True}
+    check_stiction("run", study_file, "--set", f"{key}={entry}", "--output", "changed", **options)
     document = json.loads(check_stiction("info", "changed", "--json", cwd=tmp_path).stdout)
     point = document["points"][0]
     assert text in point["sentence"]
