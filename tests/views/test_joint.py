@@ -125,6 +125,11 @@ def test_numbers_in_all_files_are_those_of_the_csv_file(result, folder, table):
     assert set(re.findall(rf"({NUMBER})$", re.sub("#.*", "", liggghts), re.MULTILINE)) <= cells
 
 
+def test_result_evaluates_a_single_quantity_with_its_combined_interval(result):
+    closure = result.at(quantities=["closure"])["closure"].squeeze()
+    np.testing.assert_array_equal(closure, result.at()["closure"].squeeze())
+
+
 def test_card_states_units_source_interval_and_what_the_format_cannot_hold(result, folder):
     texts = {ending: export_text(result, folder / f"card{ending}") for ending in (".inp", ".mac", ".liggghts")}
     for text in texts.values():

@@ -55,9 +55,10 @@ _FRICTION_VARIABLES = (
     "tangential_load",
     "status",
     "contact_area",
+    "contact_count",
     *GAP_QUANTITIES,
 )
-"""Quantities that are always evaluated, because intervals of friction need the true area and the slopes of the gap."""
+"""Quantities that are always evaluated, because intervals of friction depend on them."""
 
 LoadDefinition = Literal["mean", "elastic", "normal"]
 MemberKind = Literal["shifts", "surrogates"]
