@@ -1,5 +1,6 @@
 """Test joint tables against `Result.at`, their files, and the card of CalculiX in a finite-element model."""
 
+import io
 import json
 import re
 import shutil
@@ -9,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pandas
 import pytest
-from stiction import Study, pair, run, self_affine_surface
+from stiction import Study, half_space, material, open_result, pair, run, self_affine_surface
+from stiction.study.members import load_bodies
 from support.command import assert_rejected, call_stiction, check_stiction
 
 ROOT = Path(__file__).parents[2]
@@ -82,7 +84,16 @@ def test_tangential_stiffness_of_grooves_is_the_normal_stiffness_while_unloading
         unloading = row.estimates["unloading_closure_stiffness"].value
         assert row.estimates["tangential_stiffness_per_area"].value == pytest.approx(unloading)
         assert row.estimates["closure_stiffness"].value <= unloading * 1.001
-    assert any("parallel grooves" in note for note in table.notes)
+    (note,) = [note for note in table.notes if "parallel grooves" in note]
+    (first_shear, first), (second_shear, second) = (
+        (each.young_modulus / (2 + 2 * each.poisson_ratio), each.poisson_ratio)
+        for each in (material("mild steel"), material("brass"))
+    )
+    # Dundurs' second constant for plane strain
+    beta = (first_shear * (1 - 2 * second) - second_shear * (1 - 2 * first)) / (
+        2 * (first_shear * (1 - second) + second_shear * (1 - first))
+    )
+    assert f"beta is {abs(beta):.1g}," in note
 
 
 def test_joint_table_of_maps_states_mindlins_ratio_and_missing_percentiles():
@@ -104,25 +115,78 @@ def test_joint_table_of_maps_states_mindlins_ratio_and_missing_percentiles():
     assert row.friction(5).status == "no-prediction"
 
 
-def test_numbers_in_all_files_are_those_of_the_csv_file(result, folder, table):
-    csv = export_text(result, folder / "joint.csv", joint=True)
+def read_card_numbers(card):
+    """Return all numbers of a card as text, except those in words, and in the description above the table."""
+    lines = [re.sub(r"^(\*\*|!|#) ", "", line) for line in card.splitlines()]
+    text = " ".join(lines)
+    valid_range = re.search(r"Valid from .*?\. Below", text)[0]
+    text = re.sub(r"\b(5|50|95) %|INTER19[25]|perarea", "", f"{valid_range} {text[text.index('Table: ') :]}")
+    return re.findall(rf"(?<![\w.]){NUMBER}(?![\w.]*[A-Za-z])", text)
+
+
+@pytest.mark.parametrize("units", UNIT_SYSTEMS)
+def test_every_number_of_all_files_is_in_the_csv_file(result, folder, units):
+    table = result.joint_table(units=units)
+    csv = export_text(result, folder / "joint.csv", joint=True, units=units)
     frame = pandas.read_csv(folder / "joint.csv")
-    assert len(frame) == len(table.rows)
-    assert frame["closure (mm)"].tolist() == pytest.approx([closure_of(row) for row in table.rows])
-    assert set(frame["normal stiffness: kind"]) == {"combined"}
     cells = {cell for line in csv.splitlines()[1:] for cell in line.split(",")}
+    estimates = [each for row in table.rows for each in row.estimates.values()]
+    values = [number for each in estimates for number in (each.value, each.lower, each.upper) if not np.isnan(number)]
+    in_rows = {f"{value:.9g}" for value in values}
+    assert cells - in_rows == {"0", "1", "combined", "prediction"}
+    assert in_rows <= cells
+    assert len(frame) == len(table.rows)
+    assert frame.filter(like="kind").nunique().eq(1).all()
+    record = json.loads(export_text(result, folder / "joint.json", joint=True, units=units))
+    in_record = {f"{each[name]:.9g}" for each in record["values"] for name in ("value", "lower", "upper")
+                 if each[name] is not None}  # fmt: skip
+    assert in_record == in_rows
+    rounded = {f"{value:.{digits}g}" for value in values for digits in (4, 6)}
+    for ending in (".inp", ".mac", ".liggghts"):
+        card = export_text(result, folder / f"card{ending}", units=units)
+        numbers = read_card_numbers(card)
+        assert len(numbers) > 5 * len(frame)
+        # The origin of the curve, and numbers of materials, constants, points and atom types.
+        assert set(numbers) - rounded <= {"0", "1", "2", str(len(frame))}, ending
+        assert card.isascii()
+        assert max(map(len, card.splitlines())) < 256
+    assert f"{closure_of(table.reference):.6g}" in export_text(result, folder / "card.inp", units=units)
+
+
+def test_numbers_on_a_card_have_no_more_digits_than_an_estimate(result, folder):
+    """Pressures and closures have six, because other programs derive the stiffness from their differences."""
+    friction, stiffness = re.search(
+        r"^\*FRICTION\n(.*), (.*)$", export_text(result, folder / "card.inp"), re.M
+    ).groups()
+    assert max(len(re.sub(r"^0\.0*|\.|e.*", "", number)) for number in (friction, stiffness)) <= 4
     card = export_text(result, folder / "card.inp")
-    data_lines = [line for line in card.splitlines() if re.match(rf"(\*\* )?{NUMBER}[,;]", line)]
-    assert len(data_lines) > 3 * len(frame)
-    assert set(re.findall(NUMBER, "\n".join(data_lines))) - {"0"} <= cells
-    assert max(map(len, card.splitlines())) < 256
-    assert card.isascii()
-    ansys = export_text(result, folder / "card.mac")
-    numbers = re.findall(rf"^(?:TBPT,|TBFIELD,NPRES|TBDATA,1),({NUMBER})(?:,({NUMBER}))?$", ansys, re.MULTILINE)
-    assert len(numbers) == 3 * len(frame) + 1
-    assert {each for pair_of_numbers in numbers for each in pair_of_numbers} - {""} <= cells
-    liggghts = export_text(result, folder / "card.liggghts")
-    assert set(re.findall(rf"({NUMBER})$", re.sub("#.*", "", liggghts), re.MULTILINE)) <= cells
+    assert len(re.findall(r"^50, ", card, re.MULTILINE)) == 1
+    assert len(re.findall(r"^\*\* 0\..*, , 50$", card, re.MULTILINE)) == 1
+
+
+def test_computed_joint_has_the_stiffness_of_direct_solutions_at_every_pressure(result, folder):
+    check_stiction("export", "pair", "computed.csv", "--joint", "--compute", cwd=folder)
+    frame = pandas.read_csv(folder / "computed.csv")
+    assert frame["computed"].all()
+    computed = open_result(folder / "pair/joint")
+    pressures = frame["nominal pressure (MPa)"].to_numpy()
+    at = computed.at([f"{pressure} MPa" for pressure in pressures]).sel(sliding="all").squeeze()
+    for name, title in (("closure_stiffness", "normal"), ("tangential_stiffness_per_area", "tangential")):
+        np.testing.assert_allclose(frame[f"{title} stiffness (MPa/mm)"], at[name].sel(statistic="mean"), rtol=1e-6)
+    study = result.study
+    bodies, contact = load_bodies(study), study.contact.solver_arguments()
+    for index in (2, 14, 30):
+        loads = result.nominal_area * 1e-3 * pressures[index] * np.array([0.999, 1.001])
+        closures = np.mean(
+            [half_space(*bodies.member(member, 0.0).pair, loads, **contact).closure for member in range(16)], axis=0
+        )
+        expected = 1e3 * np.diff(loads)[0] / result.nominal_area / (1e-3 * np.diff(closures)[0])
+        assert frame["normal stiffness (MPa/mm)"][index] == pytest.approx(expected, rel=0.01)
+    interpolated = pandas.read_csv(io.StringIO(export_text(result, folder / "joint.csv", joint=True)))
+    assert interpolated["nominal pressure (MPa)"].tolist() == pytest.approx(pressures.tolist())
+    assert 0 < interpolated["computed"].sum() < len(frame)
+    assert any("--compute" in note for note in result.joint_table().notes)
+    assert not any("--compute" in note for note in computed.joint_table().notes)
 
 
 def test_result_evaluates_a_single_quantity_with_its_combined_interval(result):
@@ -157,6 +221,8 @@ def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, fo
         (("x.tex", "--joint"), "must end in .csv"),
         (("x.inp", "--units", "in,lbf,psi"), "units must be one of 'mm,N,MPa'"),
         (("x.csv", "--units", "m,N,Pa"), "--units applies only to joint tables and cards"),
+        (("x.csv", "--compute"), "--compute applies only to joint tables and cards"),
+        (("x.inp", "--workers", "2"), "--workers requires --compute"),
         (("from_command.csv", "--joint"), "from_command.csv"),
     ):
         assert_rejected(call_stiction("export", "pair", *arguments, cwd=folder), message)

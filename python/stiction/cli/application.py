@@ -122,7 +122,7 @@ COMMANDS_BY_GROUP: dict[str, dict[str, tuple[str, str]]] = {
         "info": ("results", "Show inputs, progress, friction and reliability of a result."),
         "plot": ("results", "Draw the figures of a result again."),
         "report": ("results", "Write an interactive HTML report."),
-        "export": ("results", "Write a result to netCDF, or its table to CSV or LaTeX."),
+        "export": ("results", "Write a result, or its joint for finite elements, to a file."),
     },
     "Contact laws": {"table": ("table", "Tabulate friction, area and stiffness for another code.")},
 }

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from stiction._text import printable_path
 from stiction.cli.application import command, print_output
-from stiction.cli.options import JsonOption, VerboseOption, option
+from stiction.cli.options import JsonOption, VerboseOption, WorkersOption, option, reject_options
+
+if TYPE_CHECKING:
+    from stiction.result import Result
+
+JOINT_DIRECTORY = "joint"
+"""Directory, in that of a pair, of the result at all loads of its joint table."""
 
 DirectoryArgument = Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair` or `run`.")]
 
@@ -102,33 +108,62 @@ def report(
     "export",
     "stiction export figure6 figure6.nc",
     "stiction export pair pair.csv",
-    "stiction export pair joint.csv --joint",
+    "stiction export pair joint.csv --joint --compute",
     "stiction export pair card.inp --units m,N,Pa",
 )
 def export(
+    context: typer.Context,
     directory: DirectoryArgument,
     file: Annotated[
         Path,
         typer.Argument(
             metavar="FILE",
-            help="File to write: .nc, .csv, .tex, or a card for Abaqus and CalculiX (.inp), Ansys (.mac) or LIGGGHTS "
-            "(.liggghts). It must not exist.",
+            help="File to write: .nc, .csv or .tex; with --joint, .csv or .json; or a card of the joint for Abaqus and "
+            "CalculiX (.inp), Ansys (.mac) or LIGGGHTS (.liggghts). It must not exist.",
         ),
     ],
     *,
     joint: Annotated[
-        bool, option("--joint", "Write closure, stiffness, friction and true area against pressure to .csv or .json.")
+        bool, option("--joint", "Write the joint: closure, stiffness, friction and true area against pressure.")
     ] = False,
     units: Annotated[
-        str | None, option("--units UNITS", "Units of joints and cards: mm,N,MPa, m,N,Pa or um,mN,GPa.", "mm,N,MPa")
+        str | None, option("--units UNITS", "Units of the joint: mm,N,MPa, m,N,Pa or um,mN,GPa.", "mm,N,MPa")
     ] = None,
+    compute: Annotated[
+        bool, option("--compute", "Compute the contacts at all pressures of the joint, and store them in DIR/joint.")
+    ] = False,
+    workers: WorkersOption = None,
 ) -> None:
-    """Write the stored result to a netCDF file, or write a table of the values at the loads shown by `info`.
+    """Write the stored result, a table of its values, or the joint for a finite-element model.
 
-    For finite-element models, write the properties of the joint against pressure.
+    A netCDF file contains the whole result, and a table the values at the loads shown by `info`. The joint is a table
+    of contact properties against pressure (--joint), or a card that contains them. Between the computed loads, its
+    values are interpolated unless --compute is given.
     """
     from stiction.cli.result_output import open_result_with_warning
+    from stiction.views.files import is_card
 
     chosen_units: Any = units
-    open_result_with_warning(directory).export(file, joint=joint, units=chosen_units)
+    result = open_result_with_warning(directory)
+    if compute:
+        if not (joint or is_card(file)):
+            reject_options(context, "applies only to joint tables and cards", "compute")
+        result = _compute_joint(result, directory / JOINT_DIRECTORY, workers)
+    else:
+        reject_options(context, "requires --compute", "workers")
+    result.export(file, joint=joint, units=chosen_units)
     print_output(f"wrote {printable_path(file)}")
+
+
+def _compute_joint(result: Result, directory: Path, workers: int | None) -> Result:
+    """Compute a pair at all loads of its joint table. A joint of another study in the directory is replaced."""
+    from stiction.cli.execution import compute_result_in_folder, open_executor
+    from stiction.solve.store import StudyMismatchError
+    from stiction.summary.joint_table import build_joint_study
+
+    study = build_joint_study(result.study, result.nominal_area)
+    with open_executor(workers, None) as executor:
+        try:
+            return compute_result_in_folder(study, directory, executor, onset=0)
+        except StudyMismatchError:
+            return compute_result_in_folder(study, directory, executor, onset=0, replace=True)

@@ -382,14 +382,14 @@ class Evaluation(MemberSums):
         >>> table.reference.pressure.value, table.reference.estimates["closure"].unit
         (10.0, 'mm')
         """
-        loads = choose_joint_loads(self.study)
+        loads = choose_joint_loads(self.study, self.nominal_area)
         loads = loads if load is None else self._to_forces(load)
         friction = self.study.friction
         strengths: dict[str, Any] = {
             "mu0": friction.mu0[:1] if mu0 is None else mu0,
             "tau0": friction.tau0[:1] if tau0 is None else tau0,
         }
-        at = self.at(loads, **strengths, quantities=(*JOINT_QUANTITIES, "contact_count"))
+        at = self.at(loads, **strengths, quantities=JOINT_QUANTITIES)
         for name, values in strengths.items():
             if at.sizes.get(name, 1) > 1:
                 raise ValueError(f"{name} must be a single value, got {short_repr(values)}")

@@ -16,7 +16,7 @@ from stiction._units import quantity
 from stiction.evaluate.combined_intervals import FRICTION_PERCENTILES
 from stiction.evaluate.member_values import find_tangential_stiffness_ratio, has_grooves
 from stiction.evaluate.point import list_sliding_rules_reported_first, read_estimate, select_sliding_rule
-from stiction.mechanics.onset import DEFAULT_POISSON_RATIO
+from stiction.mechanics.onset import DEFAULT_POISSON_RATIO, parse_poisson_ratios
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ MAX_LOAD_RATIO = 10 ** (1 / 16)
 
 Other programs interpolate linearly between its rows; the closure of two profiles then deviates by less than 0.1 %.
 """
+MIN_DUNDURS_BETA = 0.005  # below this value of Dundurs' second constant, materials count as equal
 UnitSystem = Literal["mm,N,MPa", "m,N,Pa", "um,mN,GPa"]
 """Consistent units of length, force and pressure of other programs."""
 
@@ -118,7 +119,7 @@ class JointTable:
         By ascending pressure.
     units : JointUnits
     reference : JointRow
-        Row at the first load of the study.
+        Row at the load of the pair, or at the first of several.
     mu0, tau0 : float
         Values to which the friction belongs; tau0 in GPa.
     notes : tuple of str
@@ -133,20 +134,28 @@ class JointTable:
     notes: tuple[str, ...]
 
 
-def choose_joint_loads(study: Study) -> Floats:
+def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
     """Return the computed loads (mN) of a measured pair, and loads between them at ratios up to `MAX_LOAD_RATIO`.
 
-    Raises a `ValueError` if the bodies were generated.
+    The loads between them belong to nominal pressures of four digits. Raises a `ValueError` if the bodies were
+    generated.
     """
-    if not study.is_measured:
+    if nominal_area is None:
         raise ValueError("a joint table needs a measured pair, got generated surfaces; stiction table tabulates these")
     steps = study.contact.loading_steps()
-    counts = np.maximum(np.ceil(np.log(steps[1:] / steps[:-1]) / math.log(MAX_LOAD_RATIO) - 1e-6), 1).astype(int)
-    series = [
-        np.geomspace(low, high, count, endpoint=False)
+    counts = np.maximum(np.ceil(np.log(steps[1:] / steps[:-1]) / math.log(MAX_LOAD_RATIO) - 0.02), 1).astype(int)
+    between = [
+        float(f"{load / nominal_area:.4g}") * nominal_area
         for low, high, count in zip(steps[:-1], steps[1:], counts, strict=True)
+        for load in np.geomspace(low, high, count, endpoint=False)[1:].tolist()
     ]
-    return np.unique(np.concatenate([*(each[1:] for each in series), steps]))
+    return np.unique([*between, *steps])
+
+
+def build_joint_study(study: Study, nominal_area: float | None) -> Study:
+    """Return the study of a measured pair at all loads of its joint table. Errors are as for `choose_joint_loads`."""
+    loads = choose_joint_loads(study, nominal_area).tolist()
+    return study.with_changes({"contact.load": [f"{load!r} mN" for load in loads]})
 
 
 def build_joint_table(at: xarray.Dataset, study: Study, units: str) -> JointTable:
@@ -178,6 +187,14 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str) -> JointTabl
     notes = (
         *_describe_definitions(study, at),
         *_describe_range(rows, parsed_units),
+        *(
+            []
+            if all(row.is_computed for row in rows)
+            else [
+                "Between the computed pressures, values are interpolated. Contacts that appear can change stiffnesses "
+                "by several per cent there, and the intervals contain this error; export with --compute avoids it."
+            ]
+        ),
         *(f"No closure, and therefore no row, at {format_with_unit(load / area, 'GPa')}." for load in omitted_loads),
     )
     return JointTable(tuple(rows), parsed_units, reference, float(at["mu0"]), float(at["tau0"]), notes)
@@ -228,17 +245,28 @@ def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
     """Return how the tangential stiffness follows from the normal stiffness, or why it is missing."""
     if "tangential_stiffness_per_area" not in at or np.isnan(at["tangential_stiffness_per_area"]).all():
         return "No tangential stiffness: the result was stored without the stiffness while unloading; compute it again."
-    start = "Tangential stiffness: before slip, equal to the normal stiffness while unloading"
-    if has_grooves(study):
-        return f"{start}, because parallel grooves across the motion deform in plane strain; assumes bodies alike."
     contact: Any = study.contact
-    given = contact.poisson
-    ratios = np.unique(np.array(given or (DEFAULT_POISSON_RATIO,), float)).tolist()
-    poisson = " and ".join(f"{ratio:.3g}" for ratio in ratios) + ("" if given else " (assumed)")
+    start, given = "Tangential stiffness: before slip, equal to the normal stiffness while unloading", contact.poisson
+    if has_grooves(study):
+        text = f"{start}, because parallel grooves across the motion deform in plane strain."
+    else:
+        ratios = np.unique(np.array(given or (DEFAULT_POISSON_RATIO,), float)).tolist()
+        poisson = " and ".join(f"{ratio:.3g}" for ratio in ratios) + ("" if given else " (assumed)")
+        factor = find_tangential_stiffness_ratio(study)
+        text = f"{start} times {factor:.3g}, Mindlin's ratio for isotropic surfaces with Poisson's ratio {poisson}."
+    beta = _compute_dundurs_beta(given or DEFAULT_POISSON_RATIO, getattr(contact, "compliance_share", 0.5))
+    if beta < MIN_DUNDURS_BETA:
+        return text
     return (
-        f"{start} times {find_tangential_stiffness_ratio(study):.3g}, Mindlin's ratio for isotropic surfaces with "
-        f"Poisson's ratio {poisson}."
+        f"{text} Normal displacements under a tangential load, which different materials cause, are neglected: "
+        f"Dundurs' beta is {beta:.1g}, and the stiffness depends on its square."
     )
+
+
+def _compute_dundurs_beta(poisson: Any, compliance_share: float) -> float:
+    """Return the size of Dundurs' second constant in plane strain, for Poisson's ratios and the lower body's share."""
+    factors = [(1 - 2 * ratio) / (1 - ratio) for ratio in parse_poisson_ratios(poisson)]
+    return abs((1 - compliance_share) * factors[0] - compliance_share * factors[1]) / 2
 
 
 def _describe_range(rows: Sequence[JointRow], units: JointUnits) -> list[str]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import textwrap
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 from stiction._core import __version__
-from stiction._estimate import Estimate, estimate_column_titles
+from stiction._estimate import MAX_SIGNIFICANT_DIGITS, Estimate, estimate_column_titles
 from stiction.summary.joint_table import JOINT_TITLES
 from stiction.views.json_record import record_json
 from stiction.views.spreadsheet import frame_to_csv
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from stiction.summary.joint_table import JointRow, JointTable
 
 CARD_WIDTH = 100  # maximum number of characters in a comment line of a card
+CURVE_DIGITS = 6
+"""Significant digits of pressures and closures in cards: other programs take the stiffness from their differences."""
 _ASCII_REPLACEMENTS = {
     "μ": "mu", "τ": "tau", "α": "alpha", "ν": "nu", "±": "+-", "²": "^2", "µ": "u", "–": "-", "′": "'", "×": "x",
 }  # fmt: skip
@@ -38,6 +41,7 @@ def joint_frame(table: JointTable) -> pandas.DataFrame:
         if any(each.has_interval for each in estimates):
             columns[titles["lower"]] = [each.lower for each in estimates]
             columns[titles["upper"]] = [each.upper for each in estimates]
+        if any(each.kind for each in estimates):
             columns[f"{title}: kind"] = [each.kind for each in estimates]
     columns["computed"] = [int(row.is_computed) for row in table.rows]
     return pandas.DataFrame(columns)
@@ -71,10 +75,11 @@ def abaqus_card(table: JointTable, source: str) -> str:
     has_stick_slope = math.isfinite(stiffness.value)
     lines = [
         *_describe(table, source, "** "),
-        *_comment_table(table, "** "),
+        *_comment_table(table, "** ", given=("closure", "friction_50")),
         *_comment(
             "Pressure, closure. The slave surface needs TYPE=NODE TO SURFACE in CalculiX. Below the first pressure the "
-            "curve is a straight line; above the last pressure it is not known.", "** ",
+            "curve is a straight line; above the last pressure it is not known. Unloading follows the same curve, "
+            "although it is stiffer if contacts have yielded.", "** ",
         ),
         "*SURFACE INTERACTION, NAME=JOINT",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR",
@@ -95,8 +100,8 @@ def abaqus_card(table: JointTable, source: str) -> str:
         _number(friction) + (f", {_number(stiffness)}" if has_stick_slope else ""),
         *_comment(
             "Abaqus: replace *FRICTION and its line by the following lines, without the asterisks in front: the median "
-            "of mu_s and the pressure. For the tangential stiffness, add the parameter ELASTIC SLIP: mu_s times the "
-            "pressure over the tangential stiffness, at one pressure.", "** ",
+            "of mu_s, no slip rate, and the pressure. For the tangential stiffness, add the parameter ELASTIC SLIP: "
+            "mu_s times the pressure over the tangential stiffness, at one pressure.", "** ",
         ),
         "** *FRICTION",
     ]  # fmt: skip
@@ -110,10 +115,11 @@ def ansys_card(table: JointTable, source: str) -> str:
     stiffness = row.estimates["tangential_stiffness_per_area"]
     lines = [
         *_describe(table, source, "! "),
-        *_comment_table(table, "! "),
+        *_comment_table(table, "! ", given=("closure", "friction_50")),
         *_comment(
             "Material 1: closure and pressure of interface elements (INTER192 to INTER195). They have no friction: use "
-            "either this material or contact elements with material 2.", "! ",
+            "either this material or contact elements with material 2. Unloading follows the same curve, although it "
+            "is stiffer if contacts have yielded.", "! ",
         ),
         f"TB,GASKET,1,,{len(rows)},COMP",
         *(f"TBPT,,{_number(each.estimates['closure'])},{_number(each.pressure)}" for each in rows),
@@ -139,16 +145,17 @@ def ansys_card(table: JointTable, source: str) -> str:
 
 
 def liggghts_card(table: JointTable, source: str) -> str:
-    """Return properties for LIGGGHTS at the first load of the study."""
+    """Return properties for LIGGGHTS at the pressure of `JointTable.reference`."""
     row = table.reference
     stiffnesses = {"kn": row.estimates["closure_stiffness"], "kt": row.estimates["tangential_stiffness_per_area"]}
     lines = [
         *_describe(table, source, "# "),
         *_comment_table(table, "# "),
         *_comment(
-            f"LIGGGHTS holds one value each, here at {_pressure_text(row)}. Its kn and kt (model hooke/stiffness) "
-            "are forces over lengths: multiply the stiffnesses below by the area that a contact between two grains "
-            "represents. A dependence on the pressure must be updated by your script, from the table above.", "# ",
+            f"LIGGGHTS holds one value each, here at {_pressure_text(row)} and for one atom type. Its kn and kt (model "
+            "hooke/stiffness) are forces over lengths: multiply the stiffnesses below by the area that a contact "
+            "between two grains represents. A dependence on the pressure must be updated by your script, from the "
+            "table above.", "# ",
         ),
         *(
             f"variable {name}_per_area equal {_number(each)}"
@@ -172,8 +179,9 @@ def _list_increasing_rows(table: JointTable) -> list[JointRow]:
 
 
 def _number(estimate: Estimate) -> str:
-    """Return the value with as many digits as in the CSV file."""
-    return f"{estimate.value:.9g}"
+    """Return the value with as many digits as an estimate has; pressures and closures have more."""
+    digits = CURVE_DIGITS if estimate.name in ("nominal_pressure", "closure") else MAX_SIGNIFICANT_DIGITS
+    return f"{estimate.value:.{digits}g}"
 
 
 def _pressure_text(row: JointRow) -> str:
@@ -204,14 +212,25 @@ _CARD_COLUMNS = (
 """Estimates in the comments of a card, whose lines must not exceed 256 characters for Abaqus."""
 
 
-def _comment_table(table: JointTable, prefix: str) -> list[str]:
-    """Return the main columns of the table as comment lines, with intervals."""
-    titles = "; ".join(JOINT_TITLES[name] for name in _CARD_COLUMNS)
+def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) -> list[str]:
+    """Return the main columns of the table as comment lines, with intervals.
+
+    Of the estimates named in `given`, which the card itself contains, only the intervals are listed.
+    """
+
+    def is_listed(name: str) -> bool:
+        estimates = [row.estimates[name] for row in table.rows]
+        return any(each.has_interval if name in given else math.isfinite(each.value) for each in estimates)
+
+    names = [name for name in _CARD_COLUMNS if is_listed(name)]
+    titles = "; ".join("interval of the " * (name in given) + JOINT_TITLES[name] for name in names)
     lines = _comment(f"Table: {titles}. In brackets: 95 % intervals.", prefix)
     for row in table.rows:
         cells = []
-        for estimate in (row.estimates[name] for name in _CARD_COLUMNS):
-            interval = f" [{estimate.lower:.9g}, {estimate.upper:.9g}]" if estimate.has_interval else ""
-            cells.append(_number(estimate) + interval)
+        for name in names:
+            estimate, digits = row.estimates[name], MAX_SIGNIFICANT_DIGITS
+            value = _number(estimate) if name == "nominal_pressure" else f"{estimate.value:.{digits}g}"
+            interval = f"[{estimate.lower:.{digits}g}, {estimate.upper:.{digits}g}]" if estimate.has_interval else ""
+            cells.append(interval if name in given else f"{value} {interval}".rstrip())
         lines.append(prefix + "; ".join(cells))
     return lines
