@@ -277,7 +277,7 @@ def test_commands_of_readme_work_in_order_in_a_fresh_clone(clone_after_readme):
 @pytest.mark.docs
 @pytest.mark.timeout(900)
 @parametrize_pages([page for page in LITERAL_PAGES if page.name != "README.md"])
-def test_commands_of_index_and_tutorials_work_in_the_clone_after_those_of_readme(page, clone_after_readme):
+def test_commands_of_index_and_tutorials_work_in_a_clone_in_which_readme_was_followed(page, clone_after_readme):
     clone, _ = clone_after_readme
     completed = run_in_new_terminal(f". .venv/bin/activate\n{shell_script(page)}", clone)
     assert completed.returncode == 0, completed.stderr

@@ -114,7 +114,7 @@ void mark_grid_minima(const double* above, const double* at, const double* below
 // Tile of a map: its cells, and the surrounding points that influence the spline in these cells.
 // The arrays of a tile fit into the processor cache.
 struct Tile {
-  CellRange cells;  // cells of the tile, as a range of cells of the map
+  CellRange cells;  // range of map cells
   Index row;        // row of the first point in the map
   Index column;     // column of the first point in the map
   Index rows;       // number of rows of points

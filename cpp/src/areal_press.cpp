@@ -56,7 +56,7 @@ constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;
 constexpr std::size_t num_directed_sums = 2 * num_factors - num_normal_factors;
 
-// Compute the factors of a contact for all directions. The factors are 0 if the contact does not slide.
+// Compute the factors of force and area of a contact for all directions; 0 if friction does not act at the contact.
 STICTION_MULTIVERSION
 void compute_factors(const Vector3& normal, const double* directions_xy, std::size_t direction_count, bool all,
                      double* factors) {

@@ -68,8 +68,8 @@ void multiply_line(const double* coefficients, const double* direct_factors, con
   }
 }
 
-// Multiply two columns k and m - k of an area by their factors.
-// The first column is read upwards from a wavenumber along y. The second column is mirrored and read downwards.
+// Multiply the columns k and m - k of a two-dimensional transform by their factors.
+// `first` increases along y, `second` decreases, because it belongs to the wavenumber of the opposite sign.
 // Each factor is repeated for the real and the imaginary part.
 template <class Real>
 STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict second, const Real* first_factors,

@@ -43,7 +43,7 @@ double log_slope(double k, double ratio) {
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
     // The returned number is the limit for e -> 0.
-    // Its error is about e², which hardly affects the number of iterations.
+    // Its error is about e², too small to change the number of iterations noticeably.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);

@@ -1,4 +1,4 @@
-"""Measure the error of neglecting asperity interaction: writes images/boundary_elements*.png and prints the table.
+"""Measure the error of neglecting asperity interaction, and write images/boundary_elements*.png and print the table.
 
 The script takes about three minutes on two cores.
 """

@@ -1,4 +1,4 @@
-"""Test the claims of the paper: writes the tables of claims.md and friction.md into docs/generated.
+"""Test the claims of the paper, and write the tables of claims.md and friction.md into docs/generated.
 
 `./dev claims` runs this script after it has computed the studies of the figures in build/claims. `--repetitions 2000`
 adds tables for 2000 repetitions, and `--columns` adds areas, half-planes and half-spaces with fewer repetitions.
@@ -69,7 +69,7 @@ CLAIMS = {
     6: "Friction can be lower than mu0.",
     7: "A larger amplitude lowers A/F_N, and at tau0 = 200 MPa friction; flatter surfaces show the rise at high D "
     "less, and the adhesion at low D more.",
-    8: "mu0 and tau0 hardly change the area at a load, and the normal stiffness.",
+    8: "mu0 and tau0 change the area at a load and the normal stiffness only slightly.",
 }
 
 STUDY_VARIANTS: Mapping[str, Mapping[str, Any]] = {
@@ -848,7 +848,7 @@ def render_claim_variants(variants: Mapping[str, list[ClaimPartOutcome]]) -> str
 
 
 def render_claim_columns(columns: Mapping[str, list[ClaimPartOutcome]]) -> str:
-    """Render the table of columns with descriptions of the parts and intervals."""
+    """Render a table with the outcome of each part of a claim for each kind of surface."""
 
     def outcome_cell(outcome: ClaimPartOutcome) -> str:
         if not math.isfinite(outcome.value):

@@ -1,4 +1,4 @@
-"""Test the small-slope curve of friction: writes images/collapse*.png, generated/collapse.md and collapse.csv.
+"""Test the small-slope curve of friction, and write images/collapse*.png, generated/collapse.md and collapse.csv.
 
 Each point is an ensemble of pairs of maps or profiles, evaluated by the half-space and by the asperity model. Finished
 points are stored in build/collapse.jsonl and are not computed again. The script takes about ten minutes on one core.

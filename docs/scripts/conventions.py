@@ -1,4 +1,4 @@
-"""Draw the terms and signs of the conventions: writes images/conventions.png.
+"""Draw the terms and signs of the conventions, and write images/conventions.png.
 
 The library computes bodies, contacts, normals, spheres and forces of one small pair. Only the positions of labels are
 chosen by hand.

@@ -1,4 +1,4 @@
-"""Draw the conventions of height maps in three dimensions: writes images/conventions_areas.png.
+"""Draw the conventions of height maps in three dimensions, and write images/conventions_areas.png.
 
 The library computes contacts, normals and tangents of one small pair. Only the positions of labels are chosen by hand.
 """

@@ -1,4 +1,4 @@
-"""Draw friction against each parameter: writes images/friction.png from the results of `./dev claims --columns`.
+"""Draw friction against each parameter, and write images/friction.png from the results of `./dev claims --columns`.
 
 It reads build/claims/columns, which `./dev claims --repetitions 2000 --columns` writes.
 """

@@ -1,4 +1,4 @@
-"""Compare figure 6 with half-planes and with cylinders: writes images/half_plane.png.
+"""Compare figure 6 with half-planes and with cylinders, and write images/half_plane.png.
 
     python docs/scripts/half_plane.py [DIRECTORY]
 

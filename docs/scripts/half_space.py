@@ -1,4 +1,4 @@
-"""Compare the asperity model with the elastic half-space: writes images/half_space.png and generated/half_space.md.
+"""Compare the asperity model with the elastic half-space, and write images/half_space.png and generated/half_space.md.
 
 The script takes about a minute on one core.
 """

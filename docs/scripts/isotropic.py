@@ -1,4 +1,4 @@
-"""Compare areal surrogates from one section of each map with pieces of the maps: writes docs/generated/isotropic.md."""
+"""Compare surrogates, generated from one section of each map, with the maps, and write docs/generated/isotropic.md."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Measure the coverage of intervals of pairs of maps: writes docs/generated/map_intervals.md."""
+"""Measure the coverage of intervals of pairs of maps, and write docs/generated/map_intervals.md."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Compute the friction of six pairs of metals with and without junction growth: writes generated/metals.md.
+"""Compute the friction of six pairs of metals with and without junction growth, and write generated/metals.md.
 
 The surfaces are two quarters of a measured AFM map. The script takes a minute on one core.
 """

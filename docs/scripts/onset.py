@@ -1,4 +1,4 @@
-"""Compute the onset of sliding of rough surfaces: writes images/onset*.png and generated/onset_*.md.
+"""Compute the onset of sliding of rough surfaces, and write images/onset*.png and generated/onset_*.md.
 
 The script takes about four minutes on one core. Arguments, as in ``onset.py dimension``, select tables.
 """

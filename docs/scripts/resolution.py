@@ -1,4 +1,4 @@
-"""Measure how results depend on scan resolution: writes docs/generated/resolution.md and docs/images/resolution.png.
+"""Measure how results depend on scan resolution, and write docs/generated/resolution.md and docs/images/resolution.png.
 
 The argument selects the part to compute: "settling", "bracketing", "continuing" or "joining". Without an argument,
 table and figure are written from the results in the directory `resolution`. Seeds are fixed; all parts take 15 minutes.

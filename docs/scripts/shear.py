@@ -1,4 +1,4 @@
-"""Compare computed shear tests with Barton's law: writes images/shear_barton.png and generated/shear_barton.md.
+"""Compare computed shear tests with Barton's law, and write images/shear_barton.png and generated/shear_barton.md.
 
 The script takes about two minutes on one core.
 """

@@ -266,8 +266,8 @@ def test_faces_that_do_not_fit_at_the_start_have_a_caveat():
     )
     assert fitting.attrs["fit_correlation"] > 0.99
     assert abs(other.attrs["fit_correlation"]) < 0.3
-    assert "hardly agree where the path starts" in " ".join(list_caveats(other))
-    assert "hardly agree" not in " ".join(list_caveats(fitting))
+    assert "agree poorly where the path starts" in " ".join(list_caveats(other))
+    assert "agree poorly" not in " ".join(list_caveats(fitting))
 
 
 def test_peak_of_identical_scans_before_they_move_has_a_caveat(folder):

@@ -234,7 +234,7 @@ def test_loads_between_zero_and_the_first_solved_load_have_the_status_not_reache
         ((2e-8, np.nan, np.nan), False, "no"),
     ],
 )
-def test_assessment_of_sticking_agrees_with_interval_of_pull_off_pressure(pressure, is_bound, sticks):
+def test_assessment_reports_sticking_bodies_if_the_pull_off_interval_allows_it(pressure, is_bound, sticks):
     pull_off_values = PullOffValues(
         force=Estimate(1e-6), pressure=Estimate(*pressure), friction=Estimate(1e-6), is_bound=is_bound
     )

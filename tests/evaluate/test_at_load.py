@@ -165,7 +165,7 @@ def test_stiffness_of_closure_is_the_derivative_of_the_mean_closure(result_of_yi
 
 
 def test_interpolated_stiffnesses_of_yielding_profiles_agree_with_direct_solutions():
-    """Compare where half of the load is on yielded contacts, and where hardly any contact yields."""
+    """Compare where half of the load is on yielded contacts, and where almost no contact yields."""
     result = pair(
         SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", load="50 MPa", effective_modulus=78.7, hardness=1.27,
         mu0=0.2, mechanics="half-space", offsets=16, onset=0, cutoff="none",

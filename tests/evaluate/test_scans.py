@@ -282,7 +282,7 @@ def test_drift_of_a_single_scan_widens_the_interval_and_is_named_in_budget_and_c
     assert result.prediction_interval[0] < lower < upper < result.prediction_interval[1]
 
 
-def test_drift_hardly_matters_for_plastic_contacts_and_is_not_used_beside_several_scans():
+def test_drift_has_no_caveat_for_plastic_contacts_or_several_scans():
     plastic = pair(
         build_map(1, drift=0.8), build_map(2), **DRIFT_OPTIONS | {"tau0": "50 MPa", "hardness": "0.3 GPa"}
     )  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 from stiction import HertzCylinder, Profile, contacts
 
 EFFECTIVE_MODULUS = 10.0  # GPa
-LONGEST_WAVES_PER_PERIOD = 4
+MIN_WAVES_PER_PERIOD = 4
 PERIOD = 4.0  # µm; the longest wavelength is a quarter of the period
 RMS_SLOPE = 0.1
 SOLVER_TOLERANCE = 1e-10  # largest complementarity error of the solver
@@ -29,10 +29,10 @@ def band_limited_profile(random, hurst_exponent, bandwidth, points_per_wave):
     The wavelengths are from 1 µm down to 1 µm / bandwidth. The random phases do not depend on the number of points, so
     different grids sample the same profile.
     """
-    waves = np.arange(LONGEST_WAVES_PER_PERIOD, LONGEST_WAVES_PER_PERIOD * bandwidth + 1)
+    waves = np.arange(MIN_WAVES_PER_PERIOD, MIN_WAVES_PER_PERIOD * bandwidth + 1)
     amplitude = waves ** (-0.5 - hurst_exponent)
     slope = 2 * np.pi / PERIOD * np.sqrt(0.5 * np.sum(np.square(waves * amplitude)))
-    points = LONGEST_WAVES_PER_PERIOD * bandwidth * points_per_wave
+    points = MIN_WAVES_PER_PERIOD * bandwidth * points_per_wave
     transform = np.zeros(points // 2 + 1, complex)
     transform[waves] = 0.5 * points * RMS_SLOPE / slope * amplitude * np.exp(2j * np.pi * random.random(waves.size))
     return np.fft.irfft(transform, points)

@@ -1,4 +1,4 @@
-"""Test the onset of sliding in studies of generated surfaces: stored members and values at a load."""
+"""Test the onset of sliding in studies of generated surfaces: stored quantities, and their values at given loads."""
 
 import re
 

@@ -45,7 +45,7 @@ def test_old_study_has_the_central_values_that_it_was_computed_with(name):
     assert parse_study(study.to_toml(), "new") == study
 
 
-def test_old_study_of_materials_has_the_ranges_of_the_materials():
+def test_old_study_with_material_names_has_the_ranges_of_these_materials():
     study = parse_study(OLD_TEXT, "old")
     inputs = Inputs.from_study(study)
     brass = material("brass")

@@ -392,7 +392,7 @@ def test_contact_map_draws_every_contact(maps_at_two_cutoffs, profiles_dataset):
     assert upper_limit - lower_limit < np.ptp(full_axes.get_xlim())
 
 
-def test_budget_figure_contains_all_of_its_labels_and_names_inputs_without_article():
+def test_labels_of_the_budget_figure_are_inside_it_and_have_no_article():
     point = summarize(measured_result(), measured_study()).first
     labels = ("the junction growth α", "the roughness that the tip of the instrument did not reach")
     budget = tuple(

@@ -99,7 +99,7 @@ inline constexpr double level_fraction = 0x1p-26;
 /// Find all contact candidates with a gap of at most `deepest` [µm] >= 0.
 /// The curvature rule `convex` requires both surfaces to be summits; `signed_` requires only a minimum of the gap.
 /// The maps must have equal shapes, at least 4 rows and 4 columns, and finite heights.
-/// The two maps must not be parallel.
+/// The gap between the two maps must not be the same at all points.
 /// Throws std::invalid_argument.
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
                            const CancellationCheck& check_cancellation = {});

@@ -67,7 +67,7 @@ class ProjectedCgSolver {
   std::span<const float> step(std::span<const float> preconditioned, std::span<const float> response,
                               const ThreadPool& pool = ThreadPool());
 
-  /// Advance along the step by the length that minimises the energy, given `response` = K step.
+  /// Move the pressures along the step to the minimum of the energy. `response` is K times the step.
   /// `response` must stay valid until the next `update_free_points`. Returns whether the pressure changed.
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
@@ -79,7 +79,7 @@ class ProjectedCgSolver {
   void restart(std::vector<double> potential);
 
   /// Return Σ pressure · potential [GPa µm] after `update_free_points`.
-  /// If the gap is zero, this is twice the elastic energy divided by the area of a cell.
+  /// If the gap is zero, the sum is twice the elastic energy divided by the area of a cell.
   double pressure_dot_potential() const;
 
   double approach() const { return approach_; }

@@ -259,7 +259,7 @@ class CalibrationProblem:
         )
 
     def _compute_deviation_between_runs(self, scores: Floats) -> Floats:
-        """Compute the relative standard deviation between runs for each nuisance point."""
+        """Compute the relative standard deviation between runs for each set of nuisance parameters."""
         from scipy.special import ndtr
 
         if RUN_SPREAD_NUISANCE_NAME not in self.nuisances:
@@ -515,7 +515,7 @@ class CalibrationProblem:
     # ---- Density of mu0 and tau0 for given nuisance parameters ------------------------------------------------------
 
     def _evaluate_probability_grids(self, points: Floats) -> _ProbabilityGrid:
-        """Return the grids of mu0 and tau0 for the given nuisance points.
+        """Return the grids of mu0 and tau0 for the given sets of nuisance parameters.
 
         The last coordinate of a point is the logarithm of the scale of the errors.
         """

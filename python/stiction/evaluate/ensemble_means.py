@@ -109,7 +109,7 @@ def _evaluate_direction_groups(
 
 
 def _average_unloaded_members(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> dict[str, Any]:
-    """Average the pull-off force, the marks of lower bounds, and the friction at no load over the members."""
+    """Average the pull-off force, the fraction of lower bounds, and the friction at no load over the members."""
     import xarray
 
     variables = {}

@@ -285,7 +285,7 @@ class _QuantityAtLoads:
         self.keeps_load &= sums[9] > MIN_RELATIVE_CHANGE
 
     def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """Return the limits of the intervals at the crossings, whose curves have the given indices."""
+        """Return the interval limits at the crossings. `curve` is the index of the curve of each crossing."""
         mean = self.mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):

@@ -453,7 +453,7 @@ def _interpolate_by_stiffness(
 
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
-    """Return the pull-off force of each member, a mark if it is only a lower bound, and the friction at no load."""
+    """Return the pull-off force of each member, whether it is only a lower bound, and the friction at no load."""
     # An element is 1 if only a lower bound on the pull-off force of the member is known, and 0 otherwise.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {

@@ -220,8 +220,8 @@ class OnsetState:
     Attributes
     ----------
     plastic_coefficient : float or array
-        Friction coefficient if all contacts yield. NaN at seizure and for elastic contacts. Where hardly a contact
-        yields, the shear strength of the softer body does not limit it.
+        Friction coefficient if all contacts yield. NaN at seizure and for elastic contacts. Where almost no
+        contact yields, the shear strength of the softer body does not limit it.
     area : array, µm²
         True area; infinite at seizure, which includes junctions that cannot carry the load on the nominal area.
     friction_fraction : array

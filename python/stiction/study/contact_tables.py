@@ -226,7 +226,7 @@ class CommonContactSettings(SettingsTableVariant):
 
 
 class GeneratedSurfaceContactSettings(CommonContactSettings):
-    """Keys of the contact table that specify the motion of generated surfaces."""
+    """Keys of the section `[contact]` that specify the motion of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
     materials: ClassVar[None] = None
@@ -263,7 +263,7 @@ class GeneratedSurfaceContactSettings(CommonContactSettings):
 
 
 class GeneratedSurfaceLoadSettings(GeneratedSurfaceContactSettings):
-    """Keys of the contact table that specify the loads on generated surfaces."""
+    """Keys of the section `[contact]` that specify the loads on generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -278,7 +278,7 @@ class GeneratedSurfaceLoadSettings(GeneratedSurfaceContactSettings):
 
 
 class MeasuredSurfaceContactSettings(CommonContactSettings):
-    """Keys of the contact table for measured surfaces at given loads. Results are computed for both sliding rules."""
+    """Keys of the section `[contact]` for measured surfaces at given loads. Results have both sliding rules."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -340,7 +340,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
 
 
 class MeasuredLinesContactSettings(MeasuredSurfaceContactSettings):
-    """Keys of the contact table for measured lines (profiles or lines of maps), which slide in both directions."""
+    """Keys of the section `[contact]` for measured profiles and lines of maps, which slide in both directions."""
 
     place: ClassVar[str] = "measured lines"
 
@@ -350,7 +350,7 @@ class MeasuredLinesContactSettings(MeasuredSurfaceContactSettings):
 
 
 class MeasuredMapContactSettings(MeasuredSurfaceContactSettings):
-    """Keys of the contact table for measured areas, which can slide in one or several directions."""
+    """Keys of the section `[contact]` for measured areas, which can slide in one or several directions."""
 
     place: ClassVar[str] = "measured areas"
 
@@ -363,7 +363,7 @@ class MeasuredMapContactSettings(MeasuredSurfaceContactSettings):
 
 
 class HalfSpaceSettings(CommonContactSettings):
-    """Keys of the contact table for the half-space model."""
+    """Keys of the section `[contact]` for the half-space model."""
 
     place: ClassVar[str] = "the half-space"
     law: ClassVar[None] = None
@@ -465,7 +465,7 @@ class HalfSpaceSettings(CommonContactSettings):
 
 
 class AsperityModelSettings(CommonContactSettings):
-    """Keys of the contact table for the asperity model, which neglects interaction between contacts."""
+    """Keys of the section `[contact]` for the asperity model, which neglects interaction between contacts."""
 
     place: ClassVar[str] = "asperities"
     hardness: ClassVar[None] = None
@@ -502,7 +502,7 @@ class AsperityModelSettings(CommonContactSettings):
 
 
 class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceContactSettings):
-    """Keys of the contact table for generated surfaces and the asperity model. They prescribe approaches."""
+    """Keys of the section `[contact]` for generated surfaces and the asperity model. They prescribe approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
 
@@ -538,7 +538,7 @@ class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceCo
 
 
 class GeneratedProfileAsperitySettings(GeneratedSurfaceAsperitySettings):
-    """Contact table of the asperity model for generated profiles."""
+    """Section `[contact]` of the asperity model for generated profiles."""
 
     place: ClassVar[str] = "asperities of generated lines"
 
@@ -546,7 +546,7 @@ class GeneratedProfileAsperitySettings(GeneratedSurfaceAsperitySettings):
 
 
 class GeneratedMapAsperitySettings(GeneratedSurfaceAsperitySettings):
-    """Contact table of the asperity model for generated height maps."""
+    """Section `[contact]` of the asperity model for generated height maps."""
 
     place: ClassVar[str] = "asperities of generated areas"
 
@@ -554,14 +554,14 @@ class GeneratedMapAsperitySettings(GeneratedSurfaceAsperitySettings):
 
 
 class MeasuredLineAsperitySettings(AsperityModelSettings, MeasuredLinesContactSettings):
-    """Contact table of the asperity model for measured lines."""
+    """Section `[contact]` of the asperity model for measured lines."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
 
 
 class MeasuredMapAsperitySettings(AsperityModelSettings, MeasuredMapContactSettings):
-    """Contact table of the asperity model for measured height maps."""
+    """Section `[contact]` of the asperity model for measured height maps."""
 
     place: ClassVar[str] = "asperities of measured areas"
     onset: ClassVar[None] = None
@@ -570,25 +570,25 @@ class MeasuredMapAsperitySettings(AsperityModelSettings, MeasuredMapContactSetti
 
 
 class GeneratedProfileHalfSpaceSettings(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
-    """Contact table of the half-plane model for generated profiles."""
+    """Section `[contact]` of the half-plane model for generated profiles."""
 
     place: ClassVar[str] = "the half-space of generated lines"
 
 
 class GeneratedMapHalfSpaceSettings(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
-    """Contact table of the half-space model for generated height maps."""
+    """Section `[contact]` of the half-space model for generated height maps."""
 
     place: ClassVar[str] = "the half-space of generated areas"
 
 
 class MeasuredLineHalfSpaceSettings(HalfSpaceSettings, MeasuredLinesContactSettings):
-    """Contact table of the half-plane model for measured lines."""
+    """Section `[contact]` of the half-plane model for measured lines."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
 
 class MeasuredMapHalfSpaceSettings(HalfSpaceSettings, MeasuredMapContactSettings):
-    """Contact table of the half-space model for measured height maps."""
+    """Section `[contact]` of the half-space model for measured height maps."""
 
     place: ClassVar[str] = "the half-space of measured areas"
 
@@ -634,7 +634,7 @@ def select_contact_settings_class(
 def parse_contact_settings(
     value: Mapping[str, Any], surfaces: GeneratedSurfaceSettings | MeasuredSurfaceSettings
 ) -> ContactSettings:
-    """Parse a contact table and check that it is consistent with the surfaces."""
+    """Parse a section `[contact]` and check that it is consistent with the surfaces."""
     settings_class = select_contact_settings_class(type(surfaces), value)
     check_keys(value, settings_class, SHARED_CONTACT_SETTINGS_CLASSES)
     contact = settings_class.model_validate(value)

@@ -90,7 +90,7 @@ class BodyAttributes:
 
 
 class MemberSource(Protocol):
-    """Members of a study of two bodies. Each member index identifies one pair of bodies."""
+    """Source of the members of a study: for each member index, it returns one pair of bodies."""
 
     def member(self, index: int) -> EnsembleMember:
         """Return the member with the given index.

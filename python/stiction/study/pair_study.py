@@ -676,7 +676,7 @@ class MeasuredPair:
 
     @property
     def _elasticity_entries(self) -> dict[str, Any]:
-        """Entries of the contact table for the elastic constants: E*, or Young's moduli and Poisson's ratios."""
+        """Entries of the section `[contact]` for the elastic constants: E*, or Young's moduli and Poisson's ratios."""
         elasticity, options = self.elasticity, self.options
         if options.effective_modulus is not None:
             return {"effective_modulus": self._parse_inputs("effective_modulus")[0]}
@@ -703,7 +703,7 @@ class MeasuredPair:
 
     @property
     def _adhesion_entries(self) -> dict[str, Quantity]:
-        """Entries of the contact table that describe adhesion, i.e. work of adhesion and range of adhesion.
+        """Entries of the section `[contact]` that describe adhesion, i.e. work of adhesion and range of adhesion.
 
         Each must be a single value, because the contacts are computed for a single value.
         """

@@ -113,7 +113,7 @@ _SURFACE_CLASSES_BY_KIND = {
     "surface": _map_key_to_classes("generator", WeierstrassMandelbrotSettings, SelfAffineSettings),
     "measured": _map_key_to_classes("press", *get_args(MeasuredSurfaceSettings)),
 }
-"""Key that selects the class of a surfaces table, and the classes, for each value of `kind`.
+"""Key that selects the class of a section `[surfaces]`, and the classes, for each value of `kind`.
 
 The first class is the default.
 """

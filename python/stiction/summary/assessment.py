@@ -616,7 +616,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
             f"the range of adhesion is {format_with_unit(used_range, 'um')} instead of "
             f"{format_with_unit(study_range, 'um')}, because this grid resolves no smaller range"
         )
-        yield Caveat(text, "the pull-off force hardly changes; use a finer scan for other results", "caution")
+        yield Caveat(text, "the pull-off force changes little; use a finer scan for other results", "caution")
     uncertain_inputs = {name.split("_")[0] for name in Inputs.from_study(study).uncertain} & {
         "hardness",
         "effective",

@@ -156,7 +156,7 @@ def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
 def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
     """Evaluate the onset of sliding of generated surfaces at a few loads, or return None if it is not computed.
 
-    mu0 and tau0 are taken from the onset table of the study. Raises a `ValueError` if no pair is in contact.
+    mu0 and tau0 are taken from the entry `onset` of the study. Raises a `ValueError` if no pair is in contact.
     """
     study = result.study
     if study.uses_half_space or study.contact.onset is None:

@@ -150,10 +150,10 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
     correlation = float(test.attrs["fit_correlation"])
     if correlation < MIN_FIT_CORRELATION:
         caveats.append(
-            "The slopes of the faces hardly agree even where they fit best: check which faces belong together, and how "
+            "The slopes of the faces agree poorly even where they fit best: check which faces belong together, and how "
             "they were scanned."
             if "registration_rms_gap_um" in test.attrs
-            else f"The slopes of the faces hardly agree where the path starts (correlation {correlation:.2f}): "
+            else f"The slopes of the faces agree poorly where the path starts (correlation {correlation:.2f}): "
             "register the faces, or check how they were scanned."
         )
     edge_fractions = test["load_fraction_at_edges"].values

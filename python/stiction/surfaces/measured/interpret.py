@@ -286,7 +286,7 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
 
 
 def _position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
-    """Return the given position unit. Return None if only one unit was given and the file has its own position unit."""
+    """Return the given position unit, or None if a single unit was given and the file has a position unit."""
     has_own_unit = (
         options.one_unit and raw.position_unit is not None and parse_length_unit(raw.position_unit) is not None
     )

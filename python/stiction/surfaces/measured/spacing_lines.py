@@ -205,7 +205,7 @@ def _unit_or_none(unit: str | None) -> str | None:
 def find_first_match(
     pattern: re.Pattern[str], lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
-    """Return the first result of `parse_match` that is not None, for lines that begin with a pattern."""
+    """Parse the lines that begin with a pattern, and return the first result that is not None."""
     matches = (match for line in lines if (match := pattern.match(line)))
     return next((value for match in matches if (value := parse_match(match)) is not None), None)
 

@@ -216,7 +216,7 @@ def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_runs_of_equal_width(
     text: DecodedText, runs: list[tuple[int, int]], main_run: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs with as many columns as the main run, except a short first run with a size or a count."""
+    """Return the runs of lines with as many columns as the main run, without a short first run (a size or a count)."""
     width = len(dialect.split_line(text.line(main_run[0])))
     equal_runs: list[tuple[int, int]] = []
     for first, last in runs:

@@ -21,7 +21,7 @@ LISTED_READING_OPTIONS = (
     "crop",
     "accept",
 )
-"""Reading options that the table lists."""
+"""Names of the reading options in the table of `file_reading_table`."""
 
 
 def file_reading_table(reading: FileReading[Any], options: Mapping[str, Any]) -> str:
