@@ -1,9 +1,13 @@
-"""Measure the effect of the number of points: writes images/grid_dependence.png and generated/grid_dependence.md."""
+"""Measure the effect of the number of points on loads, areas and friction.
+
+The script writes images/grid_dependence.png, generated/grid_dependence.md and generated/grid_claim.md.
+"""
 
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+from claims import ResampledMeans
 from matplotlib.figure import Figure
 from stiction import Study, run
 from stiction.evaluate.intervals import PowerSums
@@ -20,6 +24,10 @@ DOCS_FOLDER = Path(__file__).parents[1]
 POINT_COUNTS = (37_500, 75_000, 150_000, 300_000, 600_000)
 FRACTAL_DIMENSIONS = [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7]
 MU0 = 0.4
+
+CLAIM_POINT_COUNTS = (75_000, 150_000, 300_000)
+"""Half the default number of points, the default, and its double."""
+CLAIM_LOAD = 33e-6  # mN, the middle load of the other claims
 
 
 def compute_grid_results(detection: str) -> dict[str, np.ndarray]:
@@ -65,7 +73,39 @@ def ratio_of_means(numerator: np.ndarray, denominator: np.ndarray) -> tuple[np.n
     return ratio, ratio * np.exp(-half_width), ratio * np.exp(half_width)
 
 
+def compute_resampled_areas(detection: str) -> list[np.ndarray]:
+    """Return the area (µm²) at `CLAIM_LOAD` for each number of points, as arrays (resample, dimension).
+
+    The studies have the same seed, so that each resample consists of the same repetitions for every number of points.
+    """
+    study = Study().with_changes(
+        {"surfaces.fractal_dimension": FRACTAL_DIMENSIONS[:-1], "contact.detection": detection}
+    )
+    return [
+        ResampledMeans(run(study.with_changes({"surfaces.points": points})).dataset, 0.1).at("area", CLAIM_LOAD)
+        for points in CLAIM_POINT_COUNTS
+    ]
+
+
+def write_claim_table() -> None:
+    """Write the ratios of true areas at half and double resolution, with 95 % intervals."""
+    columns = []
+    for detection in ("cell", "gap-minimum"):
+        coarse, default, fine = compute_resampled_areas(detection)
+        columns += [coarse / default, default / fine]
+    heads = [f"{ratio}, {detection}" for detection in ("cell", "gap-minimum") for ratio in ("75 / 150", "150 / 300")]
+    lines = [f"| D | {' | '.join(heads)} |", "|---" * (1 + len(heads)) + "|"]
+    for index, dimension in enumerate(FRACTAL_DIMENSIONS[:-1]):
+        cells = []
+        for ratios in columns:
+            lower, upper = np.quantile(ratios[1:, index], [0.025, 0.975])
+            cells.append(f"{ratios[0, index]:.2f} [{lower:.2f}, {upper:.2f}]")
+        lines.append(f"| {dimension:.1f} | {' | '.join(cells)} |")
+    (DOCS_FOLDER / "generated/grid_claim.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
 def main() -> None:
+    write_claim_table()
     with mpl.rc_context(MATPLOTLIB_STYLE):
         draw_figure()
 
