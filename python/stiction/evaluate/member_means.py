@@ -265,7 +265,7 @@ def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tupl
 
 
 def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
-    """Replace means and their limits by NaN where a mask is true, and other negative means, which are round-off, by 0.
+    """Replace masked means and their limits by NaN, and negative means, which result from round-off, by 0.
 
     The last axis contains mean, lower limit and upper limit.
     """

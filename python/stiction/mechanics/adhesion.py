@@ -53,7 +53,7 @@ MAX_ATTRACTION_INCREASE = 1e-3
 MIN_CONTACT_LOAD_RATIO = 1e-3
 CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads during separation
 MINIMUM_LOAD_TOLERANCE = 0.01  # accepted relative error of the minimum load
-# relative difference between the minimum load so far and the next lower load that is tried
+# first step of the search for lower loads, relative to the minimum load so far
 FIRST_LOAD_DECREMENT = 0.05
 # An additional contact solution is computed only if the interpolated load is lower than the minimum load.
 # The relative difference must be at least this fraction.

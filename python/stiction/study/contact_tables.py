@@ -84,7 +84,7 @@ MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads in the conta
 
 
 class HertzCylinderSettings(SettingsTable):
-    """Table for the contact law of elastic cylinders. It contains the width of the cylinders."""
+    """Entry `law` for elastic cylinders, with the width of the cylinders."""
 
     name: Literal["hertz-cylinder"]
     width: Length
@@ -95,7 +95,7 @@ class HertzCylinderSettings(SettingsTable):
 
 
 class JacksonGreenSettings(SettingsTable):
-    """Table for the Jackson-Green contact law, with the yield strength and Poisson's ratio of the softer body."""
+    """Entry `law` for the Jackson-Green contact law, with the yield strength and Poisson's ratio of the softer body."""
 
     name: Literal["jackson-green"]
     yield_strength: Modulus
