@@ -125,7 +125,7 @@ def read_card_numbers(card):
 
 
 @pytest.mark.parametrize("units", UNIT_SYSTEMS)
-def test_every_number_of_all_files_is_in_the_csv_file(result, folder, units):
+def test_numbers_in_all_files_are_in_the_csv_file(result, folder, units):
     table = result.joint_table(units=units)
     csv = export_text(result, folder / "joint.csv", joint=True, units=units)
     frame = pandas.read_csv(folder / "joint.csv")
