@@ -133,9 +133,10 @@ def ansys_card(table: JointTable, source: str) -> str:
     if math.isfinite(row.friction(50).value):
         lines += [
             *_comment(
-                "Material 2: median of mu_s against pressure, for contact elements. Set FKN and FKT of the contact to "
-                "the normal and the tangential stiffness at the pressure of your joint (table above): a contact "
-                "element has one value each.", "! ",
+                "Material 2: median of mu_s against pressure, for contact elements with the penalty method "
+                "(KEYOPT(2)=1). Set FKN and FKT of the contact to minus the normal and minus the tangential stiffness "
+                "at the pressure of your joint (table above): negative numbers are absolute, positive ones are "
+                "factors, and a contact element has one value each.", "! ",
             ),
             "TB,FRIC,2,,,ISO",
         ]  # fmt: skip
