@@ -57,3 +57,27 @@ def test_friction_law_alone_multiplies_mu0_and_tau0():
         for name, path in sources.items()
         if any(multiplies_strength(node) for node in ast.walk(ast.parse(path.read_text("utf-8"))))
     } == MODULES_WITH_THE_FRICTION_LAW
+
+
+MODULES_THAT_BUILD_FRICTION_LAWS = {
+    "study/inputs.py", "study/interfaces.py", "evaluate/response.py", "evaluate/combined_intervals.py",
+    "evaluate/shear_intervals.py", "evaluate/maps.py", "evaluate/ensemble_means.py", "companions/contact_forces.py",
+    "direct_shear.py",
+}  # fmt: skip
+"""Modules besides `mechanics` and `calibration` that build a friction law.
+
+The law of a study comes from its inputs. The others build it from samples, for generated surfaces, or without a study.
+"""
+
+
+def test_friction_law_of_a_study_is_built_from_its_inputs():
+    sources = {path.relative_to(PACKAGE_FOLDER).as_posix(): path for path in PACKAGE_FOLDER.rglob("*.py")}
+    calls = {
+        name
+        for name, path in sources.items()
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) == "FrictionLaw"
+    }
+    assert {name for name in calls if not name.startswith(("mechanics/", "calibration/"))} == (
+        MODULES_THAT_BUILD_FRICTION_LAWS
+    )

@@ -25,10 +25,10 @@ from stiction.evaluate.point import (
     mean_over_directions,
 )
 from stiction.mechanics import brackets
-from stiction.mechanics.friction import FrictionLaw
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
 from stiction.solve.companion_study import CompanionStudy
 from stiction.solve.store import STUDY_FILE, StoredResult
+from stiction.study.inputs import Inputs
 from stiction.study.members import find_body_attributes, load_bodies
 from stiction.study.study import Study
 from stiction.surfaces.hurst import HurstEstimate
@@ -311,7 +311,7 @@ def estimate_yield_wavelengths(
     if not pressure > 0:
         return ()
     contact_count = mean_over_directions(point, "contact_count")
-    law = FrictionLaw(float(point["mu0"]), float(point["tau0"]))
+    law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))
     return tuple(
         YieldWavelengthEstimate(
             hardness,

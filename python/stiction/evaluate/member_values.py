@@ -95,7 +95,11 @@ def member_values(
     if load_definition == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
         sums = interpolate_member_sums(result, unique_loads, LATERAL_SUMS, member_kind=member_kind)
         lateral_sums = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
-        lateral = FrictionLaw(strengths[0][:, np.newaxis], strengths[1]).load("lateral", lateral_sums)
+        lateral = (
+            Inputs.from_study(result.study)
+            .friction_law(strengths[0][:, np.newaxis], strengths[1])
+            .load("lateral", lateral_sums)
+        )
         dims = (*sums[LATERAL_SUMS[0]].dims, "mu0", "tau0")
         members = members.assign(lateral_load=(dims, lateral, quantity_attributes("lateral_load")))
     return members
@@ -207,19 +211,20 @@ def _evaluate_piece(
 
     member_dims = (*find_cell_dimensions(piece), "repetition")
     sums_at_steps, load_crossings = _find_load_crossings(piece, loads)
+    law = Inputs.from_study(study).friction_law(mu0[:, np.newaxis], tau0)
     if load_definition == "elastic":
         contact_sums = {name: load_crossings.interpolate(values) for name, values in sums_at_steps.items()}
-        forces = _MemberForces.at_elastic_loads(contact_sums, load_crossings, mu0, tau0)
+        forces = _MemberForces.at_elastic_loads(contact_sums, load_crossings, law)
     else:
         are_steps_loads = find_step_dimension(piece) == "load"
-        forces = _MemberForces.at_normal_loads(sums_at_steps, loads, mu0, tau0, interpolates_ratio=are_steps_loads)
+        forces = _MemberForces.at_normal_loads(sums_at_steps, loads, law, interpolates_ratio=are_steps_loads)
     status = _determine_member_status(piece, loads, forces)
     if onset is not None:
         strength_sums = {
             name: load_crossings.interpolate(values)[..., np.newaxis, np.newaxis]
             for name, values in sums_at_steps.items() if not name.endswith("_elastic")
         }  # fmt: skip
-        forces, status = _grow_contacts(forces, status, FrictionLaw(mu0[:, np.newaxis], tau0), strength_sums, *onset)
+        forces, status = _grow_contacts(forces, status, law, strength_sums, *onset)
     with np.errstate(divide="ignore", invalid="ignore"):
         coefficient = np.where(np.isin(status, STATUSES_WITH_COEFFICIENT), forces.tangential / forces.normal, np.nan)
     dims = (*member_dims, *MOTION_DIMENSIONS, "load", "mu0", "tau0")
@@ -237,7 +242,6 @@ def _evaluate_piece(
     variables |= _interpolate_quantities(piece, member_dims, load_crossings, requested_names)
     variables |= {name: piece.variables[name] for name in GAP_QUANTITIES if name in piece.variables}
     if "pull_off" in piece.variables:
-        law = Inputs.from_study(study).friction_law(mu0[:, np.newaxis], tau0)
         variables |= _evaluate_pull_off(piece, member_dims, law)
     if "unloading_closure_stiffness" in variables:
         dims_of_stiffness, stiffness = variables["unloading_closure_stiffness"][:2]
@@ -281,21 +285,21 @@ class _MemberForces:
 
     @classmethod
     def at_elastic_loads(
-        cls, contact_sums: Mapping[str, Floats], load_crossings: LoadCrossings, mu0: Floats, tau0: Floats
+        cls, contact_sums: Mapping[str, Floats], load_crossings: LoadCrossings, law: FrictionLaw
     ) -> _MemberForces:
         """Compute the loads from contact sums that are interpolated at elastic loads."""
         is_reached, is_below = (
             each[..., None, None, :, None, None] for each in (load_crossings.reached, load_crossings.below)
         )
-        return cls(*_compute_loads(contact_sums, mu0, tau0), is_reached, is_below)
+        return cls(*_compute_loads(contact_sums, law), is_reached, is_below)
 
     @classmethod
     def at_normal_loads(
-        cls, sums_at_steps: Mapping[str, Floats], loads: Floats, mu0: Floats, tau0: Floats, *, interpolates_ratio: bool
+        cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
         """Interpolate the loads of each step to given normal loads. If the steps are loads, ratios are interpolated."""
         # While values are interpolated, the steps are on the last axis.
-        normal, tangential = (np.moveaxis(each, -3, -1) for each in _compute_loads(sums_at_steps, mu0, tau0))
+        normal, tangential = (np.moveaxis(each, -3, -1) for each in _compute_loads(sums_at_steps, law))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
             positive_normal = np.where(normal > 0, normal, np.nan) if interpolates_ratio else normal
@@ -308,10 +312,9 @@ class _MemberForces:
         return cls(*(np.moveaxis(each, -1, -3) for each in arrays))
 
 
-def _compute_loads(sums: Mapping[str, Floats], mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
+def _compute_loads(sums: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
     """Compute the normal and tangential loads (mN) from contact sums. Array axes for mu0 and tau0 are appended."""
     columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in LOAD_SUM_NAMES}
-    law = FrictionLaw(mu0[:, np.newaxis], tau0)
     return law.load("normal", columns), law.load("tangential", columns)
 
 

@@ -529,7 +529,7 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat
         )
         text = f"the interface was calibrated with junction growth {test_text}, but the pair has {growth_text}"
         yield Caveat(text, "give the calibration and the pair the same --junction-growth", "caution")
-    law = friction.FrictionLaw(float(point["mu0"]), float(point["tau0"]))
+    law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))
     if growth is not None:
         yield from _find_unlimited_caveats(point, float(hardness), law, growth)
         return
@@ -559,8 +559,10 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
     if not (study.is_measured and is_soft) or contact.area_loss is not None:
         return
     max_loss = parse_input_value("area_loss", ELASTOMER_AREA_LOSS).estimate.high
-    _, adhesive = friction.FrictionLaw(0.0, float(point["tau0"])).contributions(
-        0.0, mean_over_directions(point, "contact_area") / float(point["load"])
+    _, adhesive = (
+        Inputs.from_study(study)
+        .friction_law(0.0, float(point["tau0"]))
+        .contributions(0.0, mean_over_directions(point, "contact_area") / float(point["load"]))
     )
     effect = max_loss * adhesive / value.value
     if effect <= NEGLIGIBLE_GROWTH_EFFECT:

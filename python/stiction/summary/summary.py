@@ -41,9 +41,9 @@ from stiction.evaluate.point import (
 from stiction.evaluate.pull_off import PullOffValues, find_pull_off_values
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_range_for_finer_scans
-from stiction.mechanics.friction import FrictionLaw
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.solve.alternative_preparations import ALTERNATIVE_CONDITIONS, AlternativeName
+from stiction.study.inputs import Inputs
 from stiction.summary.assessment import (
     ASPERITY_CHECKS,
     FEW_CONTACTS_CHECK_NAMES,
@@ -517,7 +517,7 @@ def summarize_point(
         if any(_invalidates_finer_scan_bounds(caveat) for caveat in caveats)
         else _find_bounds_for_finer_scans(quoted_values, study, rule_with_interval_of_mean),
         budget=_list_budget_entries(point, rules[0]),
-        contributions=_compute_friction_contributions(quoted_values, rules[0]),
+        contributions=_compute_friction_contributions(quoted_values, study, rules[0]),
         roughness_contribution=_estimate_roughness_contribution(quoted_values, study, rules[0]),
         after_dwell=_list_dwell_time_coefficients(point, rules[0].rule),
         pull_off=find_pull_off_values(point, rules[0].rule),
@@ -609,7 +609,7 @@ def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[Dwe
 
 
 def _compute_friction_contributions(
-    point: xarray.Dataset, rule: SlidingRuleCoefficient
+    point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient
 ) -> tuple[float, float, float] | None:
     """Return the contributions of mu0, tau0 and slopes if friction acts at all contacts, and otherwise None."""
     if rule.rule != "all" or not math.isfinite(rule.value) or rule.status == friction.STATUS_BULK_SHEAR:
@@ -617,7 +617,7 @@ def _compute_friction_contributions(
     load = float(point["load"])
     area_name = "contact_area_at_onset" if "contact_area_at_onset" in point else "contact_area"
     contact_load = mean_over_directions(point, "contact_load") if "contact_load" in point else load
-    law = FrictionLaw(float(point["mu0"]), float(point["tau0"]))
+    law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))
     parts = law.contributions(contact_load / load, mean_over_directions(point, area_name) / load)
     return *parts, rule.value - sum(parts)
 
@@ -642,7 +642,7 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
     contacts yield. With adhesion the result is None, because the load on the contacts also depends on the scans. It is
     also None for a gap, which does not contain the roughness of the two faces.
     """
-    contributions = _compute_friction_contributions(point, rule)
+    contributions = _compute_friction_contributions(point, study, rule)
     if contributions is None or not study.is_measured or study.is_gap or study.contact.adheres:
         return None
     plastic_friction = compute_plastic_friction(point, study)
