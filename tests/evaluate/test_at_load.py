@@ -24,8 +24,10 @@ from stiction.evaluate.load_range import choose_loads_in_range
 from stiction.evaluate.member_means import find_axes_with_both_directions
 from stiction.evaluate.member_values import member_values
 from stiction.mechanics.friction import STATUSES
+from stiction.mechanics.quantities import ONSET_QUANTITIES, select_quantity_names
 from stiction.study.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
 from stiction.study.members import load_bodies
+from support.rough_surfaces import rough_maps
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
 SCANS = Path(__file__).parents[2] / "examples/scans"
@@ -413,3 +415,13 @@ def test_budget_contains_only_the_quoted_sliding_rule(areal_study_and_dataset):
     table = add_uncertainty(at_load(dataset, [2.0]), dataset)
     assert np.isfinite(table["remaining_width"].sel(sliding="all", input="positions")).all()
     assert np.isnan(table["remaining_width"].sel(sliding="opposing")).all()
+
+
+def test_quantities_that_a_view_shows_are_evaluated():
+    maps = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=32, spacing=0.1, shortest_wavelength=0.4)
+    options = {"load": "20 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "shifts": 2, "cutoff": "none", "onset": 0}
+    adhesion = {"work_of_adhesion": "50 mJ/m^2", "adhesion_range": "5 nm"}
+    evaluated = set(ONSET_QUANTITIES)  # quantities of generated surfaces
+    for more in ({"hardness": 1.0}, {"mechanics": "asperities"}, adhesion):
+        evaluated |= set(pair(*maps, **options, **more, direction=[0.0, 180.0]).at().data_vars)
+    assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated == set()
