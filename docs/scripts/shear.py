@@ -14,13 +14,14 @@ from stiction.surfaces.joint_roughness import measure_joint_roughness
 DOCS_FOLDER = Path(__file__).parents[1]
 
 JRC_VALUES = (4, 8, 12, 16, 18)
+JRC_ERROR = 1.0  # half of the range of JRC that each of the ten typical profiles of Barton and Choubey spans
 BASIC_ANGLE = 31.0  # degrees
 NORMAL_STRESS, STRENGTH = 1.0, 150.0  # MPa
 POINTS, SPACING = 200, 500.0  # µm
 NUM_FACES = 4
 CONDITIONS = {
     "path": "10 mm", "steps": 20, "load": f"{NORMAL_STRESS} MPa", "mu0": math.tan(math.radians(BASIC_ANGLE)),
-    "young": "30 GPa", "poisson": 0.25, "hardness": f"{STRENGTH} MPa",
+    "young": "30 GPa", "poisson": 0.25, "hardness": f"{STRENGTH} MPa", "strips": 0,
 }  # fmt: skip
 ORANGE, BLUE = "#D55E00", "#0072B2"
 
@@ -55,13 +56,17 @@ def main() -> None:
     (DOCS_FOLDER / "generated/shear_barton.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     figure = Figure(figsize=(4.2, 3.0), dpi=200, layout="constrained")
     axes = figure.subplots()
+    half_width = JRC_ERROR * math.log10(STRENGTH / NORMAL_STRESS)
+    limits = np.subtract(barton, half_width), np.add(barton, half_width)
+    axes.fill_between(JRC_VALUES, *limits, color="0.4", alpha=0.25, linewidth=0, label=f"JRC ± {JRC_ERROR:g}")
     axes.plot(JRC_VALUES, barton, color="0.4", label="Barton's law")
     for column, colour, label in ((0, ORANGE, "computed, peak"), (1, BLUE, "computed, at 10 mm")):
         values = np.array([angles[:, column] for angles in rows])
         axes.plot(np.repeat(JRC_VALUES, NUM_FACES), values.ravel(), ".", color=colour, label=label)
     axes.axhline(BASIC_ANGLE, color="0.7", linewidth=0.7, linestyle="--")
+    axes.text(JRC_VALUES[-1], BASIC_ANGLE - 1, "basic friction angle", color="0.4", ha="right", va="top")
     axes.set(xlabel="JRC of the lower face (Tse & Cruden)", ylabel="friction angle (degrees)", ylim=(0, 90))
-    axes.legend(frameon=False)
+    axes.legend(frameon=False, loc="lower left", ncols=2, fontsize=8, columnspacing=1)
     figure.savefig(DOCS_FOLDER / "images/shear_barton.png")
 
 
