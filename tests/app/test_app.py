@@ -17,7 +17,17 @@ pytest.importorskip("starlette", reason="the extra app is not installed")
 pytest.importorskip("selenium", reason="selenium is not installed")
 
 from app.server_process import MAX_WAITING_TIME, start_server, wait_until, write_maps
-from stiction import Profile, Study, Surface, interface, run, write_interface, write_profile, write_surface
+from stiction import (
+    Profile,
+    Study,
+    Surface,
+    interface,
+    run,
+    self_affine_surface,
+    write_interface,
+    write_profile,
+    write_surface,
+)
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
 from stiction.app.form import replace_option_names
@@ -452,6 +462,63 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
     # The saved study contains no private paths of the server, so that it runs in any folder with these files.
     (map_files[0].parent / "study.toml").write_bytes(app.request("GET", f"/jobs/{job}/study.toml")[2])
     check_stiction("run", "study.toml", "--part=1/2", "--output=again", cwd=map_files[0].parent)
+
+
+def write_fitting_faces(folder):
+    """Write a rough face and its mate as they would be scanned, and return their paths."""
+    face = self_affine_surface(
+        4, hurst_exponent=0.8, rms=1000.0, shape=(64, 64), spacing=500.0, shortest_wavelength=3000.0
+    )
+    paths = [folder / f"{side}_half.csv" for side in ("upper", "lower")]
+    for path, body in zip(paths, (Surface(-face.heights[::-1], spacing=face.spacing), face), strict=True):
+        write_surface(body, path)
+    return paths
+
+
+def is_shear_test_offered(driver):
+    return driver.find_element("id", "shear").is_displayed()
+
+
+def test_app_offers_a_shear_test_of_faces_that_fit(empty_page, map_files, tmp_path):
+    paths = write_fitting_faces(tmp_path)
+    for side, path in zip(("upper", "lower"), paths, strict=True):
+        assert not is_shear_test_offered(empty_page)
+        choose_scan(empty_page, side, path)
+    wait_until(lambda: is_shear_test_offered(empty_page), bool)
+    assert empty_page.find_element("css selector", "#shear [name=path]").get_property("value") == "3.2 mm"
+    fill_fields(empty_page, {"upper": "numbers", "lower": "numbers", "load": "1 MPa", "mu0": "0.5..0.7", "tau0": "0"})
+    for name, value in (("young", "30"), ("poisson", "0.25")):
+        empty_page.execute_script(f"for (const field of form['{name}']) field.value = '{value}'")
+    fill_fields(empty_page, {"hardness": "0.15", "cutoff": "1 mm", "#shear [name=normal-stiffness]": "1 MPa/mm"})
+    press_start_button(empty_page, "shear")
+    assert wait_until_finished(empty_page) == "done"
+    command_line = empty_page.find_element("id", "command").get_property("textContent")
+    assert "--cutoff" not in command_line
+    record = json.loads(check_stiction(*shlex.split(command_line)[1:], "--json", cwd=tmp_path).stdout)
+    values = {value["name"]: value["value"] for value in record["values"][:5]}
+    shown = empty_page.execute_script(
+        "return [...document.querySelectorAll('#answer .value')]"
+        ".map(({dataset}) => [dataset.place, Number(dataset.value)])"
+    )
+    assert shown == [
+        ["at the peak", pytest.approx(values["peak_friction_coefficient"])],
+        ["at the end", pytest.approx(values["end_friction_coefficient"])],
+    ]
+    browser.wait_for(
+        empty_page, lambda _: "on lower_half.csv" in (run_script_in_report(empty_page, "return inside?.title") or "")
+    )
+    assert not empty_page.find_element("css selector", "[data-file='study.toml']").is_displayed()
+    choose_scan(empty_page, "upper", map_files[0])
+    wait_until(lambda: is_shear_test_offered(empty_page), lambda is_offered: not is_offered)
+
+
+def test_shear_test_that_cannot_be_computed_shows_its_message(empty_page, tmp_path):
+    for side, path in zip(("upper", "lower"), write_fitting_faces(tmp_path), strict=True):
+        choose_scan(empty_page, side, path)
+    wait_until(lambda: is_shear_test_offered(empty_page), bool)
+    fill_fields(empty_page, METAL_FORM_VALUES | {"#shear [name=path]": "30 mm"})
+    press_start_button(empty_page, "shear")
+    assert "must leave an overlap of at least 16 points" in wait_until_finished(empty_page)
 
 
 def test_stopped_job_is_stored_and_can_be_resumed(empty_page, tmp_path, app):

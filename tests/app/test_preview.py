@@ -8,8 +8,9 @@ import sys
 import numpy as np
 import pytest
 from matplotlib.image import imread, imsave
+from stiction import self_affine_surface
 from stiction._drawing import HEIGHT_COLOUR_MAP
-from stiction.app.preview import MAX_PREVIEW_SIDE_POINTS, render_height_map_png
+from stiction.app.preview import MAX_PREVIEW_SIDE_POINTS, compare_scans, render_height_map_png
 
 MAX_LEVEL_DIFFERENCE = 1
 """Maximum difference of grey levels, because Matplotlib rounds some of its 256 levels down to the level below."""
@@ -48,3 +49,18 @@ def test_preview_command_accepts_spacings_along_both_axes(tmp_path):
     command = [sys.executable, "-m", "stiction.app.preview", str(tmp_path / "map.npy"), options]
     preview = json.loads(subprocess.check_output(command))
     assert preview["words"].startswith("32 µm × 16 µm")
+
+
+def test_two_scans_are_compared_with_the_reading_options_of_each(tmp_path):
+    face = self_affine_surface(4, hurst_exponent=0.8, rms=20.0, shape=(48, 48), spacing=50.0)
+    np.save(tmp_path / "mate.npy", -face.heights[::-1])
+    np.save(tmp_path / "face.npy", face.heights / 1e3)
+    np.save(tmp_path / "other.npy", face.heights[::-1, ::-1])
+    mate, lower, other = (str(tmp_path / f"{name}.npy") for name in ("mate", "face", "other"))
+    micrometres, millimetres = ({"unit": unit, "spacing": "50 um"} for unit in ("um", "mm"))
+    assert compare_scans((mate, lower), (micrometres, millimetres)) == {"fits": True, "path": "240 µm"}
+    assert not compare_scans((mate, other), (micrometres, micrometres))["fits"]
+    assert not compare_scans((mate, lower), (micrometres, {"unit": "mm"}))["fits"]  # without a spacing
+    command = [sys.executable, "-m", "stiction.app.preview"]
+    command += [mate, json.dumps(micrometres), lower, json.dumps(millimetres)]
+    assert json.loads(subprocess.check_output(command))["fits"] is True

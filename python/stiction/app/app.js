@@ -75,7 +75,8 @@ function showEntryError(text, option, errorId) {
 /** Show the error message of a job with its result, and beside the scan or the field that is named in the message. */
 function showJobError(job) {
   showError(byId("job-wrong"), job.error);
-  if (job.error) showEntryError(job.error, job.option, job.command.startsWith("stiction run") ? "run-wrong" : "pair-wrong");
+  const [, command] = job.command.split(" ");
+  if (job.error) showEntryError(job.error, job.option, {run: "run-wrong", shear: "shear-wrong"}[command] ?? "pair-wrong");
 }
 
 /** Add the controls and event handlers of a drop area. */
@@ -156,6 +157,23 @@ async function previewScan(side) {
   Object.assign(image, {hidden: Boolean(preview.error), src: preview.picture ?? "data:,", alt: `Heights of ${scan.name}`});
   Object.assign(save, {hidden: !scan.isSample, href: withKey(`/scans/${scan.scan}/${scan.name}`)});
   saveState();
+  offerShearTest();
+}
+
+let latestFit = 0; // number of the latest comparison of the scans; responses to earlier requests are ignored
+
+/** Show the form of a shear test if the two scans fit into each other. */
+async function offerShearTest() {
+  const request = (latestFit += 1);
+  const shearForm = byId("shear");
+  shearForm.hidden = true;
+  if (!sides.every((side) => scans[side]?.holds)) return;
+  const query = new URLSearchParams(sides.map((side) => [side, scans[side].scan]));
+  for (const side of sides) for (const {name, value} of byId(`${side}-drop`).querySelectorAll("[name]")) query.set(`${side}.${name}`, value.trim());
+  const {fits, path} = await requestJson(`/fit?${query}`).catch(() => ({fits: false}));
+  if (request !== latestFit || !fits) return;
+  shearForm.path.value ||= path;
+  shearForm.hidden = false;
 }
 
 /** Add an uploaded interface file to the list of interfaces. */
@@ -190,7 +208,7 @@ async function loadSamples() {
 }
 
 // Units for numbers without a unit, options with one value for both scans, and descriptions of the sliding rules.
-const {units: UNITS, shared: SHARED, ruleDescriptions: RULE_DESCRIPTIONS} = JSON.parse(document.body.dataset.facts);
+const {units: UNITS, shared: SHARED, shear: SHEAR, ruleDescriptions: RULE_DESCRIPTIONS} = JSON.parse(document.body.dataset.facts);
 const entry = (name) => form[name].value.trim();
 
 /** Convert the entries of the form to options of `stiction pair`. A field for both bodies has two entries. */
@@ -217,19 +235,32 @@ function scanProblem(side) {
   return scans[side].holds ? "" : `the ${side} scan could not be read, see above`;
 }
 
-/** Submit the form for a pair of scans, or list the missing entries of the form. */
-async function submitPair(event) {
-  event.preventDefault();
+/** List the missing entries of the form for two scans. Return whether there are none. */
+function isComplete(errorId) {
   clearFieldErrors();
   const problems = [...sides.filter(scanProblem).map((side) => [byId(`${side}-file`), scanProblem(side)]),
     ...[...form.querySelectorAll("[required]:enabled")].filter((field) => !field.value.trim())
       .map((field) => [field, `${field.dataset.name ?? field.closest("label").textContent.trim()} is missing`])];
-  showError(byId("pair-wrong"), problems.length ? `Not yet: ${problems.map(([, text]) => text).join(", ")}.` : "");
-  if (problems.length) {
-    problems[0][0].focus();
-    return byId("pair-wrong").scrollIntoView({block: "nearest"});
-  }
-  await submitJob("pair-wrong", {command: "pair", upper: scans.upper.scan, lower: scans.lower.scan, options: pairOptions()});
+  showError(byId(errorId), problems.length ? `Not yet: ${problems.map(([, text]) => text).join(", ")}.` : "");
+  if (!problems.length) return true;
+  problems[0][0].focus();
+  byId(errorId).scrollIntoView({block: "nearest"});
+  return false;
+}
+
+/** Submit the form for a pair of scans. */
+async function submitPair(event) {
+  event.preventDefault();
+  if (isComplete("pair-wrong")) await submitJob("pair-wrong", {command: "pair", upper: scans.upper.scan, lower: scans.lower.scan, options: pairOptions()});
+}
+
+/** Submit a shear test of both scans, with the materials, the load and the friction of the form for a pair. */
+async function submitShear(event) {
+  event.preventDefault();
+  if (!isComplete("shear-wrong")) return;
+  const options = pairOptions().filter(([name]) => SHEAR.includes(name));
+  for (const [name, text] of new FormData(byId("shear"))) if (text.trim()) options.push([name, text.trim()]);
+  await submitJob("shear-wrong", {command: "shear", upper: scans.upper.scan, lower: scans.lower.scan, options});
 }
 
 /** Add a job to the queue and show it; `errorId` is the element for an error message. */
@@ -287,6 +318,8 @@ function render() {
   if (!selection) showResult(job.answer, [stopText, job.by, loadText(job)].filter(Boolean).join("; "), !job.by && !isReading);
   byId("command").textContent = equivalentCommand(job);
   byId("share").hidden = !job.versions || isActive || isReading || Boolean(job.by);
+  const isShear = job.command.startsWith("stiction shear");
+  for (const item of byId("share").querySelectorAll("#quote, [data-file='study.toml']")) item.hidden = isShear;
   for (const link of byId("share").querySelectorAll("a")) link.href = withKey(`/jobs/${job.number}/${link.dataset.file}?save`);
   const page = withKey(`/jobs/${job.number}/page.html?${job.versions}`);
   const frame = byId("page");
@@ -308,6 +341,14 @@ function showResult(answer, scope, isFinal) {
   place.dataset.text = text;
   place.replaceChildren(...(scope ? [createNode("p", {className: "hint"}, scope)] : []));
   if (!answer) return;
+  if (answer.lines) {
+    place.append(...answer.lines.map(({place: where, text: words, value}) => {
+      const line = createNode("p", {className: "value"}, createNode("i", {}, "μ"), ` = ${words} `, createNode("small", {className: "hint"}, where));
+      Object.assign(line.dataset, {place: where, value});
+      return line;
+    }), createNode("ul", {className: "caveats", tabIndex: 0}, ...answer.caveats.map((words) => createNode("li", {}, words))));
+    return;
+  }
   for (const {rule, text: words, coefficient: {value, lower, upper}} of answer.rules.filter(({coefficient}) => coefficient.value !== null)) {
     const line = createNode("p", {className: `value ${isFinal ? "" : "hint"}`}, createNode("i", {}, "μ"), createNode("sub", {}, "s"),
       ` = ${words} `, createNode("small", {className: "hint"}, RULE_DESCRIPTIONS[rule]));
@@ -341,13 +382,14 @@ const reportDocument = () => byId("page").contentDocument;
 /** Adapt the style of the report and listen to its events. */
 function connectReport() {
   const report = reportDocument();
-  if (!report?.getElementById("readout")) return;
+  if (!report?.getElementById("main")) return;
+  const fit = () => { byId("page").style.height = matchMedia("(min-width: 60rem)").matches ? "" : `${report.documentElement.scrollHeight}px`; };
+  new ResizeObserver(fit).observe(report.documentElement);
+  if (!report.getElementById("readout")) return;
   report.head.append(Object.assign(report.createElement("style"), {textContent:
     "body { padding: 0; max-width: none } header .over, header h1, #judgement, " +
     ".pair #answer > :is(.of, .value, .interval) { display: none } #controls { top: 0 }"}));
   for (const name of ["input", "click", "keyup"]) report.addEventListener(name, () => { clearTimeout(updateTimer); updateTimer = setTimeout(updateValues, UPDATE_DELAY); });
-  const fit = () => { byId("page").style.height = matchMedia("(min-width: 60rem)").matches ? "" : `${report.documentElement.scrollHeight}px`; };
-  new ResizeObserver(fit).observe(report.documentElement);
 }
 
 /** Update the values after a selection in the report. `typed` contains mu0 and tau0 (GPa) of the form that the report does not have. */
@@ -465,6 +507,7 @@ showNumbers();
 showInterface();
 updateProfiles();
 form.addEventListener("submit", submitPair);
+byId("shear").addEventListener("submit", submitShear);
 form.addEventListener("change", () => { showNumbers(); showInterface(); saveState(); });
 form.addEventListener("input", ({target}) => { if (target.ariaInvalid) clearFieldErrors(); });
 for (const name of ["mu0", "tau0"]) form[name].addEventListener("input", transferToReport);

@@ -37,6 +37,15 @@ SHARED_FLAGS = tuple(
 """Names of options that have a field for each scan, but one value for both scans."""
 
 
+SHEAR_FORM_FLAGS = ("path", "direction", "normal-stiffness", "register")
+"""Names of the options of a shear test that have fields of their own."""
+
+SHEAR_FLAGS = (
+    *FILE_READING_FLAGS, "upper", "lower", "young", "poisson", "hardness", "load", "mu0", "tau0", "interface", "tilt",
+)  # fmt: skip
+"""Names of the options of a shear test that it shares with a pair."""
+
+
 def fields_html(place: Literal["scan", "more"]) -> str:
     """Return the HTML of all fields in one section of the form."""
     return "\n".join(_field_html(flag, field) for flag, field in FORM_FIELDS_BY_FLAG.items() if field.place == place)
@@ -63,6 +72,7 @@ def page_data_json() -> str:
     page_data = {
         "units": {flag: f" {field.unit}" for flag, field in FORM_FIELDS_BY_FLAG.items() if field.unit},
         "shared": SHARED_FLAGS,
+        "shear": SHEAR_FLAGS,
         "ruleDescriptions": SLIDING_RULE_DESCRIPTIONS,
     }
     return html.escape(json.dumps(page_data, ensure_ascii=False))

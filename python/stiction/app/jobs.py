@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import json
+import math
 import os
 import re
 import shlex
@@ -23,9 +24,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from stiction._estimate import Estimate
 from stiction.app.form import find_first_option_name, replace_option_names, replace_option_names_in_caveats
 from stiction.solve.executors import PROGRESS_PREFIX
-from stiction.solve.store import StoredResult, open_stored_result
+from stiction.solve.store import open_stored_result
 
 POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a command
 # maximum time in seconds that a stopped command may take to write its results; then it is killed
@@ -38,8 +40,11 @@ JOB_MEMORY_FRACTION = 0.5  # maximum fraction of the machine's memory that the r
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
 END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record; a command prints this record before it draws figures
-# files for the user, and the names under which a `pair` command writes them
-PAIR_FILES = {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"}
+# files for the user, and the names under which the commands that print a JSON record write them
+FILES_BY_COMMAND = {
+    "pair": {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"},
+    "shear": {"page.html": "report.html", "result.csv": "shear.csv"},
+}
 
 
 REPORTED_EXCEPTIONS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
@@ -124,7 +129,9 @@ class JobQueue:
         """
         if sum(job.state == "waiting" for job in self.jobs_by_number.values()) >= MAX_WAITING_JOBS:
             raise RejectedRequestError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
-        identifying_arguments = [item for item in arguments if not re.match("--(mu0|tau0)=", item)]
+        # The results of other commands can be evaluated for other mu0 and tau0.
+        is_shear = arguments[0] == "shear"
+        identifying_arguments = [item for item in arguments if is_shear or not re.match("--(mu0|tau0)=", item)]
         digest = hashlib.sha256("\0".join(identifying_arguments).encode()).hexdigest()[:12]
         folder = folder or self.root / "results" / digest / arguments[0]
         job = self.jobs_by_number[len(self.jobs_by_number) + 1] = Job(
@@ -184,8 +191,8 @@ class JobQueue:
     async def _run_command(self, job: Job) -> None:
         if job.folder.is_relative_to(self.root):
             record = await self._compute_result(job)
-            if job.arguments[0] == "pair":
-                await self._show_pair_files(job, record)
+            if job.arguments[0] in FILES_BY_COMMAND:
+                await self._show_files(job, record)
                 return
         job.activity = "drawing"
         await self._read_result(job)
@@ -193,9 +200,9 @@ class JobQueue:
     async def _compute_result(self, job: Job) -> str:
         """Run the command of a job until it ends, and return its output.
 
-        A `pair` command prints a JSON record, and then writes a report and a table.
+        The commands `pair` and `shear` print a JSON record, and then write a report and a table.
         """
-        job.activity = "computing"
+        job.activity, has_record = "computing", job.arguments[0] in FILES_BY_COMMAND
         monitor_task = asyncio.create_task(self._monitor_progress(job))
         reading_tasks = [monitor_task]
         if job.preview is not None and not job.folder.exists():
@@ -207,9 +214,9 @@ class JobQueue:
             """Show the final values, so that they remain if the command fails while it draws."""
             monitor_task.cancel()
             job.activity = "drawing"
-            job.show(_read_reported_point(record), None)
+            job.show(_read_answer(job, record), None)
 
-        output_option = "--json" if job.arguments[0] == "pair" else "--part=1/1"
+        output_option = "--json" if has_record else "--part=1/1"
         arguments = ["stiction", *job.arguments, output_option, f"--output={job.folder}"]
         try:
             return await run_module(
@@ -230,21 +237,24 @@ class JobQueue:
         if job.activity == "computing a preview":
             job.activity = "computing"
 
-    async def _show_pair_files(self, job: Job, record: str) -> None:
-        """Copy the files that a finished `pair` command wrote, and show them with the values in its JSON record."""
+    async def _show_files(self, job: Job, record: str) -> None:
+        """Copy the files that a finished command wrote, and show them with the values in its JSON record."""
         files = self._choose_folder()
         # A thread cannot be cancelled, so it does not change the job, which may be stopped in the meantime.
-        stored_result = await asyncio.to_thread(self._copy_pair_files, job.folder, files, record)
-        counts = stored_result.num_finished, stored_result.study.ensemble.repetitions
-        job.show(_read_reported_point(record), files, counts=counts)
+        counts = await asyncio.to_thread(self._copy_files, job, files, record)
+        job.show(_read_answer(job, record), files, counts=counts)
 
-    def _copy_pair_files(self, folder: Path, files: Path, record: str) -> StoredResult:
-        """Copy the files of a pair and its JSON record to a new directory, and open the stored result."""
-        texts = {name: (folder / source).read_text("utf-8") for name, source in PAIR_FILES.items()}
+    def _copy_files(self, job: Job, files: Path, record: str) -> tuple[int, int] | None:
+        """Copy the files and the JSON record to a new directory, and return the member counts of a pair."""
+        sources = FILES_BY_COMMAND[job.arguments[0]]
+        texts = {name: (job.folder / source).read_text("utf-8") for name, source in sources.items()}
         files.mkdir(parents=True)
         for name, text in (texts | {"result.json": record}).items():
             (files / name).write_text(hide_private_paths(text, self.root), "utf-8", "replace")
-        return open_stored_result(folder)
+        if job.arguments[0] != "pair":
+            return None
+        stored_result = open_stored_result(job.folder)
+        return stored_result.num_finished, stored_result.study.ensemble.repetitions
 
     async def _monitor_progress(self, job: Job) -> None:
         """Monitor the progress of a command. Whenever the number of members has doubled, read the result."""
@@ -302,6 +312,22 @@ def _print_unexpected_error(task: asyncio.Task[None]) -> None:
     if not task.cancelled() and (error := task.exception()) is not None:
         context = {"message": "unexpected error in a job", "exception": error, "task": task}
         task.get_loop().call_exception_handler(context)
+
+
+def _read_answer(job: Job, record: str) -> dict[str, Any]:
+    """Return the values of the JSON record that a command printed."""
+    return _read_shear_test(record) if job.arguments[0] == "shear" else _read_reported_point(record)
+
+
+def _read_shear_test(record: str) -> dict[str, Any]:
+    """Return the coefficients at the peak and at the end of a shear test as text, and its caveats."""
+    values, lines = json.loads(record), []
+    for name, place in (("peak_friction_coefficient", "at the peak"), ("end_friction_coefficient", "at the end")):
+        entry = next(each for each in values["values"] if each["name"] == name)
+        limits = (math.nan if entry[end] is None else entry[end] for end in ("lower", "upper"))
+        if entry["value"] is not None:
+            lines.append({"place": place, "text": Estimate(entry["value"], *limits).text(), "value": entry["value"]})
+    return {"at": {}, "lines": lines, "caveats": [replace_option_names(caveat) for caveat in values["caveats"]]}
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:

@@ -1,7 +1,8 @@
-"""Command `python -m stiction.app.preview FILE OPTIONS`. It prints the contents of a scan as JSON, with a small image.
+"""Command `python -m stiction.app.preview FILE OPTIONS [FILE OPTIONS]`, which prints JSON for the page.
 
-OPTIONS is JSON text with options of `read_measurement` by name. Imports take most of the run time, so this module uses
-neither Matplotlib nor the declarations of the form fields.
+For one scan it prints the contents with a small image, and for two scans whether they fit into each other. OPTIONS is
+JSON text with options of `read_measurement` by name. Imports take most of the run time, so this module uses neither
+Matplotlib nor the declarations of the form fields.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import io
 import json
 import sys
 import warnings
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,8 +21,9 @@ import PIL.Image
 from stiction._checks import Floats
 from stiction._number_format import format_with_unit
 from stiction.surfaces.measured.reading import read_with_interpretation
-from stiction.surfaces.preparation import levelled
+from stiction.surfaces.preparation import flipped, levelled
 from stiction.surfaces.profile import Profile
+from stiction.surfaces.registration import do_faces_fit
 from stiction.surfaces.roughness import reject_flat_or_small_surface, rms_gradient, roughness_parameters
 
 # Maximum number of rows or columns of a map preview; a profile preview may have three times as many points.
@@ -70,6 +73,23 @@ def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return whether the faces of two scans fit into each other, and a path for a shear test, a tenth of their length.
+
+    Scans that cannot be read do not fit.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            upper, lower = (
+                read_with_interpretation(file, **each).body for file, each in zip(files, options, strict=True)
+            )
+            fits = type(upper) is type(lower) and do_faces_fit(flipped(upper), lower)
+    except (ValueError, ImportError, MemoryError):
+        return {"fits": False}
+    return {"fits": fits, "path": format_with_unit(float(np.min(np.atleast_1d(lower.extent))) / 10, "um")}
+
+
 def draw_lines_svg(*lines: Floats) -> str:
     """Draw several lines in one SVG image with a common vertical scale."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
@@ -99,11 +119,13 @@ def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes
 
 
 def main() -> None:
-    """Print the preview of a scan as JSON."""
-    file, options = sys.argv[1], json.loads(sys.argv[2])
+    """Print the preview of a scan, or the comparison of two scans, as JSON."""
     # `read_measurement` requires tuples, which JSON stores as lists.
-    options = {name: tuple(value) if isinstance(value, list) else value for name, value in options.items()}
-    print(json.dumps(preview_scan(file, options)))
+    files, options = sys.argv[1::2], [
+        {name: tuple(value) if isinstance(value, list) else value for name, value in json.loads(text).items()}
+        for text in sys.argv[2::2]
+    ]  # fmt: skip
+    print(json.dumps(preview_scan(files[0], options[0]) if len(files) == 1 else compare_scans(files, options)))
 
 
 if __name__ == "__main__":

@@ -30,6 +30,8 @@ from stiction.app import sample_surfaces
 from stiction.app.form import (
     FILE_READING_FLAGS,
     FORM_FIELDS_BY_FLAG,
+    SHEAR_FLAGS,
+    SHEAR_FORM_FLAGS,
     fields_html,
     find_first_option_name,
     format_error,
@@ -45,6 +47,7 @@ from stiction.mechanics.materials import materials
 from stiction.solve.store import open_stored_result
 from stiction.study.interfaces import interfaces
 from stiction.study.pair_study import MeasuredPair
+from stiction.surfaces.pairing import SIDES
 
 MAX_SCAN_BYTES = 300_000_000  # maximum size of an uploaded scan in bytes, equal to the readers' limit for text files
 MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # maximum total size of all uploaded scans in bytes
@@ -59,7 +62,9 @@ ACCESS_KEY_HEADER = "x-stiction-key"
 # paths that can be requested without the key, because they contain no private content
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")
 
-ALLOWED_OPTIONS_BY_COMMAND = {"pair": tuple(FORM_FIELDS_BY_FLAG), "run": ("set",)}
+ALLOWED_OPTIONS_BY_COMMAND = {
+    "pair": tuple(FORM_FIELDS_BY_FLAG), "run": ("set",), "shear": (*SHEAR_FLAGS, *SHEAR_FORM_FLAGS),
+}  # fmt: skip
 """Options of each command that the page may set."""
 
 ALLOWED_STUDY_CHANGE_PATTERN = re.compile(
@@ -115,7 +120,8 @@ class Server:
             ("GET", "/jobs", self.list_jobs), ("POST", "/jobs", self.add_job),
             ("POST", "/jobs/{job:int}/stop", self.stop_job), ("GET", "/jobs/{job:int}/at", self.evaluate_result),
             ("GET", "/jobs/{job:int}/{name}", self.get_result_file), ("GET", "/results", self.list_results),
-            ("GET", "/profiles", self.draw_profiles), ("POST", "/menu", self.add_menu_entry),
+            ("GET", "/profiles", self.draw_profiles), ("GET", "/fit", self.compare_scans),
+            ("POST", "/menu", self.add_menu_entry),
         ]  # fmt: skip
         self._app = Starlette(
             routes=[Route(path, handler, methods=[method]) for method, path, handler in routes],
@@ -302,6 +308,16 @@ class Server:
         self.points[scan] = preview.get("points", 0)
         return Response(json.dumps(preview), media_type="application/json")
 
+    async def compare_scans(self, request: Request) -> Response:
+        """Return whether two scans fit into each other. Reading options have names such as "upper.unit"."""
+        query, arguments = request.query_params, []
+        for side in SIDES:
+            texts = {flag: query.get(f"{side}.{flag}", "")[:80] for flag in FILE_READING_FLAGS}
+            path = self._find_scan_path(query.get(side))
+            arguments += [str(path), json.dumps(parse_reading_options(texts))]
+        output = await self.jobs.run_short_module(["stiction.app.preview", *arguments])
+        return Response(output, media_type="application/json")
+
     # ---- Jobs ------------------------------------------------------------------------------------------------------
 
     async def list_jobs(self, _: Request) -> Response:
@@ -311,7 +327,7 @@ class Server:
         return Response(hide_private_paths(jobs, self.root), media_type="application/json")
 
     async def add_job(self, request: Request) -> Response:
-        """Add a job to the queue: `pair` for two scans, `run` for generated surfaces, `info` for an existing result.
+        """Add a job to the queue: `pair` or `shear` for two scans, `run` for generated surfaces, `info` for a result.
 
         An invalid entry of the form is reported with its option, and no job is added.
         """
@@ -336,11 +352,15 @@ class Server:
             (name, str(self.scans[value]) if name == "interface" and value in self.scans else value)
             for name, value in options
         ]
-        arguments = [f"--{name}={value}" for name, value in options]
+        arguments = [f"--{name}" if name == "register" else f"--{name}={value}" for name, value in options]
         if command == "run":
             return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *arguments]).number})
         scan_identifiers = [request_data.get(side) for side in ("upper", "lower")]
         files = [self._find_scan_path(scan_identifier) for scan_identifier in scan_identifiers]
+        title, file_stem = (" on ".join(getattr(file, part) for file in files) for part in ("name", "stem"))
+        if command == "shear":
+            job = self.jobs.add(title, ["shear", *map(str, files), *arguments], file_stem=file_stem)
+            return JSONResponse({"job": job.number})
         try:
             await asyncio.to_thread(
                 MeasuredPair.check_entries, upper=files[0], lower=files[1], **group_option_values(options)
@@ -353,12 +373,7 @@ class Server:
             for scan_identifier in scan_identifiers
         )
         preview = ([str(file) for file in files], options) if is_preview_possible else None
-        job = self.jobs.add(
-            " on ".join(file.name for file in files),
-            ["pair", *map(str, files), *arguments],
-            file_stem=" on ".join(file.stem for file in files),
-            preview=preview,
-        )
+        job = self.jobs.add(title, ["pair", *map(str, files), *arguments], file_stem=file_stem, preview=preview)
         return JSONResponse({"job": job.number})
 
     def _find_job(self, request: Request) -> Job:

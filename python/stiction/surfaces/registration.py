@@ -99,6 +99,20 @@ def measure_fit(upper: Any, lower: Any) -> float:
     return highest if np.nanmax(others, initial=0.0) < MAX_SECOND_FIT_RATIO * highest else 0.0
 
 
+MIN_FITS = {Profile: 0.9, Surface: 0.5}
+"""Correlation of the slopes of two faces, as `measure_fit` returns it, above which they count as faces that fit.
+
+The largest correlation of 3600 pairs of unrelated profiles was 0.86, and of 1350 pairs of unrelated maps 0.40.
+"""
+
+
+def do_faces_fit(upper: Any, lower: Any) -> bool:
+    """Return whether two facing bodies fit into each other at one position. Their spacings must be equal."""
+    if upper.is_flat or lower.is_flat or not np.allclose(upper.spacings, lower.spacings):
+        return False
+    return measure_fit(upper, lower) > MIN_FITS[type(lower)]
+
+
 def correlate_facing_slopes(upper: Any, lower: Any) -> float:
     """Return the correlation of the slopes of two facing bodies without a shift, or NaN if one is flat."""
     if upper.is_flat or lower.is_flat:
