@@ -69,12 +69,10 @@ from stiction.study.values import (
 
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion for height maps, degrees
 MAX_DIRECTIONS = 360  # maximum number of directions of motion for height maps
-# In the asperity model, the load curve of two profiles starts below the smallest load by this factor.
-# It ends above the largest load by the same factor.
+# In the asperity model, the load curve of two profiles extends by this factor below and above the loads.
 ASPERITY_LOAD_MARGIN_FACTOR = 30.0
 NUM_ASPERITY_LOADS = 25
-# In the half-plane model, the load curve of two profiles starts below the smallest load by this factor.
-# It ends above the largest load by the same factor.
+# The same factor in the half-plane model
 HALF_PLANE_LOAD_MARGIN_FACTOR = 10.0
 NUM_HALF_PLANE_LOADS = 7
 MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads in the contact solutions of height maps
