@@ -67,6 +67,19 @@ def result(film_file):
     return pair(*rough_surfaces(), interface=film_file, **PAIR_OPTIONS)
 
 
+@pytest.mark.parametrize("name", [*interfaces()])
+def test_published_interface_is_displayed_without_a_sum_at_an_unknown_area(name):
+    published = interface(name)
+    lines = repr(published).splitlines()
+    assert lines[0] == "Interface"
+    assert "A/F" not in repr(published)
+    (strength,) = (line for line in lines if line.startswith("  tau0  "))
+    assert strength.endswith("] MPa")
+    value, low, high = (1e3 * limit for limit in published.tau0)
+    assert strength.split()[1:4] == [f"{value:.4g}", f"[{low:.4g},", f"{high:.4g}]"]
+    assert np.isnan(published.identified).all()
+
+
 def test_change_of_the_returned_catalogue_does_not_change_published_interfaces():
     name, entry = next(iter(interfaces().items()))
     value = entry["mu0"]

@@ -191,7 +191,8 @@ class InterfaceStrength:
         """Describe the interface by the sum mu0 + tau0 A/F, and by mu0 and tau0 if the tests can separate them."""
         entries = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
-            entries += [("mu0", self.mu0, ""), ("tau0", self.tau0, " GPa")]
+            tau0, low, high = (1e3 * value for value in self.tau0)
+            entries += [("mu0", self.mu0, ""), ("tau0", (tau0, low, high), " MPa")]
         rows = [
             f"  {name:<14}  {value:.4g} [{low:.4g}, {high:.4g}]{unit}"
             for name, (value, low, high), unit in entries
@@ -206,10 +207,10 @@ class InterfaceStrength:
 
     @property
     def identified(self) -> ValueWithLimits:
-        """Sum mu0 + tau0 A/F with its 95 % interval, evaluated at the A/F of the tests."""
+        """Sum mu0 + tau0 A/F with its 95 % interval, evaluated at the A/F of the tests; NaN if it is not known."""
         area_per_load = self.fits[0].area_per_load
         if not np.isfinite(area_per_load).all():
-            return self.at(self.area_per_load)
+            return self.at(self.area_per_load) if math.isfinite(self.area_per_load) else (math.nan,) * 3
         return self.interval_of(lambda mu0, tau0: FrictionLaw(mu0, tau0).force(1.0, area_per_load))
 
     @property
