@@ -1,5 +1,7 @@
 """Test pairs of maps at several relative positions against direct solutions at each position."""
 
+import re
+
 import numpy as np
 import pytest
 import stiction
@@ -345,6 +347,26 @@ def test_points_missing_at_random_have_a_caveat_with_a_number_but_no_blobs():
     (text,) = find_caveat_texts(build_map(1, missing=scattered), build_map(2), "holes")
     # A point is missing between two measured points along x or y with the probability 0.3 (1 - (1 - 0.7**2)**2).
     assert text.startswith("22 % of the points")
-    assert "up to 11 % too small" in text
+    assert "up to 28 % too small" in text
     assert find_caveat_texts(build_map(1, missing=blob), build_map(2), "holes") == []
     assert find_caveat_texts(build_map(1), build_map(2), "holes") == []
+
+
+@pytest.mark.parametrize("shortest_wavelength", [2.0, 8.0])
+def test_area_lost_through_points_missing_at_random_is_within_the_stated_limit(shortest_wavelength):
+    rng = np.random.default_rng(3)
+    maps = [
+        self_affine_surface(
+            9, hurst_exponent=0.8, rms=0.1, shape=(64, 64), spacing=0.5, shortest_wavelength=shortest_wavelength,
+            side=side,
+        )
+        for side in ("upper", "lower")
+    ]  # fmt: skip
+    pierced_maps = [Surface(each.heights, spacing=0.5, missing=rng.random((64, 64)) < 0.3) for each in maps]
+    complete, pierced = (stiction.pair(*each, **CAVEAT_OPTIONS) for each in (maps, pierced_maps))
+    (text,) = (caveat.text for caveat in pierced.caveats if "holes" in caveat.text)
+    limit = float(re.findall(r"up to (\S+) % too small", text)[0]) / 100
+    areas = [
+        float(result.at()["contact_area_fraction"].sel(statistic="mean").squeeze()) for result in (complete, pierced)
+    ]
+    assert 0.2 < 1 - areas[1] / areas[0] < limit
