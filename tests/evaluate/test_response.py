@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray
 from stiction import half_space, pair
 from stiction.evaluate.budget import _iterate_intervals
-from stiction.evaluate.contact_area import AreaFunction, build_area_functions
+from stiction.evaluate.contact_area import AreaFunction, build_area_functions, iterate_pieces_with_true_areas
 from stiction.mechanics.hardness import yielded_area
 from stiction.solve import member_solution
 from stiction.solve.member_sums import MemberSums
@@ -82,6 +83,40 @@ def test_elastic_areas_are_solved_for_the_first_members_only(monkeypatch):
     first_members = press(yield_exponent=1.25).dataset["elastic_area"]
     np.testing.assert_array_equal(first_members[:, :2], all_members[:, :2])
     assert np.isnan(first_members[:, 2:]).all()
+
+
+def test_elastic_area_of_the_first_members_is_scaled_to_all_members(result):
+    dataset = result.dataset.copy(deep=True)
+    is_first = dataset["repetition"] < 2
+    dataset["elastic_area"] = dataset["elastic_area"].where(is_first)
+    dataset["contact_area"] = dataset["contact_area"] * xarray.where(is_first, 1.0, 1.5)
+    area = build_area_functions(MemberSums.of(dataset))[0]
+    areas, elastic_areas = (
+        dataset[name].isel(cut_off=0).transpose("repetition", "load").values
+        for name in ("contact_area", "elastic_area")
+    )
+    expected = elastic_areas[:2].mean(axis=0) * areas.mean(axis=0) / areas[:2].mean(axis=0)
+    np.testing.assert_allclose(area.elastic_areas, expected)
+
+
+def test_sums_over_the_true_area_are_scaled_by_the_same_factor(result):
+    (piece,) = iterate_pieces_with_true_areas(MemberSums.of(result.dataset))
+    factor = (piece["contact_area"] / result.dataset["contact_area"]).mean("repetition")
+    assert (factor > 1.05).any()
+    for name in ("normal_adhesive", "tangential_adhesive"):
+        np.testing.assert_allclose(piece[name], (result.dataset[name] * factor).transpose(*piece[name].dims), rtol=1e-9)
+    for name in ("normal_frictional", "tangential_frictional", "contact_count"):
+        np.testing.assert_array_equal(piece[name], result.dataset[name])
+
+
+def test_estimated_elastic_area_is_at_most_the_area_with_limited_pressure():
+    hard = press(20.0)
+    study = hard.study.with_changes({"contact.yield_exponent": None})
+    dataset = hard.dataset.drop_vars("elastic_area").assign_attrs(study=study.to_toml())
+    areas = dataset["contact_area"].mean("repetition").values.ravel()
+    elastic_areas = build_area_functions(MemberSums.of(dataset))[0].elastic_areas
+    assert (elastic_areas <= areas * (1 + 1e-12)).all()
+    assert (elastic_areas > 0.5 * areas).all()
 
 
 def test_dataset_keeps_the_areas_with_limited_pressure(result):

@@ -104,3 +104,12 @@ def test_fault_at_the_other_cutoff_or_of_an_alternative_removes_the_range_for_fi
     point = summarize_point(single, alternatives={"spikes": alternative})
     assert point.bracket is None
     assert caveats_with(point, "without outliers")[0][0] == "fault"
+
+
+def test_range_for_finer_scans_starts_at_the_friction_of_plastic_contacts_that_grow():
+    study = measured_study(hardness=1.0).with_changes({"contact.junction_growth": 27})
+    point = summarize_point(measured_result(all_contacts=0.3, half_width_ratio=0.01), study)
+    # The pressure p of plastic contacts satisfies p² + α (mu0 p + tau0)² = H².
+    pressure = max(np.roots([1 + 27 * 0.2**2, 2 * 27 * 0.2 * 0.05, 27 * 0.05**2 - 1.0]))
+    assert point.bracket[0] == pytest.approx(0.2 + 0.05 / pressure)
+    assert point.roughness_contribution == pytest.approx(0.3 - point.bracket[0])

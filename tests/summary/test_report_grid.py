@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 from stiction import Result, Study, pair, run, self_affine_surface
+from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO
 from stiction.study.study import parse_study
 from stiction.summary.assessment import CAUTION_LOAD_FRACTION_AT_EDGE
 from stiction.summary.report_grid import MAX_TAU0_OVER_MODULUS, ReportGrid, build_parameter_axes
 from stiction.summary.report_values import ORDERED_STATUSES, evaluate_generated_report, evaluate_measured_report
 from support.generated_studies import SMALL_STUDY
 from support.studies_of_files import create_study_from_files, write_maps
+from support.synthetic_results import measured_study
 
 
 def test_parameter_axes_of_a_report_contain_mu0_and_tau0_of_the_study():
@@ -34,6 +36,12 @@ def test_tau0_of_a_report_has_at_most_six_round_steps_up_to_a_fraction_of_the_mo
     assert largest - steps[0] < tau0.values[-1] <= largest
     mantissa = float(f"{steps[0]:.6e}".split("e")[0])
     assert mantissa in (1, 2, 5)
+
+
+def test_tau0_of_a_report_is_below_the_shear_strength_of_the_softer_body():
+    changes = {"contact.effective_modulus": "1 TPa", "friction.tau0": ["0 MPa"]}
+    _, tau0 = build_parameter_axes(measured_study(hardness=1.0).with_changes(changes))
+    assert 0.5 / CENTRAL_SHEAR_RATIO < tau0.values[-1] < 0.71 / CENTRAL_SHEAR_RATIO
 
 
 def test_parameter_axis_marks_only_values_of_the_study_as_uncertain(tmp_path):
