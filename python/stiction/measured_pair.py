@@ -66,6 +66,7 @@ def pair(
     yield_strength: QuantityInput | None = None,
     junction_growth: QuantityInput | None = None,
     yield_exponent: QuantityInput | None = None,
+    indent: QuantityInput | None = None,
     area_loss: QuantityInput | None = None,
     wait: QuantityInputs | None = None,
     creep: QuantityInput | None = None,
@@ -147,6 +148,8 @@ def pair(
         slip-line.
     yield_exponent : str or float, optional
         Exponent of the area of yielding contacts, "1.25" or "uniform 0.7 .. 1.6". By default "uniform 0.7 .. 1.6".
+    indent : str or float, µm, optional
+        Depth of the indentation that measured the hardness of a metal, "5 um". Small contacts are harder.
     area_loss : str or float, optional
         Fraction of the true area that soft elastic bodies lose under shear, "0.1" or "0..0.3". By default "0..0.3" if
         E* is below 100 MPa.
@@ -289,6 +292,7 @@ def pair(
                 yield_strength=yield_strength,
                 junction_growth=junction_growth,
                 yield_exponent=yield_exponent,
+                indent=indent,
                 area_loss=area_loss,
                 wait=wait,
                 creep=creep,

@@ -422,6 +422,6 @@ def test_quantities_that_a_view_shows_are_evaluated():
     options = {"load": "20 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "shifts": 2, "cutoff": "none", "onset": 0}
     adhesion = {"work_of_adhesion": "50 mJ/m^2", "adhesion_range": "5 nm"}
     evaluated = set(ONSET_QUANTITIES)  # quantities of generated surfaces
-    for more in ({"hardness": 1.0}, {"mechanics": "asperities"}, adhesion):
+    for more in ({"hardness": 1.0, "indent": "2 um"}, {"mechanics": "asperities"}, adhesion):
         evaluated |= set(pair(*maps, **options, **more, direction=[0.0, 180.0]).at().data_vars)
     assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated == set()

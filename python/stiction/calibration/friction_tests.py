@@ -17,6 +17,7 @@ from stiction.evaluate.contact_area import AreaFunction, build_area_functions
 from stiction.evaluate.member_values import interpolate_member_sums
 from stiction.mechanics.closed_forms import hertz_sphere
 from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionCurve, FrictionLaw, sums_per_load
+from stiction.mechanics.hardness import CENTRAL_SIZE_EFFECT_LENGTH
 from stiction.mechanics.model import SlidingRule
 from stiction.solve.member_sums import MemberSums
 from stiction.study.elasticity import PairElasticity
@@ -210,6 +211,7 @@ class _AreaFactorFromResult(AreaFactor):
         inputs: dict[str, Any] = {
             "modulus": self.inputs.relative_modulus(samples),
             "yield_exponent": samples.get("yield_exponent", self.area.yield_exponent),
+            "size_effect": samples.get("size_effect", CENTRAL_SIZE_EFFECT_LENGTH),
         }
         if self.area.hardness is not None:
             hardness = samples.get("hardness", np.asarray(self.area.hardness))

@@ -72,6 +72,7 @@ def pair(
     yield_strength: Annotated[str | None, pair_option("yield_strength")] = None,
     junction_growth: Annotated[str | None, pair_option("junction_growth")] = None,
     yield_exponent: Annotated[str | None, pair_option("yield_exponent")] = None,
+    indent: Annotated[str | None, pair_option("indent")] = None,
     area_loss: Annotated[str | None, pair_option("area_loss")] = None,
     wait: Annotated[str | None, pair_option("wait")] = None,
     creep: Annotated[str | None, pair_option("creep")] = None,

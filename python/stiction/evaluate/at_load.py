@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, float_array
 from stiction._units import short_repr
+from stiction.evaluate.contact_area import build_area_functions
 from stiction.evaluate.ensemble_means import average_ensemble
 from stiction.evaluate.load_range import replace_zero_load
 from stiction.evaluate.maps import MAP_CELL_DIMENSIONS, choose_mu0_and_tau0
@@ -100,6 +101,12 @@ def at_load(
             point = point.assign(
                 estimate_small_slope_friction(cell_dims, gradient.values, directional_slope, rules, *strengths, modulus)
             )
+    if study.contact.indent is not None and is_requested("contact_hardness", names):
+        hardness = np.stack([area.contact_hardness(unique_loads) for area in result.compute_once(build_area_functions)])
+        point["contact_hardness"] = (
+            (*(str(dim) for dim in point["rms_gradient"].dims if dim != "statistic"), "load", "statistic"),
+            np.repeat(hardness[..., np.newaxis], 3, axis=-1), quantity_attributes("contact_hardness"),
+        )  # fmt: skip
     if is_measured and is_requested("load_definition_effect", names):
         # `load_definition_effect` compares the coefficients at equal elastic load and at equal normal load.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"

@@ -55,7 +55,7 @@ _NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
 
 RatioName = Literal[
     "area", "area_at_onset", "pressure", "loading_stiffness", "unloading_stiffness", "closure", "closure_stiffness",
-    "friction_at_no_load",
+    "friction_at_no_load", "contact_hardness",
 ]  # fmt: skip
 
 COMBINED_QUANTITIES: Mapping[str, RatioName] = MappingProxyType({
@@ -65,6 +65,7 @@ COMBINED_QUANTITIES: Mapping[str, RatioName] = MappingProxyType({
     "unloading_stiffness": "unloading_stiffness", "unloading_stiffness_per_area": "unloading_stiffness",
     "unloading_closure_stiffness": "unloading_stiffness",
     "tangential_stiffness_per_area": "unloading_stiffness", "friction_at_no_load": "friction_at_no_load",
+    "contact_hardness": "contact_hardness",
 })  # fmt: skip
 """Quantities of a contact besides friction whose intervals include the uncertain inputs.
 
@@ -77,6 +78,10 @@ def compute_quantity_ratios(
 ) -> dict[RatioName, Floats]:
     """Return the ratios of quantities besides the closure to those at the central inputs, by name."""
     values = response.evaluate(inputs)
+    hardness, central_hardness = (
+        response.area.contact_hardness(response.load, each.hardness, each.size_effect)
+        for each in (inputs, response.central)
+    )
     area_ratio = values.area / central.area
     loading, unloading = response.stiffness_ratios(inputs, values.area)
     with np.errstate(invalid="ignore"):  # both areas at the onset are infinite at seizure
@@ -86,6 +91,7 @@ def compute_quantity_ratios(
         "loading_stiffness": loading, "unloading_stiffness": unloading,
         "closure_stiffness": response.closure_stiffness_ratio(inputs, values.area),
         "friction_at_no_load": response.friction_at_no_load_ratio(inputs),
+        "contact_hardness": np.ones(()) if hardness is None else np.asarray(hardness / central_hardness),
     }  # fmt: skip
 
 
@@ -442,7 +448,7 @@ class CombinedIntervals:
         creep_factor = 1.0 if samples.creep is None or dwell_time == 1.0 else dwell_time**-samples.creep
         values = {
             name: samples.values.get(name, getattr(self.response.central, name))
-            for name in ("mu0", "tau0", "hardness", "yield_exponent", "junction_growth", "area_loss")
+            for name in ("mu0", "tau0", "hardness", "yield_exponent", "junction_growth", "area_loss", "size_effect")
         }
         values["hardness"] = values["hardness"] * creep_factor
         height_factor = np.exp(drift) if self.drifts else 1.0

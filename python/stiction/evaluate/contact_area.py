@@ -15,7 +15,12 @@ from numpy.typing import ArrayLike
 
 from stiction._checks import Floats
 from stiction.mechanics.friction import FrictionLaw, OnsetState
-from stiction.mechanics.hardness import yielded_area
+from stiction.mechanics.hardness import (
+    CENTRAL_SIZE_EFFECT_LENGTH,
+    estimate_indentation_depth,
+    size_effect_factor,
+    yielded_area,
+)
 from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
 from stiction.solve.member_sums import MemberSums
 from stiction.study.inputs import Inputs
@@ -47,6 +52,10 @@ class AreaFunction:
         Exponent m of `yielded_area`.
     attractions : (l,) ndarray, mN, optional
         Attraction of bodies that adhere, at these loads. The contacts carry the load and the attraction.
+    indent : float, µm, optional
+        Depth of the indentation that measured the hardness. Smaller contacts are harder.
+    contact_depths : (l,) ndarray, µm, optional
+        Depths of indentations that correspond to the contacts at these loads, if the indentation is known.
     """
 
     loads: Floats
@@ -55,6 +64,24 @@ class AreaFunction:
     hardness: float | None
     yield_exponent: float = FALLBACK_YIELD_EXPONENT
     attractions: Floats | None = None
+    indent: float | None = None
+    contact_depths: Floats | None = None
+
+    def contact_hardness(
+        self, load: ArrayLike, hardness: ArrayLike | None = None, size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH
+    ) -> Any:
+        """Return the hardness (GPa) of the contacts at a load (mN), or None for elastic bodies.
+
+        `hardness` is measured; that of the study is the default. `size_effect` is the length h* (µm) of the indentation
+        size effect, which has no effect if the depth of the indentation is unknown.
+        """
+        if self.hardness is None:
+            return None
+        measured_hardness: Any = self.hardness if hardness is None else hardness
+        if self.indent is None or self.contact_depths is None:
+            return measured_hardness
+        depth = np.exp(np.interp(np.log(load), np.log(self.loads), np.log(self.contact_depths)))
+        return measured_hardness * size_effect_factor(size_effect, depth, self.indent)
 
     def elastic_area(self, load: ArrayLike, modulus: ArrayLike = 1.0) -> Floats:
         """Return the true area (µm²) of elastic bodies at a load (mN), for a ratio of E* to the E* in the study.
@@ -76,6 +103,7 @@ class AreaFunction:
     def __call__(
         self, load: ArrayLike, *, hardness: ArrayLike | None = None, modulus: ArrayLike = 1.0,
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
+        size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH,
     ) -> Floats:  # fmt: skip
         """Return the true area (µm²) before shear. The hardness and the exponent are those of the study by default.
 
@@ -83,37 +111,43 @@ class AreaFunction:
         ----------
         load : array_like of float, mN
         hardness : array_like of float, GPa, optional
-            Or the lower pressure H' of contacts under shear. Ignored for elastic bodies.
+            Measured hardness. Ignored for elastic bodies.
         modulus : array_like of float
             Ratio of E* to the E* in the study.
         yield_exponent : array_like of float, optional
         elastic_area : array of float, µm², optional
             Result of `elastic_area` for this load and modulus, if it is known.
+        size_effect : array_like of float, µm
+            Length h* of the indentation size effect.
         """
         elastic_area = self.elastic_area(load, modulus) if elastic_area is None else elastic_area
-        if self.hardness is None:
-            return elastic_area
-        area = yielded_area(
-            elastic_area,
-            self._contact_load(load),
-            self.hardness if hardness is None else hardness,
-            self.yield_exponent if yield_exponent is None else yield_exponent,
+        return self._area_at_pressure(
+            self.contact_hardness(load, hardness, size_effect), load, elastic_area, yield_exponent
         )
+
+    def _area_at_pressure(
+        self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
+    ) -> Floats:
+        """Return the true area (µm²) of contacts that yield at a pressure (GPa), or None for elastic bodies."""
+        if pressure is None:
+            return elastic_area
+        exponent = self.yield_exponent if yield_exponent is None else yield_exponent
+        area = yielded_area(elastic_area, self._contact_load(load), pressure, exponent)
         return np.minimum(area, self.nominal_area)
 
     def onset(
         self, law: FrictionLaw, load: ArrayLike, *, hardness: ArrayLike | None = None, modulus: ArrayLike = 1.0,
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
+        size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH,
     ) -> OnsetState:  # fmt: skip
         """Return the state of the contacts at the onset of sliding. Arguments are as for the area."""
+        elastic_area = self.elastic_area(load, modulus) if elastic_area is None else elastic_area
 
         def area_at_pressure(pressure: Floats | None) -> Floats:
-            return self(
-                load, hardness=pressure, modulus=modulus, yield_exponent=yield_exponent, elastic_area=elastic_area
-            )
+            return self._area_at_pressure(pressure, load, elastic_area, yield_exponent)
 
-        is_study_hardness = hardness is None or self.hardness is None  # elastic bodies have none
-        return law.onset(load, self.hardness if is_study_hardness else hardness, self.nominal_area, area_at_pressure)
+        hardness = self.contact_hardness(load, hardness, size_effect)
+        return law.onset(load, hardness, self.nominal_area, area_at_pressure)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,14 +206,15 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
         elastic_areas = _estimate_elastic_areas(result, areas.all_members)
     exponent = FALLBACK_YIELD_EXPONENT if contact.yield_exponent is None else float(contact.yield_exponent)
     contact_loads = _average_contact_loads(result)
+    indent, depths = None if contact.indent is None else float(contact.indent), _estimate_contact_depths(result)
     functions = []
     for index, cell_areas in enumerate(elastic_areas):
         is_known = np.isfinite(cell_areas) & (cell_areas > 0)
         if is_known.any():
             attractions = None if contact_loads is None else np.maximum(contact_loads[index] - loads, 0.0)[is_known]
-            functions.append(
-                AreaFunction(loads[is_known], cell_areas[is_known], nominal_area, hardness, exponent, attractions)
-            )
+            known = loads[is_known], cell_areas[is_known]
+            known_depths = None if depths is None else depths[index][is_known]
+            functions.append(AreaFunction(*known, nominal_area, hardness, exponent, attractions, indent, known_depths))
         else:  # no member could be computed
             functions.append(AreaFunction(np.ones(1), np.full(1, np.nan), nominal_area, hardness, exponent))
     return functions
@@ -201,6 +236,19 @@ def compute_onset_factors(result: MemberSums, loads: Floats, mu0: Floats, tau0: 
         ratios.append(np.broadcast_to(onset.area / area(loads), shape))
         fractions.append(np.broadcast_to(onset.friction_fraction, shape))
     return np.stack(ratios), np.stack(fractions)
+
+
+def _estimate_contact_depths(result: MemberSums) -> Floats | None:
+    """Return the depths (µm) of indentations that correspond to contacts (cells, loading steps).
+
+    The result is None if the depth of the indentation that measured the hardness is unknown.
+    """
+    if result.study.contact.indent is None:
+        return None
+    counts = np.asarray(result.means(["contact_count"])["contact_count"].transpose("cut_off", "load").values)
+    gradients = result.means(["rms_gradient"])["rms_gradient"].values.reshape(-1, 1)
+    areas = result.compute_once(_average_solved_areas).all_members
+    return estimate_indentation_depth(areas, counts, gradients, are_lines=not result.study.is_areal)
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:
@@ -250,7 +298,10 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
     contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):
-        true_areas = yielded_area(areas.elastic, loads, float(contact.hardness), float(contact.yield_exponent))
+        hardness, depths = np.asarray(float(contact.hardness)), _estimate_contact_depths(result)
+        if depths is not None:
+            hardness = hardness * size_effect_factor(CENTRAL_SIZE_EFFECT_LENGTH, depths, float(contact.indent))
+        true_areas = yielded_area(areas.elastic, loads, hardness, float(contact.yield_exponent))
         # In complete contact, the solved area may exceed the nominal area by round-off.
         largest_areas = np.maximum(areas.elastic, float(result.head["nominal_area"]))
         factors = np.minimum(true_areas, largest_areas) / areas.elastic_members

@@ -245,12 +245,20 @@ def get_study_hardness(study: Study) -> float:
     return math.nan if hardness is None else float(hardness)
 
 
+def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
+    """Return the hardness (GPa) of the contacts at a point, or NaN if the study has no hardness.
+
+    It differs from the hardness of the study if the depth of the indentation is known.
+    """
+    return mean_over_directions(point, "contact_hardness") if "contact_hardness" in point else get_study_hardness(study)
+
+
 def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | None:
     """Return the friction coefficient if all contacts yield and friction acts at all of them.
 
     The shear strength of the softer body does not limit it. The value is NaN at seizure, or None without a hardness.
     """
-    hardness = get_study_hardness(study)
+    hardness = get_contact_hardness(point, study)
     if math.isnan(hardness) or not study.uses_half_space:
         return None
     law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.evaluate.contact_area import AreaFunction
 from stiction.mechanics.friction import FrictionLaw, OnsetState
+from stiction.mechanics.hardness import CENTRAL_SIZE_EFFECT_LENGTH
 from stiction.solve.member_sums import MemberSums
 
 UNLOADING_STIFFNESS_EXPONENT, LOADING_STIFFNESS_EXPONENT = 0.55, -0.4
@@ -47,6 +48,8 @@ class InputValues:
     uses_slip_lines : bool
     area_loss : float or array
         Fraction of their true area that elastic contacts lose before they slide.
+    size_effect : float or array, µm
+        Length h* of the indentation size effect. Without effect if the depth of the indentation is unknown.
     """
 
     mu0: Any
@@ -58,11 +61,16 @@ class InputValues:
     junction_growth: Any = 0.0
     uses_slip_lines: bool = False
     area_loss: Any = 0.0
+    size_effect: Any = CENTRAL_SIZE_EFFECT_LENGTH
 
     @property
     def law(self) -> FrictionLaw:
         """Law of friction of the contacts."""
         return FrictionLaw(self.mu0, self.tau0, self.junction_growth, self.uses_slip_lines, self.area_loss)
+
+
+def _area_inputs(inputs: InputValues) -> dict[str, Any]:
+    return {name: getattr(inputs, name) for name in ("hardness", "yield_exponent", "size_effect")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,8 +204,7 @@ class ContactResponse:
     def areas_before_shear(self, inputs: InputValues) -> AreasBeforeShear:
         """Return the true areas before shear, which depend neither on mu0 nor on tau0."""
         elastic_area = self.area.elastic_area(self.load, inputs.modulus * inputs.height_factor)
-        options = {"hardness": inputs.hardness, "yield_exponent": inputs.yield_exponent, "elastic_area": elastic_area}
-        return AreasBeforeShear(elastic_area, self.area(self.load, **options))
+        return AreasBeforeShear(elastic_area, self.area(self.load, elastic_area=elastic_area, **_area_inputs(inputs)))
 
     def evaluate(self, inputs: InputValues, known_areas: AreasBeforeShear | None = None) -> ResponseValues:
         """Return all quantities for the given inputs, whose areas before shear may be known already."""
@@ -205,12 +212,10 @@ class ContactResponse:
         central_area = self.area(self.load)
         law = inputs.law
         if self.area.hardness is None or np.any(inputs.junction_growth):
-            onset = self.area.onset(
-                law, self.load, hardness=inputs.hardness, yield_exponent=inputs.yield_exponent,
-                elastic_area=elastic_area,
-            )  # fmt: skip
+            onset = self.area.onset(law, self.load, elastic_area=elastic_area, **_area_inputs(inputs))
         else:
-            onset = OnsetState(law.plastic_coefficient(np.asarray(inputs.hardness)), area, np.ones(()))
+            hardness = self.area.contact_hardness(self.load, inputs.hardness, inputs.size_effect)
+            onset = OnsetState(law.plastic_coefficient(np.asarray(hardness)), area, np.ones(()))
         # Without τ0, friction does not depend on the area.
         is_seized = np.isinf(onset.area) & (np.asarray(inputs.tau0) > 0)
         sliding_area = np.where(np.isinf(onset.area), area, onset.area)

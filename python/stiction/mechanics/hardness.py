@@ -10,9 +10,59 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats
+from stiction.mechanics.model import PROFILE_WIDTH
 
 ELASTIC_PRESSURE_FRACTION = 0.5
 """Mean pressure, as a fraction of the hardness, up to which contacts count as elastic."""
+
+MIN_SIZE_EFFECT_LENGTH, MAX_SIZE_EFFECT_LENGTH = 0.1, 2.0
+"""Range (µm) of the length h* of the indentation size effect of metals: H = H0 sqrt(1 + h*/h) at the depth h.
+
+Nix & Gao, Journal of the Mechanics and Physics of Solids 46 (1998) 411.
+"""
+
+CENTRAL_SIZE_EFFECT_LENGTH = (MIN_SIZE_EFFECT_LENGTH * MAX_SIZE_EFFECT_LENGTH) ** 0.5
+
+
+INDENTATION_AREA_RATIO = 24.5
+"""Ratio of the projected area of a Vickers or Berkovich indentation to its squared depth."""
+
+
+def size_effect_factor(length: ArrayLike, depth: ArrayLike, indent: ArrayLike = np.inf) -> Floats:
+    """Return the hardness of contacts, divided by that measured with an indentation.
+
+    Parameters
+    ----------
+    length : array_like of float, µm
+        Length h* of the indentation size effect.
+    depth : array_like of float, µm
+        Depth of an indentation that corresponds to the contacts, as `estimate_indentation_depth` returns.
+    indent : array_like of float, µm
+        Depth of the indentation. By default, it is so large that its hardness does not depend on its size.
+
+    Examples
+    --------
+    >>> from stiction.mechanics.hardness import size_effect_factor
+    >>> size_effect_factor(0.5, [0.05, 5.0], indent=5.0).round(2)
+    array([3.16, 1.  ])
+    """
+    length = np.asarray(length, dtype=np.float64)
+    return np.asarray(np.sqrt((1 + length / np.asarray(depth)) / (1 + length / np.asarray(indent))))
+
+
+def estimate_indentation_depth(
+    area: ArrayLike, contact_count: ArrayLike, slope: ArrayLike, *, are_lines: bool = False
+) -> Floats:
+    """Estimate the depth (µm) of an indentation that strains a body as steeply as contacts do.
+
+    The density of geometrically necessary dislocations is proportional to the slope divided by the radius. The contacts
+    have a total area (µm²) and the rms slope of the gap. A flat contact corresponds to a deeper indentation. Contacts
+    of profiles have half their width as the radius.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean_area = np.asarray(area) / np.asarray(contact_count)
+        radius = mean_area / (2 * PROFILE_WIDTH) if are_lines else np.sqrt(mean_area / np.pi)
+        return np.asarray(np.pi / INDENTATION_AREA_RATIO * radius / np.asarray(slope))
 
 
 def yielded_area(elastic_area: ArrayLike, load: ArrayLike, hardness: ArrayLike, exponent: ArrayLike) -> Floats:

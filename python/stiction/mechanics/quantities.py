@@ -257,6 +257,10 @@ QUANTITIES: dict[str, ResultQuantity] = {
         unit="um^2", words="true contact area at the onset of sliding",
         brief="true area at the onset", kind="statistic", along=("step", "mu0", "tau0"), shown=_VERBOSE_TABLE_VIEWS,
     ),
+    "contact_hardness": ResultQuantity(
+        unit="GPa", words="hardness of the contacts, with the indentation size effect",
+        brief="hardness of the contacts", kind="statistic", along=_STEP_AXIS, shown=_VERBOSE_TABLE_VIEWS,
+    ),
     "contact_count": _sum_quantity("contact_count", "half-space", dtype=int, proportional=True, shown=_DEFAULT_VIEWS),
     "mean_pressure": ResultQuantity(
         unit="GPa", words="mean pressure in contact", kind="ratio", along=_STEP_AXIS, shown=_DEFAULT_VIEWS,

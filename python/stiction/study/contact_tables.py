@@ -381,6 +381,10 @@ class HalfSpaceSettings(CommonContactSettings):
     yield_exponent: YieldExponentEntry | None = Field(
         default=None, description="Exponent of the area of yielding contacts, 0.7 to 1.6 for rough surfaces."
     )
+    indent: Length | None = Field(
+        default=None,
+        description="Depth of the indentation that measured the hardness, which is higher in smaller contacts.",
+    )
     area_loss: AreaLossEntry | None = Field(
         default=None,
         description="Fraction of the true area that soft elastic bodies lose under shear; 0 with a caveat if omitted.",
@@ -417,6 +421,8 @@ class HalfSpaceSettings(CommonContactSettings):
                 else "must not be given if work_of_adhesion is above 0, because areas of adhesive contacts are "
                 "computed with the pressure cap",
             )
+        if self.indent is not None and self.yield_exponent is None:
+            raise make_key_error("indent", "must not be given without yield_exponent, which yielding contacts need")
         if self.junction_growth and self.adheres:
             raise make_key_error(
                 "junction_growth",
@@ -469,6 +475,7 @@ class AsperityModelSettings(CommonContactSettings):
     hardness: ClassVar[None] = None
     junction_growth: ClassVar[None] = None
     yield_exponent: ClassVar[None] = None
+    indent: ClassVar[None] = None
     area_loss: ClassVar[None] = None
     work_of_adhesion: ClassVar[None] = None
     adheres: ClassVar[bool] = False

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from stiction._checks import Floats
 from stiction._units import exact_quantity_text
 from stiction.mechanics.friction import FrictionLaw
+from stiction.mechanics.hardness import CENTRAL_SIZE_EFFECT_LENGTH, MAX_SIZE_EFFECT_LENGTH, MIN_SIZE_EFFECT_LENGTH
 from stiction.mechanics.materials import Material, material, softest_material
 from stiction.study.input_distributions import INPUT_KINDS, InputValue, UncertainInput, parse_input_value
 from stiction.study.interfaces import InterfaceSettings, InterfaceStrength
@@ -26,9 +27,15 @@ SAME_VALUE_TOLERANCE = 1e-3  # relative difference up to which a replaced value 
 _LABELS = {
     "mu0": "μ0", "tau0": "τ0", "effective_modulus": "E*", "hardness": "the hardness",
     "junction_growth": "the junction growth α", "yield_exponent": "the yield exponent m",
-    "area_loss": "the area loss under shear",
+    "area_loss": "the area loss under shear", "size_effect": "the indentation size effect",
     "creep": "the creep exponent", "young": "Young's modulus", "poisson": "Poisson's ratio",
 }  # fmt: skip
+
+SIZE_EFFECT = UncertainInput(
+    CENTRAL_SIZE_EFFECT_LENGTH, MIN_SIZE_EFFECT_LENGTH, MAX_SIZE_EFFECT_LENGTH, "log-normal",
+    f"{MIN_SIZE_EFFECT_LENGTH:g}..{MAX_SIZE_EFFECT_LENGTH:g} um",
+)  # fmt: skip
+"""Length h* (µm) of the indentation size effect of metals."""
 
 _SLIP_LINE_LABEL = "the ratio of hardness to shear strength"  # label of the junction growth by slip lines
 
@@ -42,7 +49,7 @@ class Input:
     label : str
         Name for messages and reports, such as "the hardness of the brass".
     unit : str
-        "GPa", or "" for a number.
+        "GPa", "µm", or "" for a number.
     central : float
         Value with which contacts are computed.
     estimate : UncertainInput
@@ -63,9 +70,9 @@ class Inputs:
     """Inputs of a study by name.
 
     The names are "mu0", "tau0", "effective_modulus", "hardness", "junction_growth", "yield_exponent", "area_loss",
-    "creep" and, if Young's moduli and Poisson's ratios are given, "young_upper", "poisson_upper", "young_lower" and
-    "poisson_lower".
-    Bodies of the same material share the inputs of the upper body.
+    "creep", "size_effect" if the depth of the indentation is given, and, if Young's moduli and Poisson's ratios are
+    given, "young_upper", "poisson_upper", "young_lower" and "poisson_lower". Bodies of the same material share the
+    inputs of the upper body.
 
     Attributes
     ----------
@@ -95,7 +102,8 @@ class Inputs:
             if value is not None
         )
         bodies = () if contact.young is None else (*zip(contact.young, contact.poisson or (), strict=True),)
-        return _build_inputs(entries, bodies, find_materials(study), friction.interface)
+        has_size_effect = contact.indent is not None
+        return _build_inputs(entries, bodies, find_materials(study), friction.interface, has_size_effect)
 
     @classmethod
     def from_values(
@@ -163,7 +171,7 @@ class Inputs:
 @lru_cache(maxsize=64)
 def _build_inputs(
     values: tuple[tuple[str, InputValue], ...], bodies: tuple[tuple[InputValue, InputValue], ...],
-    materials: tuple[Material, ...], interface: InterfaceSettings | None,
+    materials: tuple[Material, ...], interface: InterfaceSettings | None, has_size_effect: bool,
 ) -> Inputs:  # fmt: skip
     softer_material = softest_material(*materials)
     entries: dict[str, Input] = {}
@@ -174,6 +182,8 @@ def _build_inputs(
         label += f" of the {softer_material.name}" if name == "hardness" and softer_material else ""
         label = _SLIP_LINE_LABEL if value.estimate.uses_slip_lines else label
         entries[name] = _build_input(name, label, value)
+    if has_size_effect:
+        entries["size_effect"] = Input(_LABELS["size_effect"], "µm", SIZE_EFFECT.value, SIZE_EFFECT, SIZE_EFFECT.text)
     is_one_material = bool(materials) and materials[0] == materials[1]
     for index, side in enumerate(SIDES[: 1 if is_one_material else 2] if bodies else ()):
         for name, value in zip(MODULUS_NAMES, bodies[index], strict=True):

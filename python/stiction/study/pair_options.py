@@ -621,6 +621,11 @@ class MaterialOptions(OptionGroup):
         "NUMBER", 'Exponent of the area of yielding contacts, "1.25" or "uniform 0.7 .. 1.6".',
         usual='"uniform 0.7 .. 1.6"', key="contact.yield_exponent", applies=(uses_half_space_model,),
     )] = None  # fmt: skip
+    indent: Annotated[QuantityInput | None, PairOption(
+        "LENGTH", 'Depth of the indentation that measured the hardness of a metal, "5 um". Small contacts are harder.',
+        kind="length", key="contact.indent", applies=(uses_half_space_model,),
+        field=FormField(label="depth of the indentation", example="5 um"),
+    )] = None  # fmt: skip
     area_loss: Annotated[QuantityInput | None, PairOption(
         "FRACTION", 'Fraction of the true area that soft elastic bodies lose under shear, "0.1" or "0..0.3".',
         usual='"0..0.3" if E* is below 100 MPa', key="contact.area_loss", applies=(uses_half_space_model,),

@@ -133,7 +133,7 @@ class MeasuredPair:
         """
         pair = cls(validate_option_values(values), reads_scans=False)
         _ = pair.files, pair._given_loads, pair._strengths, pair.elasticity, pair._hardness
-        _ = pair._adhesion_entries, pair._junction_growth, pair._yield_exponent, pair._area_loss
+        _ = pair._adhesion_entries, pair._junction_growth, pair._yield_exponent, pair._area_loss, pair._indent
         for name in ("cutoff", "width", "wait"):
             if (value := pair.options.option_value(name)) not in (None, "none"):
                 pair._parse_quantities(name, value)
@@ -665,6 +665,8 @@ class MeasuredPair:
                 table["junction_growth"] = 0.0
             if (exponent := self._yield_exponent) is not None:
                 table["yield_exponent"] = exponent
+            if (indent := self._indent) is not None:
+                table["indent"] = indent
             if (area_loss := self._area_loss) is not None:
                 table["area_loss"] = area_loss
             table |= self._adhesion_entries
@@ -756,6 +758,18 @@ class MeasuredPair:
                 "computed with the pressure cap"
             )
         return self._parse_input("yield_exponent", value)
+
+    @property
+    def _indent(self) -> Quantity | None:
+        """Depth of the indentation that measured the hardness, or None if it is unknown."""
+        if (value := self.options.indent) is None:
+            return None
+        if self._yield_exponent is None:
+            raise ArgumentError("{indent} needs {hardness}, and must not be combined with {work_of_adhesion}")
+        depth = self._parse_quantity("indent", value)
+        if not depth > 0:
+            raise ArgumentError("{indent} must be above 0, got {got}", got=repr(value))
+        return depth
 
     @property
     def _area_loss(self) -> InputValue | None:

@@ -710,11 +710,16 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
     """List those differences between two studies that affect the members.
 
     Members depend on the central values of inputs, but not on their ranges. They do not depend on the table
-    `[friction]`, on the area loss under shear, on figures, or on file paths. Elastic areas are stored for any exponent
-    of the yielding area.
+    `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. Elastic
+    areas are stored for any exponent of the yielding area.
     """
     has_same_areas = (first.contact.yield_exponent is None) == (second.contact.yield_exponent is None)
-    ignored_keys = ("contact.young", "contact.area_loss", *(["contact.yield_exponent"] if has_same_areas else []))
+    ignored_keys = (
+        "contact.young",
+        "contact.area_loss",
+        "contact.indent",
+        *(["contact.yield_exponent"] if has_same_areas else []),
+    )
     return [
         difference
         for difference in find_table_differences(first, second)

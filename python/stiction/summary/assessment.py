@@ -19,6 +19,7 @@ from stiction.evaluate.point import (
     effective_modulus_at,
     find_contact_status,
     get_adhesion_ranges,
+    get_contact_hardness,
     has_limited_pressure,
     has_nominal_area,
     is_unloaded,
@@ -27,6 +28,7 @@ from stiction.evaluate.point import (
 )
 from stiction.mechanics import friction
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
+from stiction.mechanics.hardness import estimate_indentation_depth, size_effect_factor
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS, softest_material
 from stiction.study.input_distributions import UncertainInput, parse_input_value
 from stiction.study.inputs import Inputs, find_interface, find_materials
@@ -78,6 +80,11 @@ MAX_UNLIMITED_FRACTION = 0.025
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 """Fraction of the load on plastic contacts. Above it, τ0 is compared with the shear strength of the softer body."""
+
+TYPICAL_SIZE_EFFECT_LENGTH = 0.5
+"""Length h* (µm) of the indentation size effect for the caveat about an unknown indentation."""
+MIN_METAL_MODULUS = 20.0
+"""E* (GPa) above which a body that yields and has no name is taken for a metal."""
 
 # A caveat is issued if adhesion adds more than this fraction of the applied load.
 MAX_NEGLECTED_ADHESION_FRACTION = 0.05
@@ -335,6 +342,7 @@ def find_point_caveats(
         (_build_value_checks(study), [STEEP_SURFACE_CHECK], *pressure_checks), numbers
     )
     yield from _find_growth_caveats(point, study)
+    yield from _find_size_effect_caveats(point, study, value)
     yield from _find_area_loss_caveats(point, study, value)
     yield from find_caveats_of_failed_checks(([EQUALS_MU0_CHECK],), numbers)
     yield from _find_adhesion_caveats(point, study)
@@ -532,7 +540,7 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat
         yield Caveat(text, "give the calibration and the pair the same --junction-growth", "caution")
     law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))
     if growth is not None:
-        yield from _find_unlimited_caveats(point, float(hardness), law, growth)
+        yield from _find_unlimited_caveats(point, get_contact_hardness(point, study), law, growth)
         return
     effect = law.growth_effect(float(hardness))
     if study.contact.junction_growth is not None or abs(effect) <= NEGLIGIBLE_GROWTH_EFFECT:
@@ -551,6 +559,34 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat
     if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
         remedy = "compare with the pair without --adhesion, whose contacts grow"
     yield Caveat(text, remedy, "caution")
+
+
+def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
+    """Yield a caveat if metals would slide at a lower coefficient because small contacts are harder."""
+    contact, softer_material = study.contact, softest_material(*find_materials(study))
+    if contact.yield_exponent is None or contact.indent is not None:
+        return
+    is_metal = (
+        effective_modulus_at(point, study) > MIN_METAL_MODULUS
+        if softer_material is None
+        else softer_material.kind == "metal"
+    )
+    if not is_metal:
+        return
+    names = ("contact_area", "contact_count", "rms_gradient", "load_share_at_hardness")
+    area, count, slope, plastic_fraction = (mean_over_directions(point, name) for name in names)
+    depth = float(estimate_indentation_depth(area, count, slope, are_lines=not study.is_areal))
+    factor = float(size_effect_factor(TYPICAL_SIZE_EFFECT_LENGTH, depth))
+    law = Inputs.from_study(study).friction_law(0.0, float(point["tau0"]))
+    _, adhesive = law.contributions(0.0, area / float(point["load"]))
+    effect = plastic_fraction * (1 - 1 / factor) * adhesive / value.value
+    if not effect > NEGLIGIBLE_GROWTH_EFFECT:
+        return
+    text = (
+        f"small contacts of metals are harder: like indentations {format_with_unit(depth, 'um')} deep, they may be "
+        f"{factor:.1f} times as hard as large ones, and the coefficient {format_percent(effect)} lower"
+    )
+    yield Caveat(text, "give the depth of the indentation with --indent", "caution")
 
 
 def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:

@@ -26,6 +26,7 @@ from stiction.evaluate.point import (
     find_contact_status,
     find_statistic_indices,
     get_adhesion_ranges,
+    get_contact_hardness,
     get_roughness_exponent,
     is_unloaded,
     iterate_points,
@@ -167,8 +168,8 @@ class PointSummary:
 
     @property
     def hardness(self) -> float | None:
-        """Hardness of the softer body (GPa)."""
-        return None if self.study.contact.hardness is None else float(self.study.contact.hardness)
+        """Hardness of the contacts (GPa), or None if the study has no hardness."""
+        return None if self.study.contact.hardness is None else get_contact_hardness(self.values, self.study)
 
     @property
     def has_junction_growth(self) -> bool:

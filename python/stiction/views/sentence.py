@@ -138,6 +138,8 @@ def inputs_text(point: PointSummary) -> str:
     hardness = study.contact.hardness
     if hardness is not None:
         items.append(f"hardness {format_with_unit(float(hardness), 'GPa')}{_hardness_range_text(study)}")
+        if study.contact.indent is not None:
+            items.append(contact_hardness_text(point, float(study.contact.indent)))
         if growth := study.contact.junction_growth:
             items.append(junction_growth_text(growth.estimate))
     elif loss := study.contact.area_loss:
@@ -161,6 +163,12 @@ def junction_growth_text(growth: UncertainInput) -> str:
         return f"α = {growth.short_text}"
     ratio_text = growth.text.removeprefix(SLIP_LINE_TEXT).strip() or f"{growth.low:g}..{growth.high:g}"
     return f"yield by slip lines with H/k = {ratio_text}"
+
+
+def contact_hardness_text(point: PointSummary, indent: float) -> str:
+    """Return text about the depth (µm) of the indentation, and the hardness of the contacts with its interval."""
+    _, low, high = (format_with_unit(each, "GPa") for each in point.values["contact_hardness"].values.ravel().tolist())
+    return f"measured {format_with_unit(indent, 'um')} deep, {low} to {high} in the contacts"
 
 
 def area_loss_text(study: Study, loss: UncertainInput) -> str:

@@ -1,0 +1,108 @@
+"""Test the indentation size effect: small contacts of metals are harder than the indentation that measured them."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from stiction import Surface, pair, self_affine_surface
+from stiction.mechanics.hardness import estimate_indentation_depth, size_effect_factor
+from stiction.views.sentence import inputs_text
+
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
+METAL_OPTIONS = {
+    "effective_modulus": 100.0, "hardness": 0.5, "load": "20 MPa", "cutoff": "none", "shifts": 6, "mu0": 0.2,
+    "tau0": 0.02, "yield_exponent": 1.15, "junction_growth": "slip-line 5.6", "onset": 0,
+}  # fmt: skip
+
+
+@cache
+def rough_surfaces():
+    roughness = {"shape": (48, 48), "spacing": 0.1, "hurst_exponent": 0.8, "rms": 0.05, "shortest_wavelength": 0.4}
+    return tuple(
+        Surface(self_affine_surface(5, side=side, **roughness).heights, spacing=0.1) for side in ("upper", "lower")
+    )
+
+
+@cache
+def press(**options):
+    return pair(*rough_surfaces(), **METAL_OPTIONS | options)
+
+
+def mean_value(result, name):
+    values = result.at()[name].sel(statistic="mean")
+    return values.sel(sliding="all").item() if "sliding" in values.dims else values.item()
+
+
+def test_size_effect_factor_is_the_ratio_of_two_hardnesses_of_nix_and_gao():
+    hardness_at = lambda depth: 1.3 * np.sqrt(1 + 0.5 / depth)  # noqa: E731
+    assert size_effect_factor(0.5, 0.03, 4.0) == pytest.approx(hardness_at(0.03) / hardness_at(4.0), rel=1e-12)
+    assert size_effect_factor(0.5, 0.03) == pytest.approx(hardness_at(0.03) / 1.3, rel=1e-12)
+    assert size_effect_factor(0.5, 0.03, 0.03) == 1
+
+
+def test_indentation_depth_has_the_slope_per_radius_of_the_contacts():
+    slope_of_vickers = np.sqrt(np.pi / 24.5)  # of the cone with the area 24.5 h² of a Vickers indentation
+    radius, slope, count = 0.3, 0.1, 5
+    depth = estimate_indentation_depth(count * np.pi * radius**2, count, slope)
+    assert slope_of_vickers / (depth / slope_of_vickers) == pytest.approx(slope / radius, rel=1e-12)
+    assert estimate_indentation_depth(count * 2 * radius, count, slope, are_lines=True) == pytest.approx(
+        depth, rel=1e-12
+    )
+
+
+def test_contacts_have_the_hardness_at_their_depth():
+    without_indent, result = press(), press(indent="2 um")
+    depth = estimate_indentation_depth(
+        *(mean_value(press(yield_exponent=10.0), name) for name in ("contact_area", "contact_count", "rms_gradient"))
+    )
+    value, lower, upper = result.at()["contact_hardness"].values.ravel()
+    assert value == pytest.approx(0.5 * size_effect_factor(np.sqrt(0.2), depth, 2.0), rel=0.05)
+    for limit, length in ((lower, 0.1), (upper, 2.0)):
+        factor = size_effect_factor(length, depth, 2.0)
+        assert limit == pytest.approx(0.5 * factor, rel=0.05)
+    harder = press(hardness=float(value))
+    for name, tolerance in (("mean_friction", 0.01), ("contact_area", 0.03), ("contact_area_at_onset", 0.03)):
+        assert mean_value(result, name) == pytest.approx(mean_value(harder, name), rel=tolerance)
+    assert mean_value(result, "mean_friction") < mean_value(without_indent, "mean_friction")
+    assert mean_value(result, "closure") == mean_value(without_indent, "closure")
+
+
+def test_indentation_as_deep_as_the_contacts_leaves_the_result_nearly_unchanged():
+    depth = estimate_indentation_depth(
+        *(mean_value(press(), name) for name in ("contact_area", "contact_count", "rms_gradient"))
+    )
+    result = press(indent=float(depth))
+    assert result.value == pytest.approx(press().value, rel=5e-3)
+    assert result.interval == pytest.approx(press().interval, rel=0.01)
+
+
+def test_interval_with_an_indentation_agrees_with_results_at_the_ends_of_the_size_effect():
+    result = press(indent="2 um")
+    _, *hardnesses = result.at()["contact_hardness"].values.ravel()
+    ends = [press(hardness=float(hardness)) for hardness in hardnesses]
+    assert result.interval[1] == pytest.approx(ends[0].value, rel=0.02)
+    assert result.interval[0] == pytest.approx(ends[1].value, rel=0.03)
+    assert result.budget["input"].iloc[0] == "the indentation size effect"
+    assert "measured 2 µm deep" in inputs_text(result.summary().first)
+    assert result.summary().first.hardness == pytest.approx(mean_value(result, "contact_hardness"))
+
+
+def test_unknown_indentation_adds_a_caveat_for_metals_only():
+    result, measured = press(), press(indent="2 um")
+    polymer = press(effective_modulus=5.0, hardness=0.025, load="1 MPa", tau0=1e-3)
+    texts = [
+        " ".join(caveat.text for caveat in each.summary().points[0].caveats) for each in (result, polymer, measured)
+    ]
+    assert "times as hard as large ones" in texts[0]
+    assert "as hard as large ones" not in texts[1] + texts[2]
+
+
+@pytest.mark.parametrize(("options", "term"), [
+    ({"indent": "0 um"}, "indent must be above 0"), ({"indent": "2 um", "hardness": None}, "indent needs hardness"),
+    ({"indent": "2 um", "work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion"), ({"indent": "2 GPa"}, "indent"),
+])  # fmt: skip
+def test_pair_function_rejects_invalid_indentations(options, term):
+    defaults = {"junction_growth": None, "yield_exponent": None} if len(options) > 1 else {}
+    with pytest.raises(ValueError, match=term):
+        press(**defaults | options)
