@@ -180,8 +180,8 @@ def shear_test(
     For ranges of mu0 and tau0, the forces of the solved contacts are evaluated again. For ranges of the hardness and of
     E*, the test is repeated at both limits, and curves are interpolated. Each strip is sheared under the same normal
     stress, free of the other strips; the standard error of the mean over the strips, with Student's t distribution,
-    stands for another piece of the same joint. An interval of the displacement at the peak includes the displacements
-    before and after the peak.
+    stands for another piece of the same joint. It misses waves wider than a strip. An interval
+    of the displacement at the peak includes the displacements before and after the peak.
 
     Examples
     --------
@@ -256,7 +256,7 @@ class _TestSetup:
 
 def _build_setup(box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64], strips: Any) -> _TestSetup:
     inputs, strength = contact.half_space_inputs, contact.given_interface
-    samples = draw_shear_samples(inputs, strength)
+    samples = draw_shear_samples(inputs, strength, len(offsets))
     strip_boxes = box.cut_strips(offsets, _check_strips(box, offsets, strips))
     if strips is None and len(strip_boxes) < MIN_STRIPS:
         strip_boxes = []

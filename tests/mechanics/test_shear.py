@@ -265,6 +265,17 @@ def test_interval_of_two_moduli_is_within_the_coefficients_at_the_limits_of_both
     assert low < lower < float(test.friction_coefficient[1]) < upper < high
 
 
+def test_interval_of_many_displacements_equals_that_of_a_few():
+    """Compare intervals with fewer samples, which limit the memory, with those of the usual number."""
+    wavy = create_wavy_profile()
+    face = Profile(wavy.heights[::8], spacing=8 * wavy.spacing)
+    options = {"path": "80 um", "mu0": "0.5..0.7", "load": "10 MPa", "hardness": "2 GPa", "boundary": "periodic"}
+    many, few = (shear(face, steps=steps, **options) for steps in (200, 4))
+    assert many.sizes["displacement"] > 128
+    limits = many.friction_coefficient_interval.sel(displacement=few.displacement, method="nearest").values
+    np.testing.assert_allclose(limits, few.friction_coefficient_interval.values, rtol=0.01)
+
+
 def test_two_ranges_widen_the_interval():
     options = {"path": "100 um", "steps": 2, "boundary": "periodic"}
     widths = [

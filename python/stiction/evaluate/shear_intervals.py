@@ -20,13 +20,15 @@ from stiction.evaluate.budget import find_inputs_and_strengths
 from stiction.evaluate.combined_intervals import compute_quantiles
 from stiction.mechanics.friction import LOAD_SUM_NAMES, STATUS_DOWNHILL, STATUS_OK, FrictionLaw
 from stiction.mechanics.shear import ShearBox, compute_dilation_angles
-from stiction.study.input_distributions import NUM_INPUT_SAMPLES, generate_stratified_points
+from stiction.study.input_distributions import NUM_INPUT_SAMPLES, generate_sobol_points
 from stiction.study.inputs import Inputs
 from stiction.study.interfaces import InterfaceStrength
 
 if TYPE_CHECKING:
     import xarray as xr
 
+MIN_INPUT_SAMPLES = 2**10  # minimum number of samples, however many displacements there are
+MAX_CURVE_VALUES = 2**21  # maximum number of samples times displacements, which limits the memory
 INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Inputs that change the contacts, so that the test is repeated at their limits."""
@@ -54,16 +56,24 @@ class ShearInputSamples:
     probabilities: Floats
 
 
-def draw_shear_samples(inputs: Inputs, strength: InterfaceStrength | None) -> list[ShearInputSamples]:
+def _draw_points(dimensions: int, num_displacements: int) -> Floats:
+    """Return points of a Sobol sequence, `NUM_INPUT_SAMPLES` or fewer if there are many displacements."""
+    count = min(NUM_INPUT_SAMPLES, 2 ** int(math.log2(MAX_CURVE_VALUES / num_displacements)))
+    return generate_sobol_points(dimensions, max(count, MIN_INPUT_SAMPLES), seed=2016)
+
+
+def draw_shear_samples(
+    inputs: Inputs, strength: InterfaceStrength | None, num_displacements: int
+) -> list[ShearInputSamples]:
     """Draw samples of the inputs; of an interface, also those with mu0 or tau0 at its bound. Empty if all are exact."""
     uncertain, joint_strengths = find_inputs_and_strengths(inputs, strength)
     if not uncertain and all(np.ptp(mu0) == np.ptp(tau0) == 0 for mu0, tau0, *_ in joint_strengths):
         return []
-    *points, probabilities, interface_points = generate_stratified_points(len(uncertain) + 2).T
+    *points, probabilities, interface_points = _draw_points(len(uncertain) + 2, num_displacements).T
     values = {
         name: each.estimate.quantile(column) for column, (name, each) in zip(points, uncertain.items(), strict=True)
     }
-    mu0, tau0 = (values.get(name, np.full(NUM_INPUT_SAMPLES, inputs.central(name))) for name in ("mu0", "tau0"))
+    mu0, tau0 = (values.get(name, np.full(probabilities.size, inputs.central(name))) for name in ("mu0", "tau0"))
     ratios = {"effective_modulus": np.asarray(inputs.relative_modulus(values))}
     if "hardness" in values:
         ratios["hardness"] = values["hardness"] / inputs.central("hardness")
@@ -203,7 +213,7 @@ def add_shear_intervals(
         probabilities = samples[0].probabilities
     elif errors:
         curves = (np.asarray(test[name].values)[np.newaxis] for name in CURVES)
-        sampled, probabilities = [_summarize_samples(test, *curves)], generate_stratified_points(1)[:, 0]
+        sampled, probabilities = [_summarize_samples(test, *curves)], _draw_points(1, test.sizes["displacement"])[:, 0]
     else:
         return test
     scores = _student_scores(probabilities, len(strips))
