@@ -194,6 +194,28 @@ def test_unit_with_a_power_of_ten_after_the_names_is_read(read_text):
     assert reading.body.heights == pytest.approx(PROFILE)
 
 
+def test_header_with_more_names_than_columns_names_the_first_columns(read_text):
+    rows = "".join(f"{at / 2000:.4f}\t{z}\n" for at, z in enumerate(PROFILE))
+    names = "x (mm)\tslope error (urad)\tx (mm)\tHGT error (nm)\tHGT (um)"
+    assert "has heights in 'urad'" in error_message(read_text, f"PV (um)\tPV error (nm)\n{names}\n{rows}")
+    assert read_text(f"x (mm)\tz (nm)\tslope (urad)\n{rows}").body.heights == pytest.approx(PROFILE / 1000)
+
+
+def test_letter_after_a_name_is_a_unit_beside_a_name_with_a_unit_of_length(read_text):
+    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
+    assert "has heights in 's'" in error_message(read_text, f"Position mm;Height s\n{rows}", unit=("mm", "um"))
+
+
+def test_entity_in_a_unit_is_decoded(read_text):
+    rows = "".join(f"{at / 2:.1f}\t{z}\n" for at, z in enumerate(PROFILE))
+    assert read_text(f"x (&micro;m)\tz (&micro;m)\n{rows}").body.spacing == pytest.approx(0.5)
+
+
+def test_unit_with_a_number_after_a_blank_is_not_replaced(read_text):
+    message = error_message(read_text, f"Height unit 10 nm\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
+    assert "has heights in '10 nm'" in message
+
+
 @pytest.mark.parametrize(("line", "unit"), [("Z: grey levels", "grey levels"), ("z = V", "V")])
 def test_unit_after_z_in_a_header_line_is_used_or_rejected(read_text, line, unit):
     message = error_message(read_text, f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")

@@ -221,3 +221,10 @@ def test_rows_of_another_width_above_a_matrix_are_rejected(tmp_path):
     assert "15 more lines of numbers do not belong to the same table as lines 22 to 37" in error_message(
         path, **OPTIONS
     )
+
+
+def test_profile_in_few_lines_has_a_caveat(tmp_path):
+    path = tmp_path / "a.txt"
+    heights = create_map(1, 125)[0]
+    path.write_text(to_text(heights.reshape(5, 25)))
+    assert [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats] == ["wrapped"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 import unicodedata
 from collections.abc import Sequence
@@ -35,7 +36,7 @@ _HEIGHT_UNIT_PATTERN = re.compile(
 _UNKNOWN_UNIT_PATTERN = re.compile(
     r"\W*(?:(?:z|heights?|höhen?)\s+(?:are\s+)?in\s+(?!the\b|an?\b|this\b|columns?\b|rows?\b|lines?\b|files?\b)|"
     rf"(?:(?:z|data|height|value|amplitude|vertical|profile)[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}"
-    r"(?: (?:of )?(?:z|data|heights?|values?))?\s*[:=,;\t]\s*)"
+    r"(?: (?:of )?(?:z|data|heights?|values?))?(?:\s*[:=,;\t]\s*|\s+(?=[0-9])))"
     r"[\"']?((?:[^\"',;\t]|(?<=[0-9]),(?=[0-9])){1,40}?)[\"']?[\s,;]*",
     re.IGNORECASE,
 )
@@ -202,7 +203,8 @@ _INCH_MARK_PATTERN = re.compile(r'([(\[])\s*"{1,2}\s*([)\]])')
 
 
 def normalise_line(line: str) -> str:
-    """Replace full-width characters, unit ligatures and inch marks in a line, and remove double quotes."""
+    """Replace full-width characters, unit ligatures, inch marks and entities in a line, and remove double quotes."""
+    line = html.unescape(line) if "&" in line else line
     line = _INCH_MARK_PATTERN.sub(r"\1inch\2", unicodedata.normalize("NFKC", line))
     return line.replace('"', "").replace("\u03bc", "µ")
 
@@ -387,15 +389,21 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
         *(uncommented_line.split(separator) for separator in "\t;,|"),
         re.split(r"\s{2,}", uncommented_line.strip()),
     ]
-    for cells in candidates:
+    for number, cells in enumerate(candidates):
         cells = [cell.strip(" \"'") for cell in cells]
         while len(cells) > width and not cells[-1]:
             cells.pop()
+        if len(cells) > width > 1 and number == 0 and dialect.separator is not None and any(map(_has_unit, cells)):
+            return cells[:width]  # the table lacks the last columns that its header names
         if len(cells) == width:
             return cells
         if len(cells) == width - 1 and line[:1] in "\t;, ":  # the heading of the column of row numbers may be missing
             return ["", *cells]
     return None
+
+
+def _has_unit(cell: str) -> bool:
+    return unit_in_column_name(cell) is not None
 
 
 def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[tuple[str, ...], bool]:
@@ -430,7 +438,14 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
         )
         return tuple(map(unit_in_column_name, cells)) if cells is not None and is_names else (None,) * width
     if cells is not None and any(unit_in_column_name(cell) for cell in cells):
-        return tuple(unit_in_column_name(cell) for cell in cells)
+        # beside "x mm", the last letter of "z V" is a unit, too
+        last_words = [re.split(r"[\s_]+", cell)[-1] for cell in cells]
+        are_last_words = any(map(parse_length_unit, last_words))
+        return tuple(
+            unit_in_column_name(cell)
+            or (word if are_last_words and word != cell and NON_LENGTH_UNIT_PATTERN.fullmatch(word) else None)
+            for cell, word in zip(cells, last_words, strict=True)
+        )
     units = _find_units(name_line)
     name = _BRACKETED_WORD_PATTERN.sub(" ", name_line)
     mentions_heights = _HEIGHT_NAME_PATTERN.search(name) and not _POSITION_NAME_PATTERN.search(name)

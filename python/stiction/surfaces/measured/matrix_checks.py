@@ -24,7 +24,7 @@ MAX_STATISTIC_LINES = 6  # maximum number of rows or columns with statistics at 
 # means of a line of heights deviate less, heights of a surface deviate more.
 MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per line of a profile that is written in lines
-MIN_WRAPPED_LINES = 8  # minimum number of lines of such a profile
+MIN_WRAPPED_LINES = 5  # minimum number of lines of such a profile
 # A profile continues from line to line if the mean square difference between the end of a line and the start of the
 # next is at most this multiple of that between neighbours in a line, or this fraction of that in a column.
 MAX_WRAP_DIFFERENCE, MAX_WRAP_DIFFERENCE_OVER_COLUMN = 1.7, 0.25

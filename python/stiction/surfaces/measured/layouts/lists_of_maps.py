@@ -29,15 +29,16 @@ from stiction.surfaces.measured.raw import FormatError, RawHeights
 
 _CODE_V_PATTERN = re.compile(r"GRD\s+[0-9]+\s+[0-9]+\s+(?:SUR|WFR|FIL)\b", re.IGNORECASE)
 _TEXT_IMAGE_PATTERN = re.compile(r"P[123](?:\s+[0-9]+\s+[0-9]+(?:\s+[0-9]+)?)?", re.IGNORECASE)
+_FACES_PATTERN = re.compile(r"element face [1-9]", re.IGNORECASE)
 _SMD_PATTERN = re.compile(r"C[XZ]\s+[AI]\s+[0-9]+\s+[nuµm]?m\s+[0-9.]", re.IGNORECASE)
 
 
 def _is_list_of_map(text: DecodedText) -> bool:
     is_nanoscope = text.line(0).lstrip("\\").startswith("*File list")
-    patterns = (_CODE_V_PATTERN, _SMD_PATTERN)
+    patterns = (_CODE_V_PATTERN, _SMD_PATTERN, _FACES_PATTERN)
     is_image = _TEXT_IMAGE_PATTERN.fullmatch(text.line(0).strip()) is not None
     return (
-        is_nanoscope or is_image or any(pattern.match(line) for line in text.first_lines[:10] for pattern in patterns)
+        is_nanoscope or is_image or any(pattern.match(line) for line in text.first_lines[:30] for pattern in patterns)
     )
 
 
@@ -48,8 +49,10 @@ def _reject(text: DecodedText) -> RawHeights:
         )
     if _TEXT_IMAGE_PATTERN.fullmatch(text.line(0).strip()):
         raise FormatError("is an image in text (.pgm, .ppm), whose grey values have no height scale")
-    if any(map(_SMD_PATTERN.match, text.first_lines[:10])):
+    if any(map(_SMD_PATTERN.match, text.first_lines[:30])):
         raise FormatError("is a text of ISO 5436-2 (.smd), whose numbers are scaled; export it as X3P")
+    if any(map(_FACES_PATTERN.match, text.first_lines[:30])):
+        raise FormatError("is a mesh with faces (.ply); export only its points as x, y, z")
     raise FormatError("is a CODE V interferogram, whose numbers are scaled; export the heights as a matrix")
 
 
