@@ -297,7 +297,7 @@ class CombinedIntervals:
     def predict_next_test(self) -> Interval:
         """Return the 95 % prediction interval for a test of one new member in one direction of motion."""
         first, *others = (compute_equal_tailed_interval(*each) for each in self._sample_next_tests())
-        return first.extended_to(*others, (self.value, self.value), *self._open_intervals)
+        return first.extended_to(*others, (self.value, self.value), *self._intervals_without_upper_limit)
 
     def predict_percentiles(self) -> Floats:
         """Return the `FRICTION_PERCENTILES` of the coefficients of such tests. The outer ones enclose the value."""
@@ -388,10 +388,10 @@ class CombinedIntervals:
         first, *others = (
             compute_equal_tailed_interval(*each) for each in self._sample_all_strengths(fixed, dwell_time)
         )
-        return first.extended_to(*others, *self._open_intervals)
+        return first.extended_to(*others, *self._intervals_without_upper_limit)
 
     @property
-    def _open_intervals(self) -> list[Interval]:
+    def _intervals_without_upper_limit(self) -> list[Interval]:
         """Interval without an upper limit, if the coefficient at the central inputs has none."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 

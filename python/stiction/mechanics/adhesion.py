@@ -98,7 +98,7 @@ class _Iteration:
     @classmethod
     def from_step_result(cls, result: StepResult) -> _Iteration:
         """Return the state that `to_step_result` converted."""
-        values = {field.name: _to_value(result[field.name]) for field in fields(cls) if field.name in result}
+        values = {field.name: _to_array_or_number(result[field.name]) for field in fields(cls) if field.name in result}
         if "best_pressure" in result:
             values["best_state"] = _to_adhesion_state(
                 {name.removeprefix("best_"): value for name, value in result.items() if name.startswith("best_")}
@@ -106,14 +106,18 @@ class _Iteration:
         return cls(**values)
 
 
-def _to_value(value: Any) -> Any:
+def _to_array_or_number(value: Any) -> Any:
     """Return a stored array unchanged, and a stored number as a Python number."""
     return value if np.ndim(value) else np.asarray(value).item()
 
 
 def _to_adhesion_state(result: StepResult) -> AdhesionState:
     return AdhesionState(
-        **{field.name: _to_value(result[field.name]) for field in fields(AdhesionState) if field.name in result}
+        **{
+            field.name: _to_array_or_number(result[field.name])
+            for field in fields(AdhesionState)
+            if field.name in result
+        }
     )
 
 

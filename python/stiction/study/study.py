@@ -626,9 +626,9 @@ class Study(SettingsTable):
 def _convert_table(table: SettingsTable, case: type[SettingsTable]) -> dict[str, Any]:
     """Convert a table to another class. Values that differ from the defaults of the original class are kept."""
     table_class = type(table)
-    changed = {key for key, value in table if value != table_class.model_fields[key].default}
-    keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
-    values = {key: getattr(table, key) if key in changed else case.model_fields[key].default for key in keys}
+    changed_keys = {key for key, value in table if value != table_class.model_fields[key].default}
+    keys = [key for key, field in case.model_fields.items() if key in changed_keys or not field.is_required()]
+    values = {key: getattr(table, key) if key in changed_keys else case.model_fields[key].default for key in keys}
     return drop_none_entries(case.model_construct(**values))
 
 

@@ -120,8 +120,8 @@ def _find_column_or_channel_index(
     normalisers: list[Callable[[str], str]] = [lambda name: name, lambda name: name.casefold()]
     if "(" not in text or is_unit(unit_in_column_name(text) or ""):  # "Height (trace)" has no unit that can be omitted
         normalisers.append(_name_without_unit)
-    for normalise in normalisers:
-        matches = [index for index, name in enumerate(names) if normalise(name.strip()) == normalise(text) and text]
+    for normaliser in normalisers:
+        matches = [index for index, name in enumerate(names) if normaliser(name.strip()) == normaliser(text) and text]
         if len(matches) > 1:
             raise FormatError(
                 f"has more than one {kind} named {text!r}; choose by number: {format_name_list(names, numbers)}"
