@@ -66,7 +66,7 @@ ScanCutoffs = tuple[tuple[float, ...], tuple[float, ...]]  # cutoffs of all uppe
 
 def _parse_unit(value: object) -> str:
     if not isinstance(value, str) or value not in LENGTH_UNITS:
-        raise ValueError(f"must be one or two units of length ({', '.join(LENGTH_UNITS)}), got {short_repr(value)}")
+        raise ValueError(f"must be one or two units of length (m, mm, um, nm, ...), got {short_repr(value)}")
     return value
 
 
