@@ -114,7 +114,7 @@ class Inputs:
 
         `bodies` contains Young's modulus and Poisson's ratio of the upper and of the lower body, if they are given.
         """
-        return _build_inputs(tuple(values.items()), bodies, materials, None)
+        return _build_inputs(tuple(values.items()), bodies, materials, None, has_size_effect=False)
 
     @property
     def uncertain(self) -> Mapping[str, Input]:
