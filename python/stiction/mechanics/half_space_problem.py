@@ -337,7 +337,7 @@ def parse_loads_or_approaches(
     if step_kind == "loads":
         max_load = np.inf if hardness is None else hardness * problem.area
         if not steps.max() < max_load:
-            raise ValueError(f"loads must be below hardness times area, {max_load:g} mN, got {short_repr(loads)}")
+            raise ValueError(f"loads must be below hardness times area, {max_load:g} mN, got {steps.max():g} mN")
         return step_kind, steps
     if hardness is not None:
         raise ValueError(
