@@ -2,8 +2,10 @@
 
 import csv
 import json
+import re
 import shutil
 
+import numpy as np
 import pytest
 import xarray
 from stiction import open_result, run, self_affine, self_affine_surface, write_profile, write_surface
@@ -231,6 +233,11 @@ def test_height_scaling_requires_the_compute_option_and_prints_a_table_or_json(r
     text = get_stiction_output(*arguments, "--compute", cwd=tmp_path)
     rows = [line.split() for line in text.splitlines() if line[:1].isdigit()]
     assert [row[0] for row in rows[:3]] == ["0.5", "1", "2"]
+    areas = open_result(tmp_path / "maps").at("10 MPa", mu0=0.25, height_scale=[0.5, 1, 2])["contact_area_fraction"]
+    for value, lower, upper in 100 * areas.squeeze().values:
+        assert lower < value < upper
+        printed = [re.findall(r"(\S+) \[(\S+), (\S+)\] %$", line) for line in text.splitlines()]
+        assert any(np.allclose(np.array(row[0], float), [value, lower, upper], rtol=0.1) for row in printed if row)
     assert get_stiction_output(*arguments, cwd=tmp_path) == text
     record = json.loads(get_stiction_output(*arguments, "--json", cwd=tmp_path))
     assert (record["kind"], record["scaled"], record["solved"]) == ("pair", "both", [0.5, 1.0, 2.0])

@@ -88,7 +88,8 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
     elif (status := find_contact_status(point, study)) != STATUS_OK:
         cells.append(status)
     else:
-        cells.append(percent_text(mean_over_directions(point, "contact_area_fraction")))
+        fraction = read_estimate(point["contact_area_fraction"])
+        cells.append(f"{fraction.in_unit('%', 0.01)} %" if fraction.has_interval else percent_text(fraction.value))
     return (
         [*cells, format_with_unit(mean_over_directions(point, "pull_off_pressure"), "GPa")]
         if "pull_off_pressure" in point
