@@ -17,14 +17,15 @@ from stiction import (
     self_affine_surface,
     stiffness_map,
 )
-from stiction.evaluate import intervals
+from stiction.evaluate import budget, intervals
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty
 from stiction.evaluate.load_range import choose_loads_in_range
-from stiction.evaluate.member_means import find_axes_with_both_directions
+from stiction.evaluate.member_means import find_axes_with_both_directions, include_interpolation_error
 from stiction.evaluate.member_values import member_values
 from stiction.mechanics.friction import STATUSES
 from stiction.mechanics.quantities import ONSET_QUANTITIES, select_quantity_names
+from stiction.solve.member_sums import MemberSums
 from stiction.study.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
 from stiction.study.members import load_bodies
 from support.rough_surfaces import rough_maps
@@ -425,3 +426,23 @@ def test_quantities_that_a_view_shows_are_evaluated():
     for more in ({"hardness": 1.0, "indent": "2 um"}, {"mechanics": "asperities"}, adhesion):
         evaluated |= set(pair(*maps, **options, **more, direction=[0.0, 180.0]).at().data_vars)
     assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated == set()
+
+
+def test_budget_at_another_load_does_not_count_the_loads_of_the_study(areal_study_and_dataset, monkeypatch):
+    study, dataset = areal_study_and_dataset
+    other, *study_loads = study.contact.loading_steps()[:3].tolist()
+    changes = {"friction.load": [f"{load!r} mN" for load in study_loads]}
+    sums = MemberSums.of(dataset).with_study(study.with_changes(changes))
+    table = at_load(sums, [other, *study_loads])
+    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", table["mean_friction"].size // 3 // 3)
+    widths = add_uncertainty(table, sums)["remaining_width"].sel(sliding="all", input="positions")
+    assert np.isfinite(widths).all(["cut_off", "mu0", "tau0"]).values.tolist() == [True, False, False]
+
+
+def test_interpolation_error_is_that_of_values_that_scatter_independently():
+    """In the middle between two points, the error is sqrt(3/4) of the half width of the changes."""
+    below = np.array([1.0, -1.0, 2.0, -2.0])
+    means = include_interpolation_error(
+        np.zeros(3), np.zeros(4), below, -below, np.asarray(0.5), lambda values: np.array([0.0, -1.0, 1.0])
+    )
+    assert means == pytest.approx([0.0, -(0.75**0.5), 0.75**0.5])

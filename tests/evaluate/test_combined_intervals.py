@@ -143,6 +143,21 @@ def test_quantities_of_a_contact_follow_the_modulus_by_similarity():
         assert combined[name][1:] / 0.5 == pytest.approx([1.0, 1.0], rel=QUANTILE_ERROR)
 
 
+def test_interval_of_the_area_at_the_onset_follows_tau0_and_that_of_the_true_area_does_not():
+    changes = {"friction.tau0": "uniform 0.05 .. 0.15 GPa", "contact.junction_growth": "slip-line 5.6"}
+    intervals = build_intervals(changes, hardness=1.0, tau0=0.1, area=0.5, growth=5.6, half_width=1e-6)
+    areas = {name: np.array([12.0, 12.0, 12.0]) for name in ("contact_area", "contact_area_at_onset")}
+    combined = intervals.extend_quantity_intervals(areas)
+    response = intervals.response
+    expected = [
+        12.0 * float(response.at_central_inputs(tau0=tau0).area_at_onset / response.at_central_inputs().area_at_onset)
+        for tau0 in (0.0525, 0.1475)
+    ]
+    assert expected[1] > 1.1 * expected[0]
+    assert combined["contact_area_at_onset"][1:] == pytest.approx(expected, rel=QUANTILE_ERROR)
+    assert combined["contact_area"][1:] == pytest.approx([12.0, 12.0])
+
+
 def test_dwell_time_reduces_the_hardness_by_each_sample_of_the_creep_exponent():
     changes = {"friction.wait": ["1 h"], "friction.creep": "uniform 0.01 .. 0.05", "contact.junction_growth": None}
     intervals = build_intervals(changes, hardness=1.0, tau0=0.1, area=0.5, half_width=1e-6, sliding="opposing")
