@@ -172,7 +172,8 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
             MIN_DISTINCT_HEIGHTS
         ):
             continue
-        is_repeated = (lines[1:] == lines[:-1]).all(axis=1) & (np.ptp(lines[1:], axis=1) > 0)
+        rows = np.flatnonzero((lines[1:, :8] == lines[:-1, :8]).all(axis=1))  # most rows differ in their first heights
+        is_repeated = (lines[rows + 1] == lines[rows]).all(axis=1) & (np.ptp(lines[rows + 1], axis=1) > 0)
         count = int(is_repeated.sum())
         if 0 < count <= MAX_REPEATED_ROWS * lines.shape[0]:
             text = f"{count} of {lines.shape[0]} {kind} are equal to the {kind[:-1]} before"
