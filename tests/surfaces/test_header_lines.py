@@ -120,7 +120,7 @@ def test_equal_spacings_along_both_axes_are_used(read_text, line):
      "values x 1000", "Scaling: 1000", "Resolution: 10 nm/bit", "z·10³", "10^-3", "Scale: 0.001", "Gain: 1000",
      "values times 1000", "facteur: 0.001", "係数 0.001", "коэффициент 0.001", "exponent: -3", "1 digit = 0.01 um",
      "1 LSB = 0.5 nm", "Counts per um: 100", "Height per gray level: 0.02 um", "normalized by 0.8 um", "in 10 nm",
-     "units of 0.1 um", "add_offset 0 scale_factor 0.001"],
+     "units of 0.1 um", "in thousandths of um", "LSB: 0.5 nm", "add_offset 0 scale_factor 0.001"],
 )  # fmt: skip
 def test_factor_in_words_adds_a_caveat(read_text, line):
     reading = read_text(f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
@@ -173,7 +173,17 @@ def test_unit_with_a_power_of_ten_or_in_another_script_is_read(read_text, unit):
 
 @pytest.mark.parametrize(
     "name",
-    ["z in mils", "Z-Axis_in", "z, km", "Height_digit", "z MPa", "Height, µrad", "z in 0.1 um", "z (hundredths of mm)"],
+    [
+        "z in mils",
+        "Z-Axis_in",
+        "z, km",
+        "Height_digit",
+        "z MPa",
+        "Height, µrad",
+        "z in 0.1 um",
+        "z (hundredths of mm)",
+        "z µm/s",
+    ],
 )
 def test_unit_at_the_end_of_a_column_name_that_is_no_length_is_not_replaced(read_text, name):
     rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))

@@ -188,6 +188,9 @@ def test_columns_around_the_coordinates_of_a_grid_do_not_hide_them(tmp_path, ord
     columns = np.column_stack([X, Y, HEIGHTS.ravel(), np.sqrt(NUMBERS % 97) / 10, np.cos(X * Y), np.sin(NUMBERS**2)])
     path = tmp_path / "a.txt"
     path.write_text(to_text(columns[:, order]))
+    shuffled = np.random.default_rng(4).permutation(NUMBERS)
+    (tmp_path / "b.txt").write_text(to_text(columns[shuffled][:, order]))
+    assert "are the coordinates of a grid" in error_message(tmp_path / "b.txt", **OPTIONS)
     x, y, z = (order.index(place) for place in (0, 1, 2))
     message = error_message(path, **OPTIONS)
     assert f"columns {min(x, y)} and {max(x, y)} are the coordinates of a grid" in message

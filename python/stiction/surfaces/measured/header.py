@@ -76,7 +76,8 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
     rf"\W*(?:(?:z|heights?|data|values?|vertical)[\s_-]*)*scale{SEPARATOR_PATTERN}"
     rf"(?!1(?:[.,]0*)?\W*$){DECIMAL_PATTERN}\W*|"
     rf".*(?:\b(?:[nuµp]?m|heights?|volts?|V)|[0-9][nuµp]m)\s*(?:/|per)\s*(?:{_DIGIT_PATTERN}|div|[nuµm]m)\b.*|"
-    rf".*\b{_DIGIT_PATTERN}\s*(?:/|per)\s*[nuµm]m\b.*|"
+    rf".*\b{_DIGIT_PATTERN}\s*(?:/|per)\s*[nuµm]m\b.*|.*\b(?:tenth|hundredth|thousandth)s? of\b.*|"
+    rf"\W*LSB{SEPARATOR_PATTERN}{DECIMAL_PATTERN}.*|"
     rf".*(?<![0-9.,])1\s*{_DIGIT_PATTERN}\s*[=:]\s*{DECIMAL_PATTERN}.*",
     re.IGNORECASE,
 )
@@ -123,7 +124,8 @@ NON_LENGTH_UNIT_PATTERN = re.compile(
     r"counts?|cts|lsb|digits?|adu|dB|%|a\.?u\.?|arb\.?(?: ?units?)?|px|pixels?|pts?|points?|"
     r"gr[ae]y ?(?:levels?|values?)|graustufen|inch(?:es)?|in|mils?|thou|zoll|ft|feet|foot|yd|yards?|ticks?|"
     r"tenths|steps?|schritte|1/0|0/1|bool|waves?|fringes?|lines?|1)"
-    r"(?:/[\w.°µ]+)?|[kdhf]m|µm²|[µu]m\^?2"
+    r"(?:/[\w.°µ]+)?|[kdhf]m|µm²|[µu]m\^?2|[nuµm]?m/(?:s|min|h|rev|N|V|nm|um|µm|mm)|"
+    r"(?:tenths?|hundredths?|thousandths?) of .{1,12}"
 )
 """Units of quantities other than lengths, and ambiguous units of length."""
 

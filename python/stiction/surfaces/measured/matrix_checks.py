@@ -96,7 +96,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
             continue
         steps = (np.diff(values[:, place]) for place in (first, second))
         if any((step >= 0).all() or (step <= 0).all() for step in steps) or (
-            nodes == rows and (first, second) == (0, 1)
+            nodes == rows and ((first, second) == (0, 1) or min(x_count, y_count) > 3)
         ):
             return first, second
     return None
