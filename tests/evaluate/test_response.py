@@ -196,6 +196,12 @@ def test_intervals_have_the_same_kind_in_all_outputs(hardness):
     assert {table[name].kind for name in combined & set(table)} == {"combined"}
 
 
+def test_joint_table_refers_to_the_first_load_of_the_study():
+    result = press(load=["10 MPa", "40 MPa"])
+    first, second = map(float, result.study.friction.load)
+    assert result.joint_table([first, second]).reference.load == pytest.approx(first)
+
+
 def test_interval_includes_the_exponent_of_the_yielding_area():
     exact, ranged = (press(yield_exponent=exponent) for exponent in (1.15, "uniform 0.7 .. 1.6"))
     assert ranged.value == exact.value
