@@ -152,6 +152,25 @@ def test_rows_that_repeat_the_row_before_are_reported(tmp_path, axis):
 
 
 @pytest.mark.parametrize("axis", [0, 1])
+def test_row_of_equal_heights_is_reported(tmp_path, axis):
+    heights = MAP.copy() if axis == 0 else MAP.T.copy()
+    heights[7] = 0
+    path = write_map(tmp_path / "a.csv", heights if axis == 0 else heights.T)
+    assert "have equal heights" in caveats_of(path, unit="um", spacing="1 mm")["repeated-rows"]
+
+
+@pytest.mark.parametrize("decimals", [1, 2, 4])
+def test_equal_heights_in_a_part_of_a_profile_are_reported(tmp_path, decimals):
+    heights = np.round(PROFILE, decimals)
+    path = tmp_path / "a.txt"
+    path.write_text("".join(f"{z:g}\n" for z in heights))
+    assert "repeated-rows" not in caveats_of(path, unit="um", spacing="1 um")
+    heights[60:100] = heights[60]
+    path.write_text("".join(f"{z:g}\n" for z in heights))
+    assert "heights in a row are equal" in caveats_of(path, unit="um", spacing="1 um")["repeated-rows"]
+
+
+@pytest.mark.parametrize("axis", [0, 1])
 def test_rows_that_are_all_listed_twice_are_reported(tmp_path, axis):
     path = write_map(tmp_path / "a.csv", np.repeat(MAP, 2, axis))
     assert "equal to the" in caveats_of(path, unit="um", spacing="1 mm")["repeated-rows"]

@@ -32,6 +32,9 @@ MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4  # range of the fraction of such heights
 # maximum fraction of rows that equal the row before; in a map with more of them, a profile was probably extended
 MAX_REPEATED_ROWS = 0.9
+# minimum number of equal heights in a row that a profile may have by mistake, and maximum probability of as many by
+# rounding
+MIN_EQUAL_RUN, MAX_RUN_PROBABILITY = 8, 1e-4
 MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
 # Minimum spacing (one ångström), maximum spacing (one centimetre) and maximum extent (one metre), in µm.
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
@@ -164,8 +167,19 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
-    """Find neighbouring rows or columns of a map that are equal, although most are not."""
-    if not scan.from_file or scan.heights.ndim != 2:
+    """Find rows or columns of a map, or points of a profile, that are equal although most are not."""
+    if not scan.from_file:
+        return
+    if scan.heights.ndim == 1:
+        ends = np.flatnonzero(np.diff(scan.heights) != 0)  # last points of the runs of equal heights
+        runs = np.diff(ends, prepend=-1, append=scan.heights.size - 1)
+        longest = int(runs.max())
+        # fraction of points that equal the point before, without the longest run
+        fraction = (scan.heights.size - runs.size - (longest - 1)) / scan.heights.size
+        if MIN_EQUAL_RUN <= longest < scan.heights.size / 2 and (
+            scan.heights.size * fraction ** (longest - 1) < MAX_RUN_PROBABILITY
+        ):
+            yield f"{longest} heights in a row are equal, like points that were not measured"
         return
     for kind, lines in (("rows", scan.heights), ("columns", scan.heights.T)):
         if min(lines.shape) < MIN_DISTINCT_HEIGHTS or np.unique(lines[:, : lines.shape[1] // 2 + 1][0]).size < (
@@ -178,6 +192,10 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
         if 0 < count <= MAX_REPEATED_ROWS * lines.shape[0]:
             text = f"{count} of {lines.shape[0]} {kind} are equal to the {kind[:-1]} before"
             yield f"{text}, like {kind} that were not measured"
+        flat_rows = np.flatnonzero((lines[:, :8] == lines[:, :1]).all(axis=1))
+        count = int((np.ptp(lines[flat_rows], axis=1) == 0).sum())
+        if 0 < count <= MAX_REPEATED_ROWS * lines.shape[0]:
+            yield f"{count} of {lines.shape[0]} {kind} have equal heights, like {kind} that were not measured"
 
 
 def _find_whole_number_heights(scan: ScannedHeights) -> Iterator[str]:
