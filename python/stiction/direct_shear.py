@@ -257,26 +257,33 @@ class _TestSetup:
 def _build_setup(box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64], strips: Any) -> _TestSetup:
     inputs, strength = contact.half_space_inputs, contact.given_interface
     samples = draw_shear_samples(inputs, strength, len(offsets))
-    strip_boxes = box.cut_strips(offsets, _check_strips(box, offsets, strips))
-    if strips is None and len(strip_boxes) < MIN_STRIPS:
-        strip_boxes = []
+    strip_boxes = _cut_strips(box, offsets, strips)
     interface = contact.options.interface
     name = "" if interface is None else Path(interface).name if isinstance(interface, (str, Path)) else "joint samples"
     return _TestSetup(box, offsets, inputs, strength, name, samples, list_variations(samples), strip_boxes)
 
 
-def _check_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> int | None:
-    """Return the number of strips. Raise a `ValueError` if the faces cannot be cut into as many."""
+def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[ShearBox]:
+    """Return the tests of the strips. Raise a `ValueError` if the faces cannot be cut into as many."""
     if strips is None:
-        return None
+        boxes = box.cut_strips(offsets)
+        return boxes if len(boxes) >= MIN_STRIPS else []
     count = validate_whole_number("strips", strips, minimum=0)
     if count == 0:
-        return count
+        return []
     max_count = box.find_max_strips(offsets)
     if not 2 <= count <= max_count:
-        allowed = f"0, or from 2 to {max_count} for these faces and this path" if max_count > 1 else "0 for these faces"
-        raise ValueError(f"strips must be {allowed}, got {count}")
-    return count
+        numbers = "0" if max_count < 2 else "0 or 2" if max_count == 2 else f"0, or from 2 to {max_count}"
+        condition = "for these faces and this path" if box.can_have_strips else "for these faces"
+        raise ArgumentError(
+            "{strips} must be {numbers} {condition}, got {got}", numbers=numbers, condition=condition, got=count
+        )
+    boxes = box.cut_strips(offsets, count)
+    if len(boxes) < 2:
+        raise ArgumentError(
+            "{strips} must be 0, or leave at least 2 strips with enough measured points, got {got}", got=count
+        )
+    return boxes
 
 
 def _compute(setup: _TestSetup, record: SolutionRecord, progress: Callable[[int, int], object] | None) -> xr.Dataset:

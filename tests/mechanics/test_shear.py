@@ -365,6 +365,18 @@ def test_strips_without_measured_points_are_left_out():
     assert shear_test(create_mate(face), holed, **options).attrs["strips"] == 4
 
 
+def test_shear_test_rejects_a_single_strip_with_measured_points():
+    face = create_rough_map(32)
+    missing = np.zeros(face.heights.shape, bool)
+    missing[:17] = True
+    holed = Surface(face.heights, spacing=face.spacing, missing=missing)
+    options = {"path": "40 um", "steps": 1, "mu0": "0.5..0.7", "level": "mean"} | FULL_FIT
+    with pytest.raises(
+        ValueError, match="strips must be 0, or leave at least 2 strips with enough measured points, got 2"
+    ):
+        shear_test(create_mate(face), holed, strips=2, **options)
+
+
 def test_exact_inputs_have_no_interval():
     assert "friction_coefficient_interval" not in shear(create_rough_map(), path="100 um", steps=2, mu0=0.6)
 
@@ -391,6 +403,11 @@ def test_exact_inputs_have_no_interval():
         ({"upper_material": "steel"}, "give effective_modulus, or young and poisson, or upper_material and"),
         ({"strips": 1}, "strips must be 0, or from 2 to 4 for these faces and this path, got 1"),
         ({"strips": 5}, "strips must be 0, or from 2 to 4 for these faces and this path, got 5"),
+        (
+            {"strips": 3, "path": "300 um", "direction": 30},
+            "strips must be 0 or 2 for these faces and this path, got 3",
+        ),
+        ({"strips": 2, "path": "500 um", "direction": 40}, "strips must be 0 for these faces and this path, got 2"),
         ({"strips": 2, "boundary": "periodic"}, "strips must be 0 for these faces, got 2"),
         ({"tilt": "free", "boundary": "periodic"}, "tilt must be 'fixed' if the faces are periodic, got 'free'"),
         ({"level": "line"}, "level must be mean, plane or none for maps, got 'line'"),

@@ -150,12 +150,17 @@ class ShearBox:
                 )
         return offsets
 
+    @property
+    def can_have_strips(self) -> bool:
+        """True for maps with free edges. Profiles and periodic faces have no strips."""
+        return self.lower.heights.ndim > 1 and self.boundary != "periodic"
+
     def find_max_strips(self, offsets: NDArray[np.int64], min_points: int = MIN_OVERLAP_POINTS) -> int:
         """Return the largest number of strips whose overlaps stay as wide as `min_points`; 0 if there are none.
 
-        Profiles and periodic faces have no strips. Strips move sideways if the motion is oblique to the grid.
+        Strips move sideways if the motion is oblique to the grid.
         """
-        if self.lower.heights.ndim == 1 or self.boundary == "periodic":
+        if not self.can_have_strips:
             return 0
         axis = self._strip_axis
         drift = int(np.abs(offsets[:, axis]).max())
