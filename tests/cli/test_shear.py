@@ -256,7 +256,19 @@ def test_shear_strength_is_printed_where_the_stress_is_largest():
     assert int(np.argmax(test.friction_coefficient.values)) < 4
     assert int(np.argmax(test.shear_stress.values)) == 4
     assert f"shear strength: {1e3 * float(test.shear_stress[4]):.3g} MPa at 400 µm" in shear_text(test)
-    assert "The shear stress is largest at the end of the path" in " ".join(list_caveats(test))
+    text = "The shear stress is largest at the end of the path, because the normal load rises: choose a longer path."
+    assert text in list_caveats(test)
+
+
+def test_shear_stress_that_rises_at_constant_load_is_explained_by_the_overlap():
+    lower = self_affine_surface(1, hurst_exponent=0.8, rms=20.0, shape=(32, 32), spacing=50.0)
+    upper = Surface(-lower.heights[::-1], spacing=lower.spacing)
+    test = shear_test(upper, lower, path="300 um", mu0=0.6, hardness="150 MPa", **CONDITIONS)
+    assert int(np.argmax(test.shear_stress.values)) == test.sizes["displacement"] - 1
+    assert list_caveats(test)[0] == (
+        "The shear stress is largest at the end of the path, because the overlap shrinks: choose a shorter path, or "
+        "shear longer faces."
+    )
 
 
 def test_faces_that_do_not_fit_at_the_start_have_a_caveat():

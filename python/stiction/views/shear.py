@@ -112,9 +112,16 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
         if peak == displacement.size - 1:
             caveats.append("The coefficient is largest at the end of the path: choose a longer path.")
         elif int(np.nanargmax(test["shear_stress"].values)) == displacement.size - 1:
+            load_ratio, area_ratio = (
+                float(test[name][-1] / test[name][peak]) for name in ("normal_load", "overlap_area")
+            )
             caveats.append(
-                "The shear stress is largest at the end of the path, because the normal load rises: choose a longer "
-                "path."
+                "The shear stress is largest at the end of the path, because "
+                + (
+                    "the normal load rises: choose a longer path."
+                    if load_ratio * area_ratio > 1
+                    else "the overlap shrinks: choose a shorter path, or shear longer faces."
+                )
             )
         if float(test.attrs["peak"]) > MAX_USUAL_PEAK:
             caveats.append("The peak is above 70°, the usual limit of rock joints: real asperities break before.")
