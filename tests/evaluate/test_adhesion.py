@@ -145,6 +145,13 @@ def test_friction_at_no_load_has_the_combined_interval_of_independent_samples(ad
         assert interval == pytest.approx(np.quantile(samples, [0.025, 0.975]), abs=0.03 * np.ptp(interval))
 
 
+def test_friction_at_no_load_is_zero_without_mu0_and_tau0():
+    result = run_pair(**ADHESION_OPTIONS | {"mu0": 0, "tau0": 0, "effective_modulus": "60..100 GPa", "load": "2 MPa"})
+    friction = result.at()["friction_at_no_load"].sel(sliding="all").values
+    assert (friction == 0).all()
+    assert "friction at no load 0 mN" in " ".join(repr(result).split())
+
+
 def test_roughness_contribution_is_undefined_for_adhesive_pairs(adhesive_result):
     """The attraction, which depends on the roughness, raises the contribution of mu0 above mu0."""
     for point in adhesive_result.summary().points:

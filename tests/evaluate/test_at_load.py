@@ -91,6 +91,15 @@ def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_stu
     }  # fmt: skip
 
 
+def test_effect_of_the_load_definition_is_finite_without_friction(areal_study_and_dataset):
+    _, result = areal_study_and_dataset
+    table = at_load(result, [2.0], mu0=[0.0, 0.3], tau0=[0.0])
+    assert abs(table["mean_friction"].sel(sliding="all", mu0=0.0, statistic="mean").item()) < 1e-12
+    assert np.isfinite(table["load_definition_effect"]).all()
+    friction_free_table = at_load(result, [2.0], mu0=[0.0], tau0=[0.0])
+    assert not np.isinf(friction_free_table["load_definition_effect"]).any()
+
+
 def test_friction_of_generated_profiles_at_a_load_equals_the_friction_map():
     study = Study.named("quick").with_changes({
         "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.3],

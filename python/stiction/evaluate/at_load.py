@@ -18,6 +18,7 @@ from stiction._checks import Floats, check_choice, float_array
 from stiction._units import short_repr
 from stiction.evaluate.contact_area import build_area_functions
 from stiction.evaluate.ensemble_means import average_ensemble
+from stiction.evaluate.intervals import MAX_RELATIVE_ROUND_OFF
 from stiction.evaluate.load_range import replace_zero_load
 from stiction.evaluate.maps import MAP_CELL_DIMENSIONS, choose_mu0_and_tau0
 from stiction.evaluate.member_means import LoadNeighbors, average_members
@@ -119,6 +120,7 @@ def at_load(
         members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
         coefficient = point["mean_friction"].sel(statistic="mean")
+        coefficient = coefficient.where(abs(coefficient) > MAX_RELATIVE_ROUND_OFF)  # no ratio without friction
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
         point["load_definition_effect"] = abs(other_coefficient / coefficient - 1).max(other_dims).variable
     return point.assign_attrs(load_definition=load_definition)

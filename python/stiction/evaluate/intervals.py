@@ -32,7 +32,10 @@ MIN_RELATIVE_CHANGE = -1 + 1e-12
 The change is -1 if all other repetitions are zero. The distance from -1 exceeds the round-off.
 """
 MAX_RELATIVE_ROUND_OFF = 1e-12
-"""Half widths of symmetric intervals up to this fraction of |mean| + |slope| · load count as 0, as round-off."""
+"""Half widths of symmetric intervals up to this fraction of |mean| + |slope| · load count as 0, as round-off.
+
+So does friction up to this fraction of the load or of the pull-off force.
+"""
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
 _MIN_SKEWNESS = 1e-9  # an interval is computed as symmetric if the skewness is below this limit

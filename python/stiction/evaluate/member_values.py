@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, check_choice, float_array
 from stiction._units import short_repr
 from stiction.evaluate.contact_area import compute_onset_factors, iterate_pieces_with_true_areas
-from stiction.evaluate.intervals import LoadCrossings
+from stiction.evaluate.intervals import MAX_RELATIVE_ROUND_OFF, LoadCrossings
 from stiction.evaluate.load_range import replace_zero_load
 from stiction.evaluate.maps import MOTION_DIMENSIONS, choose_mu0_and_tau0, find_cell_dimensions
 from stiction.mechanics import friction
@@ -466,6 +466,8 @@ def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law:
     direction_axis = len(member_dims) + 1
     # Adhesive contacts do not grow under shear.
     tangential = law.load("unloaded", zero_load_sums, 1 - law.area_loss).mean(axis=direction_axis)
+    pull_off = _to_float_array(piece.variables["pull_off"], member_dims)[..., None, None, None]
+    tangential = np.where(abs(tangential) <= MAX_RELATIVE_ROUND_OFF * pull_off, 0.0, tangential)
     return {
         "pull_off": piece.variables["pull_off"],
         "share_of_pull_off_bounds": (member_dims, is_bound, quantity_attributes("share_of_pull_off_bounds")),

@@ -253,7 +253,8 @@ class ContactResponse:
         true_area = smallest_load.areas_before_shear(inputs).true
         area_ratio = true_area / smallest_load.areas_before_shear(self.central).true
         central_force = self.central.law.load("unloaded", self.sums_at_no_load, 1 - self.central.area_loss)
-        return inputs.law.load("unloaded", self.sums_at_no_load, area_ratio * (1 - inputs.area_loss)) / central_force
+        force = inputs.law.load("unloaded", self.sums_at_no_load, area_ratio * (1 - inputs.area_loss))
+        return force / central_force if central_force != 0 else np.ones_like(area_ratio)
 
     def closure_stiffness_ratio(self, inputs: InputValues, area_before_shear: Floats) -> Floats:
         """Return the closure stiffness while loading, divided by that at the central inputs."""
