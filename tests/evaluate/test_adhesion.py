@@ -152,6 +152,13 @@ def test_friction_at_no_load_is_zero_without_mu0_and_tau0():
     assert "friction at no load 0 mN" in " ".join(repr(result).split())
 
 
+def test_text_states_that_an_uncertain_modulus_leaves_the_attraction_unchanged(adhesive_result):
+    uncertain_result = run_pair(**ADHESION_OPTIONS | {"effective_modulus": "60..100 GPa", "load": "2 MPa"})
+    note = "; its interval includes the effect of E* on the area, not on the attraction."
+    for result, has_note in ((uncertain_result, True), (adhesive_result, False)):
+        assert (note in " ".join(repr(result).split())) == has_note
+
+
 def test_roughness_contribution_is_undefined_for_adhesive_pairs(adhesive_result):
     """The attraction, which depends on the roughness, raises the contribution of mu0 above mu0."""
     for point in adhesive_result.summary().points:

@@ -8,9 +8,13 @@ from typing import TYPE_CHECKING, Literal
 
 from stiction._estimate import Estimate
 from stiction.evaluate.point import read_estimate, select_sliding_rule
+from stiction.study.inputs import Inputs
+from stiction.study.moduli import MODULUS_NAMES
 
 if TYPE_CHECKING:
     import xarray
+
+    from stiction.study.study import Study
 
 MIN_STICKING_PRESSURE = 1e-7
 """Pull-off pressure (GPa) above which bodies stick.
@@ -27,6 +31,7 @@ class PullOffValues:
     pressure: Estimate
     friction: Estimate
     is_bound: bool  # True if only a lower bound on the pull-off force is known for some members
+    area_inputs: tuple[str, ...] = ()  # labels of the uncertain inputs that change only the area of the friction
 
     @property
     def sticking_assessment(self) -> Literal["yes", "no", "uncertain"]:
@@ -42,7 +47,7 @@ class PullOffValues:
         return "no" if upper < MIN_STICKING_PRESSURE and not self.is_bound else "uncertain"
 
 
-def find_pull_off_values(point: xarray.Dataset, rule: str) -> PullOffValues | None:
+def find_pull_off_values(point: xarray.Dataset, study: Study, rule: str) -> PullOffValues | None:
     """Return pull-off force, pull-off pressure and friction at zero load, or None if the point has no such values."""
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
@@ -51,4 +56,9 @@ def find_pull_off_values(point: xarray.Dataset, rule: str) -> PullOffValues | No
         for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
     )
     bound_fraction = float(point["share_of_pull_off_bounds"].sel(statistic="mean"))
-    return PullOffValues(force, pressure, friction, bound_fraction > 0)
+    area_inputs = tuple(
+        entry.label
+        for name, entry in Inputs.from_study(study).uncertain.items()
+        if name == "hardness" or name.startswith(("effective_modulus", *MODULUS_NAMES))
+    )
+    return PullOffValues(force, pressure, friction, bound_fraction > 0, area_inputs if friction.value else ())

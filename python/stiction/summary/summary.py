@@ -521,7 +521,7 @@ def summarize_point(
         contributions=_compute_friction_contributions(quoted_values, study, rules[0]),
         roughness_contribution=_estimate_roughness_contribution(quoted_values, study, rules[0]),
         after_dwell=_list_dwell_time_coefficients(point, rules[0].rule),
-        pull_off=find_pull_off_values(point, rules[0].rule),
+        pull_off=find_pull_off_values(point, study, rules[0].rule),
         quantities=quantities.estimates,
         numbers=quantities.numbers,
         distributions=quantities.distributions,

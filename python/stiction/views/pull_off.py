@@ -22,11 +22,16 @@ def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:
         "no": f", less than {threshold_value_text}",
         "uncertain": f"; the threshold is {threshold_value_text}",
     }[estimate.sticking_assessment]
+    area_text = (
+        f"; its interval includes the effect of {' and '.join(estimate.area_inputs)} on the area, not on the attraction"
+        if estimate.area_inputs
+        else ""
+    )
     return (
         f"Sticks without a load: {estimate.sticking_assessment}. Pull-off force {bound_text}"
         f"{_text_with_unit(estimate.force)}, "
         f"{_text_with_unit(estimate.pressure)} on the nominal area{threshold_text}; friction at "
-        f"no load {_text_with_unit(estimate.friction)}{inputs and f' with {inputs}'}."
+        f"no load {_text_with_unit(estimate.friction)}{inputs and f' with {inputs}'}{area_text}."
     )
 
 
