@@ -38,11 +38,18 @@ _NUM_SEARCHED_BYTES = 2**16
 @contextmanager
 def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator[Path]:
     """Yield a temporary file that is renamed to `path` when complete. Raise `error_type` if `path` already exists."""
+    check_creatable(path, error_type)
+    # unlike rename, link never replaces a file
+    with _translate_os_errors(path, error_type), _open_partial_file(path, os.link) as partial_path:
+        yield partial_path
+
+
+def check_creatable(path: Path, error_type: type[ValueError]) -> None:
+    """Raise `error_type` if the path exists, or if its directory does not exist. A dangling link counts as existing."""
     with _translate_os_errors(path, error_type):
         if os.path.lexists(path):
             raise FileExistsError
-        with _open_partial_file(path, os.link) as partial_path:  # unlike rename, link never replaces a file
-            yield partial_path
+        os.stat(os.path.join(path.parent, ""))  # fails if the parent is missing or is a file
 
 
 @contextmanager

@@ -236,6 +236,29 @@ def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, fo
         run(Study.named("quick").with_changes(small)).joint_table()
 
 
+def small_pair(**options):
+    bodies = [
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.3, shape=(32, 32), spacing=1.0, side=side)
+        for side in ("upper", "lower")
+    ]
+    return pair(*bodies, load="20 kPa", effective_modulus="80 GPa", onset=0, cutoff="none", **options)
+
+
+def test_export_checks_the_file_and_the_units_before_it_computes_the_joint(tmp_path):
+    small_pair(mu0=0.1, shifts=3, directory=tmp_path / "pair")
+    (tmp_path / "old.csv").write_text("old")
+    for arguments, message in (
+        (("old.csv", "--joint"), "old.csv: already exists"),
+        (("new.txt", "--joint"), "must end in .csv"),
+        (("card.inp", "--units", "furlong"), "units must be one of 'mm,N,MPa'"),
+        (("missing/card.inp",), "card.inp: cannot be written: No such file or directory"),
+        (("old.csv/card.inp",), "card.inp: cannot be written: "),
+    ):
+        assert_rejected(call_stiction("export", "pair", *arguments, "--compute", cwd=tmp_path), message)
+        assert not (tmp_path / "pair/joint").exists(), arguments
+    assert (tmp_path / "old.csv").read_text() == "old"
+
+
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
 def test_block_on_the_card_has_the_closure_stiffness_and_sliding_load_of_the_table(result, folder, tmp_path):
     """Run the example of the page on finite-element models: four pressures, a small push, and sliding."""

@@ -141,13 +141,15 @@ def export(
     values are interpolated unless --compute is given.
     """
     from stiction.cli.result_output import open_result_with_warning
-    from stiction.views.files import is_card
+    from stiction.summary.joint_table import DEFAULT_JOINT_UNITS
+    from stiction.views.files import check_joint_file, is_card
 
     chosen_units: Any = units
     result = open_result_with_warning(directory)
     if compute:
         if not (joint or is_card(file)):
             reject_options(context, "applies only to joint tables and cards", "compute")
+        check_joint_file(file, DEFAULT_JOINT_UNITS if units is None else chosen_units)
         result = _compute_joint(result, directory / JOINT_DIRECTORY, workers)
     else:
         reject_options(context, "requires --compute", "workers")

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from stiction._files import check_replaceable, create_file_atomically, replace_file_atomically
+from stiction._files import check_creatable, check_replaceable, create_file_atomically, replace_file_atomically
 from stiction._text import printable_path
 from stiction.summary.evaluation import Evaluation
-from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, JointTable, UnitSystem
+from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, JointTable, JointUnits, UnitSystem
 from stiction.views.joint import abaqus_card, ansys_card, joint_csv, joint_json, liggghts_card
 from stiction.views.latex import latex_table
 from stiction.views.rows import summary_table
@@ -84,10 +84,17 @@ def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAUL
 
     Raises a `ValueError` as `write_result` does, or if the result has no joint table.
     """
-    _check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
+    check_joint_file(path, units)
     table = result.joint_table(units=units)
     sentence = quotable_sentences(result.summary())[0]
     write_new_text_file(path, JOINT_FORMATS[path.suffix.lower()][1](table, sentence))
+
+
+def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
+    """Raise the errors of `write_joint_table` that do not depend on the result."""
+    _check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
+    JointUnits.parse(units)
+    check_creatable(path, ValueError)
 
 
 def is_card(path: Path) -> bool:
