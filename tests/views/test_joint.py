@@ -236,12 +236,30 @@ def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, fo
         run(Study.named("quick").with_changes(small)).joint_table()
 
 
-def small_pair(**options):
+def small_pair(rms=0.3, **options):
     bodies = [
-        self_affine_surface(3, hurst_exponent=0.8, rms=0.3, shape=(32, 32), spacing=1.0, side=side)
+        self_affine_surface(3, hurst_exponent=0.8, rms=rms, shape=(32, 32), spacing=1.0, side=side)
         for side in ("upper", "lower")
     ]
     return pair(*bodies, load="20 kPa", effective_modulus="80 GPa", onset=0, cutoff="none", **options)
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        ({"mu0": 0, "tau0": 0, "shifts": 4}, "the coefficient is 0"),
+        ({"mu0": 0, "tau0": 0, "shifts": 1}, "the coefficient is 0"),
+        ({"mu0": 0.1, "shifts": 2}, "a prediction needs at least three positions"),
+        ({"mu0": 2, "rms": 60.0, "shifts": 16}, "a prediction needs a coefficient with an interval"),  # sticks
+    ],
+)
+def test_joint_without_percentiles_states_their_reason_in_the_notes_and_on_the_card(tmp_path, options, reason):
+    result = small_pair(**options)
+    assert [note for note in result.joint_table().notes if "No percentiles" in note] == [f"No percentiles: {reason}."]
+    card = export_text(result, tmp_path / "card.inp")
+    assert "\n*FRICTION" not in card
+    assert "No coefficient" not in card
+    assert card.endswith("\n** No *FRICTION, because there is no median of mu_s: see the notes above.\n")
 
 
 def test_export_checks_the_file_and_the_units_before_it_computes_the_joint(tmp_path):

@@ -16,6 +16,7 @@ from stiction._units import quantity
 from stiction.evaluate.combined_intervals import FRICTION_PERCENTILES
 from stiction.evaluate.member_values import find_tangential_stiffness_ratio, has_grooves
 from stiction.evaluate.point import list_sliding_rules_reported_first, read_estimate, select_sliding_rule
+from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT
 from stiction.mechanics.onset import DEFAULT_POISSON_RATIO, parse_poisson_ratios
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR
 
@@ -29,6 +30,7 @@ MAX_LOAD_RATIO = 10 ** (1 / 16)
 
 Other programs interpolate linearly between its rows; the closure of two profiles then deviates by less than 0.1 %.
 """
+MIN_PREDICTION_POSITIONS = 3
 MIN_DUNDURS_BETA = 0.005  # below this value of Dundurs' second constant, materials count as equal
 UnitSystem = Literal["mm,N,MPa", "m,N,Pa", "um,mN,GPa"]
 """Consistent units of length, force and pressure of other programs."""
@@ -233,12 +235,21 @@ def _describe_definitions(study: Study, at: xarray.Dataset) -> list[str]:
         "the coefficient, because the distribution of the inputs is not symmetric.",
     ]
     if "friction_percentiles" not in at or np.isnan(at["friction_percentiles"]).all():
-        notes.append("No percentiles: a prediction needs at least three positions.")
+        notes.append(f"No percentiles: {_explain_missing_percentiles(study, at)}.")
     if study.is_gap:
         notes.append(
             "A map of the gap does not contain the slopes of the faces, so that its friction is an assumption."
         )
     return notes
+
+
+def _explain_missing_percentiles(study: Study, at: xarray.Dataset) -> str:
+    coefficients = at["friction_combined"].sel(statistic="mean").values
+    if (np.abs(coefficients) < NEGLIGIBLE_COEFFICIENT).all():
+        return "the coefficient is 0"
+    if int(at["members"]) < MIN_PREDICTION_POSITIONS and not study.is_gap:  # a gap has only one relative position
+        return "a prediction needs at least three positions"
+    return "a prediction needs a coefficient with an interval"
 
 
 def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:

@@ -87,7 +87,7 @@ def abaqus_card(table: JointTable, source: str) -> str:
         *(f"{_number(each.pressure)}, {_number(each.estimates['closure'])}" for each in _list_increasing_rows(table)),
     ]  # fmt: skip
     if not math.isfinite(friction.value):
-        return "\n".join([*lines, "** No coefficient of friction: see the notes above."]) + "\n"
+        return "\n".join([*lines, "** No *FRICTION, because there is no median of mu_s: see the notes above."]) + "\n"
     lines += [
         *_comment(
             f"CalculiX: the median of mu_s and the stick slope (tangential stiffness) at {_pressure_text(row)}, "
