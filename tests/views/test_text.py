@@ -141,7 +141,12 @@ def test_caveat_that_applies_to_some_of_the_conditions_states_their_number():
 
 def test_remedy_is_listed_only_if_it_changes_printed_digits():
     point = summarize(measured_result(), measured_study()).points[0]
-    for ends, is_listed in (((0.205, 0.215), True), ((point.lower, point.upper - 1e-6), False)):
+    cases = (
+        ((0.205, 0.215), True),
+        ((point.lower, point.upper - 1e-6), False),
+        ((point.value - 1e-6, point.value + 1e-6), False),
+    )
+    for ends, is_listed in cases:
         entry = UncertaintyBudgetEntry(point.value, *ends, label="unresolved roughness", width=0.0)
         point_with_budget = replace(point, budget=(entry,))
         assert point_with_budget.dominant_input is not None
