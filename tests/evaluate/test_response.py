@@ -245,6 +245,25 @@ def test_stiffness_at_other_inputs_agrees_with_a_direct_solution(rms, changes):
         assert float(ratio) == pytest.approx(expected, rel=tolerance)
 
 
+UNLOADING_PAIRS = (
+    ("unloading_stiffness", "normal_stiffness"), ("unloading_closure_stiffness", "closure_stiffness"),
+    ("unloading_stiffness_per_area", "stiffness_per_area"),
+)  # fmt: skip
+"""Stiffnesses while unloading and while loading, which are equal for elastic bodies."""
+
+
+def test_elastic_stiffnesses_while_loading_and_unloading_have_equal_intervals():
+    maps = rough_maps(5, hurst_exponent=0.8, rms=0.3, points=32, spacing=1.0)
+    options = {"load": "20 kPa", "mu0": 0.1, "onset": 0, "cutoff": "none", "area_loss": 0}
+    table = pair(*maps, **options, effective_modulus="1..4 MPa").at().squeeze()
+    direct_tables = [pair(*maps, **options, effective_modulus=f"{modulus} MPa").at().squeeze() for modulus in (1, 4)]
+    for unloading, loading in UNLOADING_PAIRS:
+        assert table[unloading].values == pytest.approx(table[loading].values, rel=1e-9)
+    for name in ("unloading_stiffness", "tangential_stiffness_per_area"):
+        direct_means = sorted(float(each[name].sel(statistic="mean")) for each in direct_tables)
+        assert table[name].values[1:] == pytest.approx(direct_means, rel=0.12)
+
+
 @pytest.mark.parametrize(("load", "has_caveat"), [(LOAD, True), (0.5, False)])
 def test_area_with_limited_pressure_has_a_caveat_if_contacts_yield(load, has_caveat):
     new_result = press(6.0, load=f"{load} MPa", tau0=0.0) if not has_caveat else press(load=f"{load} MPa")

@@ -27,7 +27,7 @@ from stiction.evaluate.combined_intervals import (
     StrengthArrays,
     extend_percentiles,
 )
-from stiction.evaluate.contact_area import build_area_functions, compute_load_exponent
+from stiction.evaluate.contact_area import build_area_functions, compute_load_exponents
 from stiction.evaluate.intervals import ScanPairMean, average_scan_pairs
 from stiction.evaluate.member_values import interpolate_member_sums, member_values
 from stiction.evaluate.response import ContactResponse, InputValues, build_closure_curves
@@ -330,7 +330,9 @@ def _iterate_intervals(
     study, contact, sampler = result.study, result.study.contact, result.compute_once(_create_sampler)
     areas = result.compute_once(build_area_functions)
     loads = at["load"].values
-    stiffness_exponents = compute_load_exponent(result, "normal_stiffness", loads)
+    stiffness_exponents = np.stack(
+        [compute_load_exponents(result, name, loads) for name in ("normal_stiffness", "unloading_stiffness")], axis=1
+    )
     law = Inputs.from_study(study).friction_law(np.nan, np.nan)
     closure_curves = result.compute_once(build_closure_curves)
     study_inputs = InputValues(
@@ -361,7 +363,7 @@ def _iterate_intervals(
             sums_per_load({name: sums[position] for name, sums in sums_by_name.items()}),
             areas[indices.get("cut_off", 0)],
             replace(study_inputs, mu0=float(point["mu0"]), tau0=float(point["tau0"])),
-            float(stiffness_exponents[indices["load"]]),
+            tuple(stiffness_exponents[indices["load"]].tolist()),
             {name: float(sums[position]) for name, sums in sums_at_no_load.items()} or None,
             closure_curves[indices.get("cut_off", 0)],
         )

@@ -55,7 +55,7 @@ _NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
 
 RatioName = Literal[
     "area", "area_at_onset", "pressure", "loading_stiffness", "unloading_stiffness", "closure", "closure_stiffness",
-    "friction_at_no_load", "contact_hardness",
+    "unloading_closure_stiffness", "friction_at_no_load", "contact_hardness",
 ]  # fmt: skip
 
 COMBINED_QUANTITIES: Mapping[str, RatioName] = MappingProxyType({
@@ -63,8 +63,8 @@ COMBINED_QUANTITIES: Mapping[str, RatioName] = MappingProxyType({
     "mean_pressure": "pressure", "normal_stiffness": "loading_stiffness", "closure": "closure",
     "closure_stiffness": "closure_stiffness", "stiffness_per_area": "loading_stiffness",
     "unloading_stiffness": "unloading_stiffness", "unloading_stiffness_per_area": "unloading_stiffness",
-    "unloading_closure_stiffness": "unloading_stiffness",
-    "tangential_stiffness_per_area": "unloading_stiffness", "friction_at_no_load": "friction_at_no_load",
+    "unloading_closure_stiffness": "unloading_closure_stiffness",
+    "tangential_stiffness_per_area": "unloading_closure_stiffness", "friction_at_no_load": "friction_at_no_load",
     "contact_hardness": "contact_hardness",
 })  # fmt: skip
 """Quantities of a contact besides friction whose intervals include the uncertain inputs.
@@ -84,12 +84,13 @@ def compute_quantity_ratios(
     )
     area_ratio = values.area / central.area
     loading, unloading = response.stiffness_ratios(inputs, values.area)
+    closure_loading, closure_unloading = response.closure_stiffness_ratios(inputs, values.area)
     with np.errstate(invalid="ignore"):  # both areas at the onset are infinite at seizure
         onset_area_ratio = values.area_at_onset / central.area_at_onset
     return {
         "area": area_ratio, "area_at_onset": onset_area_ratio, "pressure": 1 / area_ratio,
         "loading_stiffness": loading, "unloading_stiffness": unloading,
-        "closure_stiffness": response.closure_stiffness_ratio(inputs, values.area),
+        "closure_stiffness": closure_loading, "unloading_closure_stiffness": closure_unloading,
         "friction_at_no_load": response.friction_at_no_load_ratio(inputs),
         "contact_hardness": np.ones(()) if hardness is None else np.asarray(hardness / central_hardness),
     }  # fmt: skip

@@ -273,19 +273,22 @@ def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
     return np.where(np.isfinite(areas), smaller_areas, np.nan)
 
 
-def compute_load_exponent(result: MemberSums, name: str, loads: Floats) -> Floats:
-    """Return d ln(q) / d ln F at the given loads F (mN), where q is the mean of a stored quantity over the members.
-
-    The exponent is 1 if the quantity is known at a single load only.
-    """
+def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floats:
+    """Return d ln(q) / d ln F at the given loads F (mN), where q is the mean of a stored quantity over the members."""
     steps = result.study.contact.loading_steps()
     values = result.means([name])[name]
     mean = np.asarray(values.mean([dim for dim in values.dims if dim != "load"]).values)
-    is_known = np.isfinite(mean) & (mean > 0)
+    return np.asarray(np.interp(np.log(loads), np.log(steps), compute_exponents(steps, mean)))
+
+
+def compute_exponents(loads: Floats, values: Floats) -> Floats:
+    """Return d ln(q) / d ln F at each of the loads F. The exponent is 1 if fewer than two values are known."""
+    is_known = np.isfinite(values) & (values > 0)
     if is_known.sum() < 2:
         return np.ones(loads.size)
-    exponents = np.gradient(np.log(mean[is_known]), np.log(steps[is_known]))
-    return np.asarray(np.interp(np.log(loads), np.log(steps[is_known]), exponents))
+    log_loads = np.log(loads)
+    exponents = np.gradient(np.log(values[is_known]), log_loads[is_known])
+    return np.asarray(np.interp(log_loads, log_loads[is_known], exponents))
 
 
 def compute_yield_factors(result: MemberSums) -> Floats | None:

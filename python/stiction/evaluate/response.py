@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.evaluate.contact_area import AreaFunction
+from stiction.evaluate.contact_area import AreaFunction, compute_exponents
 from stiction.mechanics.friction import FrictionLaw, OnsetState
 from stiction.mechanics.hardness import CENTRAL_SIZE_EFFECT_LENGTH
 from stiction.solve.member_sums import MemberSums
@@ -83,17 +83,20 @@ class ClosureCurve:
         Ascending loads.
     closures : (l,) ndarray, µm
         Increasing closures at these loads.
-    stiffness_exponents : (l,) ndarray
-        Logarithmic derivative of the closure stiffness with respect to the load, at these loads.
+    stiffness_exponents : (2, l) ndarray
+        Logarithmic derivatives of the closure stiffness while loading and while unloading with respect to the load, at
+        these loads.
     """
 
     loads: Floats
     closures: Floats
     stiffness_exponents: Floats
 
-    def exponent_at(self, load: float) -> float:
-        """Return the logarithmic derivative of the closure stiffness at a load."""
-        return float(np.interp(np.log(load), np.log(self.loads), self.stiffness_exponents))
+    def exponents_at(self, load: float) -> tuple[float, float]:
+        """Return the logarithmic derivatives of the closure stiffness while loading and while unloading at a load."""
+        log_load, log_loads = np.log(load), np.log(self.loads)
+        loading, unloading = (float(np.interp(log_load, log_loads, each)) for each in self.stiffness_exponents)
+        return loading, unloading
 
     def scale_stiffness(self, ratios: Floats) -> Floats:
         """Return the closures of contacts whose closure stiffnesses at the loads are multiplied by ratios.
@@ -117,12 +120,12 @@ class ClosureCurve:
 def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
     """Return the closure curve for each cell (cutoff) of a result for measured bodies; None without known closures."""
     num_cells = result.study.surfaces.cell_coordinates()["cut_off"].size
-    names = ["closure", "closure_stiffness"]
+    names = ["closure", "closure_stiffness", "unloading_closure_stiffness"]
     if any(name not in result.head.variables for name in names):
         return [None] * num_cells
     means, loads = result.means(names), result.study.contact.loading_steps()
     curves: list[ClosureCurve | None] = []
-    for closures, stiffnesses in zip(
+    for closures, stiffnesses, unloading_stiffnesses in zip(
         *(np.asarray(means[name].transpose("cut_off", "load").values, float) for name in names), strict=True
     ):
         with np.errstate(invalid="ignore"):
@@ -132,7 +135,9 @@ def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
             curves.append(None)
             continue
         known_loads = loads[is_known]
-        exponents = np.gradient(np.log(stiffnesses[is_known]), np.log(known_loads))
+        exponents = np.stack(
+            [compute_exponents(known_loads, each[is_known]) for each in (stiffnesses, unloading_stiffnesses)]
+        )
         curves.append(ClosureCurve(known_loads, closures[is_known], exponents))
     return curves
 
@@ -186,8 +191,8 @@ class ContactResponse:
     area : AreaFunction
     central : InputValues
         Central values of all inputs.
-    stiffness_exponent : float
-        Logarithmic derivative of the normal stiffness with respect to the load.
+    stiffness_exponents : pair of float
+        Logarithmic derivatives of the normal stiffness while loading and while unloading with respect to the load.
     sums_at_no_load : mapping of str to float, optional
         Contact sums of adhesive bodies without an external load.
     closure_curve : ClosureCurve, optional
@@ -197,7 +202,7 @@ class ContactResponse:
     sums: Mapping[str, float]
     area: AreaFunction
     central: InputValues
-    stiffness_exponent: float = 1.0
+    stiffness_exponents: tuple[float, float] = (1.0, 1.0)
     sums_at_no_load: Mapping[str, float] | None = None
     closure_curve: ClosureCurve | None = None
 
@@ -228,18 +233,23 @@ class ContactResponse:
             plastic_friction=onset.plastic_coefficient,
         )
 
-    def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, Floats]:
+    def stiffness_ratios(
+        self, inputs: InputValues, area_before_shear: Floats, exponents: tuple[float, float] | None = None
+    ) -> tuple[Floats, Floats]:
         """Return the loading and the unloading stiffness, divided by those at the central inputs.
 
-        E* changes the stiffness by similarity. Yielding changes it with the area.
+        E*, the heights and the hardness together change the stiffness by similarity: it is that at the load over their
+        factor. A hardness that does not have this factor changes it with the area. `exponents` replaces
+        `stiffness_exponents`.
         """
-        modulus = np.asarray(inputs.modulus * inputs.height_factor)
-        modulus_area, central_area = self.area(self.load, modulus=modulus), self.area(self.load)
-        yielding_ratio = area_before_shear / modulus_area
-        yielded_fraction = 1.0 - self.area.elastic_area(self.load) / central_area
-        loading = modulus ** (1.0 - self.stiffness_exponent) / inputs.height_factor
-        loading = loading * yielding_ratio ** (LOADING_STIFFNESS_EXPONENT * yielded_fraction)
-        unloading = inputs.modulus * modulus_area / central_area * yielding_ratio**UNLOADING_STIFFNESS_EXPONENT
+        factor = np.asarray(inputs.modulus * inputs.height_factor)
+        yielding_ratio = area_before_shear / self.area(self.load / factor)
+        yielded_fraction = 1.0 - float(self.area.elastic_area(self.load) / self.area(self.load))
+        area_exponents = LOADING_STIFFNESS_EXPONENT * yielded_fraction, UNLOADING_STIFFNESS_EXPONENT
+        loading, unloading = (
+            factor ** (1.0 - exponent) / inputs.height_factor * yielding_ratio**area_exponent
+            for exponent, area_exponent in zip(exponents or self.stiffness_exponents, area_exponents, strict=True)
+        )
         return loading, unloading
 
     def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
@@ -256,11 +266,11 @@ class ContactResponse:
         force = inputs.law.load("unloaded", self.sums_at_no_load, area_ratio * (1 - inputs.area_loss))
         return force / central_force if central_force != 0 else np.ones_like(area_ratio)
 
-    def closure_stiffness_ratio(self, inputs: InputValues, area_before_shear: Floats) -> Floats:
-        """Return the closure stiffness while loading, divided by that at the central inputs."""
+    def closure_stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, Floats]:
+        """Return the closure stiffness while loading and while unloading, divided by those at the central inputs."""
         curve = self.closure_curve
-        response = self if curve is None else replace(self, stiffness_exponent=curve.exponent_at(self.load))
-        return response.stiffness_ratios(inputs, area_before_shear)[0]
+        exponents = None if curve is None else curve.exponents_at(self.load)
+        return self.stiffness_ratios(inputs, area_before_shear, exponents)
 
     def closures_at_computed_loads(self, inputs: InputValues) -> Floats:
         """Return the closures (µm) at all loads of the closure curve, with the shape (loads, ...), for `closure_ratio`.
