@@ -181,7 +181,8 @@ def shear_test(
     E*, the test is repeated at both limits, and curves are interpolated. Each strip is sheared under the same normal
     stress, free of the other strips; the standard error of the mean over the strips, with Student's t distribution,
     stands for another piece of the same joint. It misses waves wider than a strip. An interval
-    of the displacement at the peak includes the displacements before and after the peak.
+    of the displacement at the peak includes the displacements before and after the peak. The dilation angle at the peak
+    has no interval if no input or strip changes it.
 
     Examples
     --------

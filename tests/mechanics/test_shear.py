@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from stiction import Profile, Surface, flipped, half_space, interface, self_affine_surface, shear_test
 from stiction.mechanics.joint_closure import fit_bandis_law
+from stiction.views.shear import headline_estimates
 
 ANGLE = math.radians(10)
 FULL_FIT = {"load": "1 MPa", "effective_modulus": "30 GPa"}
@@ -320,6 +321,16 @@ def test_displacement_at_the_peak_includes_the_neighbouring_displacements():
     lower, upper = (test.attrs[f"peak_displacement_um_{end}"] for end in ("lower", "upper"))
     assert lower <= float(test.displacement[peak - 1])
     assert upper >= float(test.displacement[peak + 1])
+
+
+def test_dilation_angle_has_no_interval_if_the_uncertain_input_does_not_change_it():
+    options = {"path": "200 um", "steps": 8, "mu0": "0.58..0.62"}
+    test = shear(create_rough_map(), hardness="200 MPa", **options)
+    assert test.attrs["peak_lower"] < test.attrs["peak_upper"]
+    assert "peak_dilation_angle_deg_lower" not in test.attrs
+    assert headline_estimates(test)["dilation_angle_at_peak"].kind == ""
+    by_hardness = shear(create_rough_map(), hardness="100..400 MPa", **options)
+    assert by_hardness.attrs["peak_dilation_angle_deg_lower"] < by_hardness.attrs["peak_dilation_angle_deg_upper"]
 
 
 # ---- Strips ----------------------------------------------------------------------------------------------------------

@@ -205,7 +205,8 @@ def add_shear_intervals(
 
     `variations` are the tests at the limits of the inputs, and `strips` those of the strips. The standard error of the
     mean over the strips counts as the error of the test, with Student's t distribution. An interval contains the value,
-    and that of the displacement at the peak also the displacements before and after the peak.
+    and that of the displacement at the peak also the displacements before and after the peak. The dilation angle has no
+    interval if it is the same for all samples.
     """
     errors = _estimate_strip_errors(test, strips)
     if samples:
@@ -260,6 +261,8 @@ def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
         if name not in limits or np.isnan(limits[name]).any():
             continue
         lower, upper = map(float, limits[name])
+        if name == "peak_dilation_angle_deg" and lower == upper:
+            continue  # All samples have their peak at the same displacement, but the true peak is near it.
         if name == "peak_displacement_um":
             index = int(np.nanargmax(test["friction_coefficient"].values))
             before, after = displacement[[max(index - 1, 0), min(index + 1, displacement.size - 1)]]
