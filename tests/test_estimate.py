@@ -1,11 +1,13 @@
 """Tests of estimates: the interval determines the printed digits, and the magnitude determines the unit."""
 
+import json
 import math
 from dataclasses import FrozenInstanceError
 
 import numpy as np
 import pytest
 from stiction._estimate import Estimate, Interval, extend_intervals
+from stiction._number_format import to_json
 
 
 @pytest.mark.parametrize(
@@ -86,3 +88,16 @@ def test_intervals_are_extended_to_the_lowest_and_highest_limits_of_several_inte
 def test_estimate_is_immutable():
     with pytest.raises(FrozenInstanceError):
         Estimate(0.2).value = 0.3
+
+
+@pytest.mark.parametrize(
+    "estimate",
+    [
+        Estimate(3.0, 2.0, 4.0, name="closure", unit="um", kind="mean"),
+        Estimate(3.0, 2.0, math.inf, kind="combined"),
+        Estimate(3.0),
+    ],
+)
+def test_estimate_from_its_json_object_has_the_same_interval(estimate):
+    read = Estimate.from_record(json.loads(to_json(estimate.to_record())))
+    assert repr(read) == repr(estimate)  # NaN limits are not equal

@@ -86,6 +86,14 @@ class Estimate:
     kind: EstimateKind = ""
     status: str = "ok"
 
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Self:
+        """Return the estimate of a JSON object of `to_record`. Without an upper limit, only `upper` is null."""
+        value, lower, upper = (math.nan if record[key] is None else record[key] for key in ("value", "lower", "upper"))
+        if math.isnan(upper) and not math.isnan(lower):
+            upper = math.inf
+        return cls(value, lower, upper, **{key: record[key] for key in ("name", "unit", "kind", "status")})
+
     @property
     def interval(self) -> Interval:
         """Limits of the 95 % interval."""

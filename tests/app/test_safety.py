@@ -23,7 +23,7 @@ import pytest
 pytest.importorskip("starlette", reason="the extra app is not installed")
 
 from app.server_process import start_server, wait_until, write_maps
-from stiction import Study, interface, run, write_interface
+from stiction import Study, Surface, flipped, interface, run, self_affine_surface, write_interface, write_surface
 from stiction.app import jobs, server
 from stiction.app.jobs import JobQueue, run_module
 from stiction.app.server import MAX_CONCURRENT_REQUESTS
@@ -188,6 +188,19 @@ def test_job_uses_the_directions_dwell_times_and_creep_exponent_of_the_form(app,
     assert study["contact"]["direction"] == [0, 90]
     assert study["friction"]["wait"] == ["1 min", "1 h"]
     assert study["friction"]["creep"] == 0.03
+
+
+def test_shear_job_shows_an_interval_without_an_upper_limit(app, tmp_path):
+    lower = self_affine_surface(1, hurst_exponent=0.8, rms=105.0, shape=(32, 32), spacing=50.0)
+    request = {"command": "shear"}
+    for side, face in (("upper", flipped(lower)), ("lower", lower)):
+        write_surface(Surface(face.heights, spacing=face.spacing), tmp_path / f"{side}.csv")
+        request[side] = app.upload(tmp_path / f"{side}.csv")
+    options = {"young": "30 GPa", "poisson": "0.25", "load": "1 MPa", "mu0": "0.5..2", "path": "150 um"}
+    app.post_json("/jobs", request | {"options": list(options.items())})
+    finished = wait_until(app.list_jobs, lambda listed: listed[-1]["state"] in ("done", "failed"))[-1]
+    assert finished["state"] == "done", finished["error"]
+    assert [line["text"].endswith(", ∞)") for line in finished["answer"]["lines"]] == [True, True]
 
 
 def test_interface_of_the_form_must_be_published_so_that_no_file_is_read(app, map_scans):

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import json
-import math
 import os
 import re
 import shlex
@@ -324,9 +323,8 @@ def _read_shear_test(record: str) -> dict[str, Any]:
     values, lines = json.loads(record), []
     for name, place in (("peak_friction_coefficient", "at the peak"), ("end_friction_coefficient", "at the end")):
         entry = next(each for each in values["values"] if each["name"] == name)
-        limits = (math.nan if entry[end] is None else entry[end] for end in ("lower", "upper"))
         if entry["value"] is not None:
-            lines.append({"place": place, "text": Estimate(entry["value"], *limits).text(), "value": entry["value"]})
+            lines.append({"place": place, "text": Estimate.from_record(entry).text(), "value": entry["value"]})
     return {"at": {}, "lines": lines, "caveats": [replace_option_names(caveat) for caveat in values["caveats"]]}
 
 
