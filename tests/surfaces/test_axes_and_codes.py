@@ -91,10 +91,18 @@ def test_header_line_with_another_quantity_along_x_rejects_the_positions(tmp_pat
     assert f"has positions in '{line.split()[-1]}', which is not a supported unit" in error_message(path, unit="mm")
 
 
-@pytest.mark.parametrize("name", ["1000*z", "10^3 z", "z/1000", "-z", "log z", "|z|", "z/Sq", "z·10³", "z normalised"])
+@pytest.mark.parametrize(
+    "name",
+    ["1000*z", "10^3 z", "z/1000", "-z", "log z", "|z|", "z/Sq", "z·10³", "z normalised", "abs(z)", "exp(-z)", "exp z"],
+)
 def test_column_of_calculated_heights_has_a_caveat(tmp_path, name):
     path = write_columns(tmp_path / "a.csv", f"x (um);{name} (um)")
     assert list(caveats_of(path)) == ["scale"]
+
+
+@pytest.mark.parametrize("name", ["z | µm", "z abs (µm)", "exp. height (µm)"])
+def test_column_of_heights_with_an_abbreviation_or_a_stroke_has_no_caveat(tmp_path, name):
+    assert not caveats_of(write_columns(tmp_path / "a.csv", f"x (um);{name}"))
 
 
 # ---- Codes ----------------------------------------------------------------------------------------------------------

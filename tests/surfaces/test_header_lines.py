@@ -120,7 +120,8 @@ def test_equal_spacings_along_both_axes_are_used(read_text, line):
      "values x 1000", "Scaling: 1000", "Resolution: 10 nm/bit", "z·10³", "10^-3", "Scale: 0.001", "Gain: 1000",
      "values times 1000", "facteur: 0.001", "係数 0.001", "коэффициент 0.001", "exponent: -3", "1 digit = 0.01 um",
      "1 LSB = 0.5 nm", "Counts per um: 100", "Height per gray level: 0.02 um", "normalized by 0.8 um", "in 10 nm",
-     "units of 0.1 um", "in thousandths of um", "LSB: 0.5 nm", "add_offset 0 scale_factor 0.001"],
+     "units of 0.1 um", "in thousandths of um", "normalised to 1", "z times 3", "LSB: 0.5 nm",
+     "add_offset 0 scale_factor 0.001"],
 )  # fmt: skip
 def test_factor_in_words_adds_a_caveat(read_text, line):
     reading = read_text(f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
@@ -138,10 +139,16 @@ def test_factor_above_a_displayed_matrix_adds_a_caveat(read_text, factor):
     "line",
     ["Factor: 1", "Objective: x100", "Magnification x1000", "1024 x 1000 points", "Form factor 0.5", "Speed: 2 mm/s",
      "Pixel size: 0.5 um x 0.5 um", "Feedback gain: 0.3", "Gain: 45 dB", "Scale: 1", "Speed: 0.5 mm/s in 2 mm", "100",
-     "Scan in 0.5 um steps", "# history: multiplied by 2 um, as declared in the file"],
+     "Scan in 0.5 um steps", "Sampling times 3",
+     "Scaled to 1:1", "divided by 1.0", "values times 1", "# history: multiplied by 2 um, as declared in the file"],
 )  # fmt: skip
 def test_factor_that_does_not_apply_to_heights_has_no_caveat(read_text, line):
     assert not read_text(f"{line}\n{MAP_TEXT}", unit="um", spacing="0.5 um").caveats
+
+
+def test_unit_with_a_factor_of_one_is_read_without_a_caveat(read_text):
+    reading = read_text(f"heights in 1 nm\n{MAP_TEXT}", spacing="0.5 um")
+    assert (reading.unit, reading.caveats) == ("nm", ())
 
 
 # ---- Units ----------------------------------------------------------------------------------------------------------

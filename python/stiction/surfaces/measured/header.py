@@ -28,7 +28,7 @@ _UNIT_WORDS = (
     r"単位|値の単位|单位|값 단위|단위|единицы измерения)"
 )
 _HEIGHT_UNIT_PATTERN = re.compile(
-    r"\W*(?:(?:z|heights?|höhen?|hauteurs?|data|values?)\s+(?:are\s+)?in\s+|"
+    r"\W*(?:(?:z|heights?|höhen?|hauteurs?|data|values?)\s+(?:are\s+)?in\s+(?:1(?:[.,]0*)?\s+)?|"
     rf"(?:(?:z|data|height|value|amplitude|vertical|profile)[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}"
     r"(?: (?:of )?(?:z|data|heights?|values?))?\s*[:=,;\t]\s*)[\"']?([^\s\"',;:]{1,20})[\"']?\W*",
     re.IGNORECASE,
@@ -60,21 +60,23 @@ _NO_UNIT_WORDS = ("", "-", "--", "1", "metric", "si", "none", "n/a", "default", 
 
 _POWER_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-−+])[0-9]{1,2}|1?e[-−+][0-9]{1,2})"
 _DIGIT_PATTERN = r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|gr[ae]y[ _-]?(?:levels?|values?))"
+_NOT_ONE = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"  # a factor of 1 changes nothing
 _UNAPPLIED_FACTOR_PATTERN = re.compile(
-    r"\W*[0-9.,]{1,20}(?:e[+-]?[0-9]{1,3})?\s*[*×x]\W*|"  # "1.0e-03 *" above a matrix
+    rf"\W*{_NOT_ONE}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"  # "1.0e-03 *" above a matrix
     rf"\W*{_POWER_PATTERN}\W*|"
     r".*(?<![0-9])(?<![0-9] )(?:[×*·]\s*(?:10|1e)|x\s*(?:10\s*\^|10\s*[-−+][0-9]|1e[-+−]?[0-9]|10{3,6}\b)).*|"
     r".*\b(?:multiplied|multiply|divided|divide|scaled|normali[sz]ed|multipliziert|dividiert|skaliert|normiert)\s+"
-    r"(?:by|to|mit|durch|um|auf)\b.*|"
-    rf".*\btimes\s+{DECIMAL_PATTERN}\b.*|"
+    rf"(?:(?:by|mit|durch|um)\b{_NOT_ONE}|(?:to|auf)\b(?!\s*1\s*:\s*1\W*$)).*|"
+    rf".*\b(?:z|heights?|data|values?|numbers?)\W+(?:are\s+)?times\s+{_NOT_ONE}{DECIMAL_PATTERN}\b.*|"
+    r"(?!\W*(?:z|heights?|data|values?)\s+(?:are\s+)?in\s+1(?:[.,]0*)?\s)"  # "heights in 1 µm" declares a unit
     rf"\W*(?:(?:z|heights?|data|values?|numbers?)\W+)?(?:are\s+)?(?:in|units? of)\s+{DECIMAL_PATTERN}\s*[nuµpm]?m\W*|"
     rf"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|conversion|calibration|unit|multiplication|amplitude|"
     rf"add[ _]offset\W*{DECIMAL_PATTERN})[\s_-]*)*"
     r"(?:fa[ck]tor|facteur|fattore|fator|multiplier|multiplicat\w*|scaling|skalierung|sensitivity|empfindlichkeit|"
     r"exponent|gain|verstärkung|amplification|倍率|係数|系数|比例|множитель|коэффициент)(?![^\W\d_]).{0,20}?"
-    rf"{SEPARATOR_PATTERN}(?!1(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"
+    rf"{SEPARATOR_PATTERN}{_NOT_ONE}{DECIMAL_PATTERN}.*|"
     rf"\W*(?:(?:z|heights?|data|values?|vertical)[\s_-]*)*scale{SEPARATOR_PATTERN}"
-    rf"(?!1(?:[.,]0*)?\W*$){DECIMAL_PATTERN}\W*|"
+    rf"{_NOT_ONE}{DECIMAL_PATTERN}\W*|"
     rf".*(?:\b(?:[nuµp]?m|heights?|volts?|V)|[0-9][nuµp]m)\s*(?:/|per)\s*(?:{_DIGIT_PATTERN}|div|[nuµm]m)\b.*|"
     rf".*\b{_DIGIT_PATTERN}\s*(?:/|per)\s*[nuµm]m\b.*|.*\b(?:tenth|hundredth|thousandth)s? of\b.*|"
     rf"\W*LSB{SEPARATOR_PATTERN}{DECIMAL_PATTERN}.*|"
@@ -156,10 +158,12 @@ _LENGTH_AXIS_PATTERN = re.compile(
 """Pattern of the names of positions along a profile in several languages."""
 
 _CALCULATION_PATTERN = re.compile(
-    r"[*×·^√|]|/\s*(?:[0-9]|[RS][aqz]\b)|^\W*[-−]\s*z\b|\b(?:log(?:10)?|ln|sqrt|abs|exp)\b|\bd\w\s*/\s*d\w\b|"
+    r"[*×·^√]|\|\w[^|]*\||/\s*(?:[0-9]|[RS][aqz]\b)|^\W*[-−]\s*z\b|"
+    r"\b(?:log(?:10)?|ln|sqrt)\b|\b(?:abs|exp)\s*(?:[0-9]|z\b)|\bd\w\s*/\s*d\w\b|"
     r"\b(?:scaled|normali[sz]ed|skaliert|normiert)\b",
     re.IGNORECASE,
 )
+_FUNCTION_PATTERN = re.compile(r"\b(?:abs|exp)\s*[(\[{][^)\]}]*\b(?:z|heights?|höhen?)\b", re.IGNORECASE)
 _HEIGHT_NAME_PATTERN = re.compile(
     r"(?<![^\W_])(?:z|heights?|höhen?|hauteurs?|altezz[ae]|alturas?|topograph\w*|elevations?|amplitudes?)(?![^\W_])",
     re.I,
@@ -363,7 +367,8 @@ def is_length_axis(name: str) -> bool:
 
 def is_computed_height(name: str) -> bool:
     """Return whether the name of a column of heights contains a calculation, such as "1000*z", "-z" or "log z"."""
-    return _CALCULATION_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", name)) is not None
+    name_without_units = _BRACKETED_WORD_PATTERN.sub(" ", name)
+    return bool(_CALCULATION_PATTERN.search(name_without_units) or _FUNCTION_PATTERN.search(name))
 
 
 # ---- Column names ---------------------------------------------------------------------------------------------------
