@@ -251,6 +251,18 @@ def test_declared_range_of_the_heights_determines_their_unit(read_text):
     assert "does not contain the unit of its heights" in error_message(read_text, other_range + MAP_TEXT)
 
 
+@pytest.mark.parametrize(
+    ("factor", "unit", "has_caveat"),
+    [(1, "um", False), (1, "nm", True), (1, "mm", True), (0.05, "um", True), (0.2, "um", False), (40, "um", False)],
+)
+@pytest.mark.parametrize("name", ["Z range", "Height range", "Peak to valley"])
+def test_heights_that_contradict_their_declared_range_have_a_caveat(read_text, name, factor, unit, has_caveat):
+    header = f"{name}: {factor * np.ptp(MAP):.4g} {unit}\nUnit: um\n"
+    reading = read_text(header + MAP_TEXT, spacing="0.5 um")
+    assert caveat_names(reading) == ["range"] * has_caveat
+    assert not read_text(header + MAP_TEXT, spacing="0.5 um", accept="range").caveats
+
+
 @pytest.mark.parametrize("remark", ["raw", "trace", "Filtered", "level 2", "-"])
 def test_remark_in_a_column_name_is_not_a_unit(read_text, remark):
     rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))

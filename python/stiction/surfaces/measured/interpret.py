@@ -226,7 +226,13 @@ def _make_profile_or_surface(
     steps: Sequence[str], unit: str, caveats: Sequence[FileCaveat],
 ) -> InterpretedScan[Any]:  # fmt: skip
     scan = ScannedHeights(
-        heights, spacing, factor=LENGTH_UNITS[unit] * (raw.factor or 1.0), from_text=raw.source.lines is not None
+        heights,
+        spacing,
+        factor=LENGTH_UNITS[unit] * (raw.factor or 1.0),
+        from_text=raw.source.lines is not None,
+        declared_range=None
+        if raw.height_range is None
+        else raw.height_range.length * LENGTH_UNITS[raw.height_range.unit],
     )
     num_missing = int(np.count_nonzero(np.isnan(heights)))
     found_caveats = () if num_missing == heights.size else find_caveats(scan)

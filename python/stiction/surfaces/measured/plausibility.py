@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -35,6 +36,9 @@ MAX_REPEATED_ROWS = 0.9
 # minimum number of equal heights in a row that a profile may have by mistake, and maximum probability of as many by
 # rounding
 MIN_EQUAL_RUN, MAX_RUN_PROBABILITY = 8, 1e-4
+# Heights contradict a declared range if their range is this many times as large, or if it is this close to the
+# declared range divided by a power of the ratio of two units.
+MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
 MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
 # Minimum spacing (one ångström), maximum spacing (one centimetre) and maximum extent (one metre), in µm.
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
@@ -48,6 +52,7 @@ class ScannedHeights:
     spacing: tuple[float, ...]  # µm, along (y and) x
     factor: float = 1.0  # conversion factor from the numbers in the file to µm
     from_file: bool = True  # False for objects, whose heights may be computed
+    declared_range: float | None = None  # range of the heights in the header of the file, µm
     from_text: bool = True  # True if the numbers were read from text; integers in text may be counts instead of heights
 
     @cached_property
@@ -233,6 +238,24 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
         yield f"heights span {height_range}, but the scan is only {format_with_unit(length, 'µm')} long"
 
 
+def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
+    """Find heights with a much larger range than the header declares, or with the declared range in another unit.
+
+    A declared range that is larger in another ratio may be the range of the instrument.
+    """
+    if not scan.declared_range or not scan.height_range:
+        return
+    ratio = scan.height_range / scan.declared_range
+    steps = math.log(ratio, UNIT_RATIO)
+    is_in_other_unit = round(steps) < 0 and abs(ratio / UNIT_RATIO ** round(steps) - 1) < MAX_RANGE_DEVIATION
+    if ratio > MAX_RANGE_RATIO or is_in_other_unit:
+        height_range, declared_range = (
+            format_with_unit(scan.height_range, "µm"),
+            format_with_unit(scan.declared_range, "µm"),
+        )
+        yield f"heights span {height_range}, but the header declares a range of {declared_range}"
+
+
 PLAUSIBILITY_CHECKS = (
     PlausibilityCheck("repeated-extreme", _find_repeated_extremes, "--missing-value {} treats them as missing points"),
     PlausibilityCheck(
@@ -249,6 +272,11 @@ PLAUSIBILITY_CHECKS = (
     PlausibilityCheck("size", _find_implausible_sizes, "check the unit of the spacing, --unit and --spacing"),
     PlausibilityCheck(
         "tall", _find_excessive_height_range, "check the units of heights and spacing, --unit and --spacing"
+    ),
+    PlausibilityCheck(
+        "range",
+        _find_contradicted_height_range,
+        "check the unit of the heights, --unit and --missing-value; accept it if the range is another quantity",
     ),
 )
 """Checks that are applied to every scan."""

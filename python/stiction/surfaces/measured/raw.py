@@ -170,6 +170,7 @@ class RawHeights:
     factor: float | None = None  # declared factor that converts the numbers to `unit`
     bare_spacing: tuple[float, ...] | None = None  # declared spacing without a unit
     unclear_spacing: UnclearSpacing | None = None
+    height_range: DeclaredLength | None = None  # declared difference between the highest and the lowest height
     caveats: tuple[FileCaveat, ...] = ()
 
 

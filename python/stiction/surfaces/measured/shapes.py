@@ -192,6 +192,7 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **att
         heights, unit=unit, factor=declared.factor, codes=(*declared.codes, *counts), stated=declared.spacing,
         size=declared.size, bare_spacing=declared.bare_spacing, source=table.source, caveats=caveats,
         stated_spacings=declared.spacings, unclear_spacing=declared.unclear_spacing,
+        height_range=declared.height_range,
     )  # fmt: skip
     raw = replace(raw, **attributes)
     if (
