@@ -98,6 +98,12 @@ def test_unknown_indentation_adds_a_caveat_for_metals_only():
     assert "as hard as large ones" not in texts[1] + texts[2]
 
 
+@pytest.mark.parametrize("name", ["closure", "closure_stiffness", "normal_stiffness", "unloading_stiffness"])
+def test_closure_and_stiffness_keep_the_measured_hardness(name):
+    without_indent, result = (each.at()[name].values.ravel() for each in (press(), press(indent="2 um")))
+    assert result == pytest.approx(without_indent, rel=1e-3)
+
+
 @pytest.mark.parametrize(("options", "term"), [
     ({"indent": "0 um"}, "indent must be above 0"), ({"indent": "2 um", "hardness": None}, "indent needs hardness"),
     ({"indent": "2 um", "work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion"), ({"indent": "2 GPa"}, "indent"),

@@ -240,8 +240,11 @@ class ContactResponse:
 
         E*, the heights and the hardness together change the stiffness by similarity: it is that at the load over their
         factor. A hardness that does not have this factor changes it with the area. `exponents` replaces
-        `stiffness_exponents`.
+        `stiffness_exponents`. The stiffness keeps the measured hardness even if the depth of the indentation is known.
         """
+        if self.area.indent is not None:
+            response = replace(self, area=replace(self.area, indent=None))
+            return response.stiffness_ratios(inputs, response.areas_before_shear(inputs).true, exponents)
         factor = np.asarray(inputs.modulus * inputs.height_factor)
         yielding_ratio = area_before_shear / self.area(self.load / factor)
         yielded_fraction = 1.0 - float(self.area.elastic_area(self.load) / self.area(self.load))
