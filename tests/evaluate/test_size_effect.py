@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from stiction import Surface, pair, self_affine_surface
+from stiction._number_format import format_with_unit
 from stiction.mechanics.hardness import estimate_indentation_depth, size_effect_factor
 from stiction.views.sentence import inputs_text
 
@@ -84,7 +85,9 @@ def test_interval_with_an_indentation_agrees_with_results_at_the_ends_of_the_siz
     assert result.interval[1] == pytest.approx(ends[0].value, rel=0.02)
     assert result.interval[0] == pytest.approx(ends[1].value, rel=0.03)
     assert result.budget["input"].iloc[0] == "the indentation size effect"
-    assert "measured 2 µm deep" in inputs_text(result.summary().first)
+    value, lower, upper = (format_with_unit(each, "GPa") for each in result.at()["contact_hardness"].values.ravel())
+    text = f"measured 2 µm deep, {value} [{lower}, {upper}] in the contacts"
+    assert text in inputs_text(result.summary().first)
     assert result.summary().first.hardness == pytest.approx(mean_value(result, "contact_hardness"))
 
 
@@ -102,6 +105,14 @@ def test_unknown_indentation_adds_a_caveat_for_metals_only():
 def test_closure_and_stiffness_keep_the_measured_hardness(name):
     without_indent, result = (each.at()[name].values.ravel() for each in (press(), press(indent="2 um")))
     assert result == pytest.approx(without_indent, rel=1e-3)
+
+
+def test_text_about_several_loads_has_the_range_of_the_contact_hardness():
+    result = press(indent="2 um", load="10 MPa, 20 MPa")
+    values = result.at()["contact_hardness"].sel(statistic="mean").values.ravel()
+    assert values[0] > 1.02 * values[1]
+    smallest, largest = (format_with_unit(float(value), "GPa") for value in (values.min(), values.max()))
+    assert f"measured 2 µm deep, {smallest} to {largest} [" in " ".join(str(result).split())
 
 
 @pytest.mark.parametrize(("options", "term"), [

@@ -120,8 +120,11 @@ def roughness_contribution_text(point: PointSummary) -> str:
 # ---- Conditions ------------------------------------------------------------------------------------------------------
 
 
-def inputs_text(point: PointSummary) -> str:
-    """Return text with the load, the materials and the resolution of a point."""
+def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str:
+    """Return text with the load, the materials and the resolution of a point.
+
+    If the text is for one of several points, it has the range of the contact hardness over these points.
+    """
     study, items = point.study, [point_load_text(point)]
     if "fractal_dimension" in point.at:
         name, value = point.roughness_exponent
@@ -139,7 +142,7 @@ def inputs_text(point: PointSummary) -> str:
     if hardness is not None:
         items.append(f"hardness {format_with_unit(float(hardness), 'GPa')}{_hardness_range_text(study)}")
         if study.contact.indent is not None:
-            items.append(contact_hardness_text(point, float(study.contact.indent)))
+            items.append(contact_hardness_text(points or [point], float(study.contact.indent)))
         if growth := study.contact.junction_growth:
             items.append(junction_growth_text(growth.estimate))
     elif loss := study.contact.area_loss:
@@ -165,10 +168,20 @@ def junction_growth_text(growth: UncertainInput) -> str:
     return f"yield by slip lines with H/k = {ratio_text}"
 
 
-def contact_hardness_text(point: PointSummary, indent: float) -> str:
-    """Return text about the depth (µm) of the indentation, and the hardness of the contacts with its interval."""
-    _, low, high = (format_with_unit(each, "GPa") for each in point.values["contact_hardness"].values.ravel().tolist())
-    return f"measured {format_with_unit(indent, 'um')} deep, {low} to {high} in the contacts"
+def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
+    """Return text about the depth (µm) of the indentation, and the hardness of the contacts with its interval.
+
+    The hardness increases with decreasing load. For several points, the text has the range of the hardness, and the
+    interval encloses the intervals of all points.
+    """
+    values, lower, upper = zip(
+        *(point.values["contact_hardness"].values.ravel().tolist() for point in points), strict=True
+    )
+    smallest, largest, low, high = (
+        format_with_unit(each, "GPa") for each in (min(values), max(values), min(lower), max(upper))
+    )
+    hardness = " to ".join(dict.fromkeys((smallest, largest)))
+    return f"measured {format_with_unit(indent, 'um')} deep, {hardness} [{low}, {high}] in the contacts"
 
 
 def area_loss_text(study: Study, loss: UncertainInput) -> str:
@@ -243,7 +256,7 @@ def point_note_text(point: PointSummary) -> str:
 
 def shared_conditions_text(points: Sequence[PointSummary]) -> str:
     """Return text with the inputs that are common to all points, a note about the averaged members, and assumptions."""
-    inputs = [inputs_text(point).split(", ") for point in points]
+    inputs = [inputs_text(point, points).split(", ") for point in points]
     common_inputs = [text for text in inputs[0] if all(text in other_inputs for other_inputs in inputs)]
     common_inputs_note = f"with {', '.join(common_inputs)}; " if common_inputs else ""
     assumptions = list_assumptions(points[0].study)
