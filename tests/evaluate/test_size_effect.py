@@ -115,6 +115,13 @@ def test_text_about_several_loads_has_the_range_of_the_contact_hardness():
     assert f"measured 2 µm deep, {smallest} to {largest} [" in " ".join(str(result).split())
 
 
+def test_caveat_and_contact_hardness_use_the_same_depth():
+    text = next(caveat.text for caveat in press(yield_exponent=0.7).summary().first.caveats if "deep" in caveat.text)
+    depth = 1e-3 * float(text.split(" nm deep")[0].split()[-1])
+    expected = 0.5 * size_effect_factor(np.sqrt(0.2), depth, 2.0)
+    assert mean_value(press(yield_exponent=0.7, indent="2 um"), "contact_hardness") == pytest.approx(expected, rel=3e-3)
+
+
 @pytest.mark.parametrize(("options", "term"), [
     ({"indent": "0 um"}, "indent must be above 0"), ({"indent": "2 um", "hardness": None}, "indent needs hardness"),
     ({"indent": "2 um", "work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion"), ({"indent": "2 GPa"}, "indent"),

@@ -241,13 +241,16 @@ def compute_onset_factors(result: MemberSums, loads: Floats, mu0: Floats, tau0: 
 def _estimate_contact_depths(result: MemberSums) -> Floats | None:
     """Return the depths (µm) of indentations that correspond to contacts (cells, loading steps).
 
-    The result is None if the depth of the indentation that measured the hardness is unknown.
+    The result is None if the depth of the indentation that measured the hardness is unknown. The contacts have the
+    true area at the measured hardness.
     """
-    if result.study.contact.indent is None:
+    contact: Any = result.study.contact
+    if contact.indent is None:
         return None
     counts = np.asarray(result.means(["contact_count"])["contact_count"].transpose("cut_off", "load").values)
     gradients = result.means(["rms_gradient"])["rms_gradient"].values.reshape(-1, 1)
-    areas = result.compute_once(_average_solved_areas).all_members
+    factors = _compute_yield_factors_at(result, np.asarray(float(contact.hardness)))
+    areas = result.compute_once(_average_solved_areas).all_members * factors
     return estimate_indentation_depth(areas, counts, gradients, are_lines=not result.study.is_areal)
 
 
@@ -299,11 +302,17 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
     if "elastic_area" not in result.head.variables:
         return None
     contact: Any = result.study.contact
+    hardness, depths = np.asarray(float(contact.hardness)), _estimate_contact_depths(result)
+    if depths is not None:
+        hardness = hardness * size_effect_factor(CENTRAL_SIZE_EFFECT_LENGTH, depths, float(contact.indent))
+    return _compute_yield_factors_at(result, hardness)
+
+
+def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
+    """Return the factors of `compute_yield_factors` for contacts with the given hardness (GPa)."""
+    contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):
-        hardness, depths = np.asarray(float(contact.hardness)), _estimate_contact_depths(result)
-        if depths is not None:
-            hardness = hardness * size_effect_factor(CENTRAL_SIZE_EFFECT_LENGTH, depths, float(contact.indent))
         true_areas = yielded_area(areas.elastic, loads, hardness, float(contact.yield_exponent))
         # In complete contact, the solved area may exceed the nominal area by round-off.
         largest_areas = np.maximum(areas.elastic, float(result.head["nominal_area"]))
