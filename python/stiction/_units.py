@@ -35,6 +35,9 @@ _NUMBER_WITH_UNIT_PATTERN = re.compile(
 )
 """Pattern of a number and a unit. It allows more digits and larger exponents than a valid quantity can have."""
 
+_RANGE_OF_NUMBERS_PATTERN = re.compile(r"[0-9]\s*[^\W0-9_]*\s*\.\.\s*[0-9]")
+"""Pattern in a string with a range, such as "1..5 um"."""
+
 
 def unit_names(kind: str) -> tuple[str, ...]:
     """Return the names of the units for a kind of quantity."""
@@ -72,6 +75,8 @@ def quantity(text: object, kind: str) -> Quantity:
     match = _QUANTITY_PATTERN.fullmatch(text)
     lowest, highest = VALID_QUANTITY_RANGES[kind]
     core_unit = next(name for name, factor in units.items() if factor == "1")
+    if match is None and _RANGE_OF_NUMBERS_PATTERN.search(text):
+        raise ValueError(f"must be one number with a unit of {kind}, not a range, got {short_repr(text)}")
     if (
         match is None
         and (number_match := _NUMBER_WITH_UNIT_PATTERN.fullmatch(text)) is not None

@@ -123,8 +123,10 @@ def test_caveat_and_contact_hardness_use_the_same_depth():
 
 
 @pytest.mark.parametrize(("options", "term"), [
-    ({"indent": "0 um"}, "indent must be above 0"), ({"indent": "2 um", "hardness": None}, "indent needs hardness"),
-    ({"indent": "2 um", "work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion"), ({"indent": "2 GPa"}, "indent"),
+    ({"indent": "0 um"}, "indent must be above 0"), ({"indent": "2 GPa"}, "indent"),
+    ({"indent": "2 um", "hardness": None}, "indent needs hardness, because elastic contacts do not yield$"),
+    ({"indent": "2 um", "work_of_adhesion": "50 mJ/m^2"}, "indent must not be combined with work_of_adhesion"),
+    ({"indent": "1..5 um"}, "indent must be one number with a unit of length, not a range, got '1..5 um'"),
 ])  # fmt: skip
 def test_pair_function_rejects_invalid_indentations(options, term):
     defaults = {"junction_growth": None, "yield_exponent": None} if len(options) > 1 else {}

@@ -765,7 +765,12 @@ class MeasuredPair:
         if (value := self.options.indent) is None:
             return None
         if self._yield_exponent is None:
-            raise ArgumentError("{indent} needs {hardness}, and must not be combined with {work_of_adhesion}")
+            if self._hardness is None:
+                raise ArgumentError("{indent} needs {hardness}, because elastic contacts do not yield")
+            raise ArgumentError(
+                "{indent} must not be combined with {work_of_adhesion}, because areas of adhesive contacts "
+                "are computed with the measured hardness"
+            )
         depth = self._parse_quantity("indent", value)
         if not depth > 0:
             raise ArgumentError("{indent} must be above 0, got {got}", got=repr(value))
