@@ -220,6 +220,10 @@ def _convert_rockwell_hardness(low: float, high: float, text: str) -> UncertainI
     return UncertainInput(value, value * math.exp(-half_width), value * math.exp(half_width), "log-normal", text)
 
 
+class _NumberOutsideRangeError(ValueError):
+    """Error for a number that is not finite, negative or larger than `MAX_INPUT_NUMBER`."""
+
+
 def _parse_number(name: str, text: str) -> float:
     """Parse a number from 0 to `MAX_INPUT_NUMBER`."""
     try:
@@ -227,7 +231,8 @@ def _parse_number(name: str, text: str) -> float:
     except ValueError:
         raise ValueError(f"{name} must be a number, got {short_repr(text)}") from None
     if not 0 <= value <= MAX_INPUT_NUMBER:
-        raise ValueError(f"{name} must be finite and from 0 to {MAX_INPUT_NUMBER:g}, got {short_repr(text)}")
+        allowed_range = f"finite and from 0 to {MAX_INPUT_NUMBER:g}"
+        raise _NumberOutsideRangeError(f"{name} must be {allowed_range}, got {short_repr(text)}")
     return value
 
 
@@ -258,7 +263,7 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
         )
         raise ValueError(f"{name} {reason}") from None
     if not (math.isfinite(value) and value >= 0):
-        raise ValueError(f"{name} must be finite and not negative, got {short_repr(source)}")
+        raise _NumberOutsideRangeError(f"{name} must be finite and not negative, got {short_repr(source)}")
     return value
 
 
@@ -347,6 +352,13 @@ INPUT_KINDS: dict[str, InputKind] = {
 }  # fmt: skip
 """Kind of quantity of each input that may be a range."""
 
+_INPUT_LIMITS = {
+    "poisson": (0.0, MAX_POISSON_RATIO), "creep": (0.0, MAX_CREEP_EXPONENT), "area_loss": (0.0, MAX_AREA_LOSS),
+    "junction_growth": (0.0, MAX_JUNCTION_GROWTH_COEFFICIENT),
+    "yield_exponent": (MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT),
+}  # fmt: skip
+"""Smallest and largest value of each input without a unit that has narrower limits than other numbers."""
+
 
 def parse_study_input(name: str, source: Any) -> UncertainInput:
     """Parse the study input with the given name, including its uncertainty.
@@ -355,25 +367,18 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
     """
     if name == "junction_growth" and isinstance(source, str) and source.split()[:1] == [SLIP_LINE_TEXT]:
         return _parse_slip_lines(source)
-    parsed = parse_uncertain_input("", source, INPUT_KINDS[name])
-    if name == "poisson":
-        if parsed.high > MAX_POISSON_RATIO:
-            allowed_range = f"from 0 to {MAX_POISSON_RATIO:g}, including its uncertainty"
-            raise ValueError(f"must be {allowed_range}, got {short_repr(source)}")
-        parsed = replace(parsed, maximum=MAX_POISSON_RATIO)
-    if name == "junction_growth" and parsed.high > MAX_JUNCTION_GROWTH_COEFFICIENT:
-        raise ValueError(f"must be from 0 to {MAX_JUNCTION_GROWTH_COEFFICIENT:g}, got {short_repr(source)}")
-    if name == "yield_exponent" and not MIN_YIELD_EXPONENT <= parsed.low <= parsed.high <= MAX_YIELD_EXPONENT:
-        allowed_range = f"from {MIN_YIELD_EXPONENT:g} to {MAX_YIELD_EXPONENT:g}, including its uncertainty"
-        raise ValueError(f"must be {allowed_range}, got {short_repr(source)}")
-    if name == "area_loss":
-        if parsed.high > MAX_AREA_LOSS:
-            allowed_range = f"from 0 to {MAX_AREA_LOSS:g}, including its uncertainty"
-            raise ValueError(f"must be {allowed_range}, got {short_repr(source)}")
-        parsed = replace(parsed, maximum=MAX_AREA_LOSS)
-    if name == "creep" and parsed.high > MAX_CREEP_EXPONENT:
-        raise ValueError(f"must be at most {MAX_CREEP_EXPONENT:g}, got {short_repr(source)}")
-    return parsed
+    if name not in _INPUT_LIMITS:
+        return parse_uncertain_input("", source, INPUT_KINDS[name])
+    minimum, maximum = _INPUT_LIMITS[name]
+    allowed_range = f"from {minimum:g} to {maximum:g}, including its uncertainty"
+    error = ValueError(f"must be {allowed_range}, got {short_repr(source)}")
+    try:
+        parsed = parse_uncertain_input("", source, INPUT_KINDS[name])
+    except _NumberOutsideRangeError:
+        raise error from None
+    if parsed.high > maximum or parsed.low < minimum > 0:
+        raise error
+    return replace(parsed, maximum=maximum) if name in ("poisson", "area_loss") else parsed
 
 
 def _parse_slip_lines(source: str) -> UncertainInput:
