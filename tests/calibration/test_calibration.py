@@ -714,6 +714,15 @@ def test_soft_ball_has_a_range_of_the_area_loss_by_default() -> None:
         Ball("5 mm", "2 MPa", area_loss="0..1.5")
 
 
+@pytest.mark.parametrize("ball", [
+    Ball("5 mm", "2 MPa"), Ball("5 mm", "2..4 MPa", area_loss="0.1..0.2"), Ball(5e3, 1.5),
+    Ball("5 mm", young="2 GPa, 3 GPa", poisson="0.3, 0.3"),
+    Ball("5 mm", upper_material="steel", lower_material="PMMA"),
+], ids=repr)  # fmt: skip
+def test_repr_of_a_ball_creates_an_equal_ball(ball: Ball) -> None:
+    assert eval(repr(ball)) == ball
+
+
 def test_calibration_with_a_known_area_loss_recovers_tau0() -> None:
     ball = Ball("5 mm", "2 MPa", area_loss=0.2)
     interface = calibrate(simulate_soft_ball_tests(ball, 0.2), common=0.0, sliding="all")

@@ -46,8 +46,8 @@ class Ball:
     ----------
     radius : float or str, µm
     effective_modulus : float or str, GPa
-        E* as in "3 GPa", or a range as in "2..4.5 GPa". The attribute is the middle of the range, or None if the moduli
-        of the bodies are given.
+        E* as in "3 GPa", or a range as in "2..4.5 GPa". The attribute is the middle of the range, or E* at the central
+        values of the moduli of the bodies.
     young, poisson : optional
         Young's moduli and Poisson's ratios of both bodies; ranges are accepted.
     upper_material, lower_material : str, optional
@@ -91,6 +91,16 @@ class Ball:
             object.__setattr__(self, "area_loss", parse_input_value("area_loss", area_loss))
         except ValueError as error:
             raise ArgumentError("{area_loss} {why}", why=str(error)) from None
+
+    def __repr__(self) -> str:
+        """Return the call that creates an equal ball, with the uncertainty of its inputs."""
+        direct_modulus = self.moduli.effective_modulus
+        arguments = {
+            "radius": self.radius, "effective_modulus": None if direct_modulus is None else direct_modulus.text,
+            "young": self.young, "poisson": self.poisson, "upper_material": self.upper_material,
+            "lower_material": self.lower_material, "area_loss": self.area_loss.text,
+        }  # fmt: skip
+        return f"Ball({', '.join(f'{name}={value!r}' for name, value in arguments.items() if value is not None)})"
 
     def area_per_load(self, load: float | str) -> float:
         """Return the true area per load A/F (1/GPa) before shear at a load (mN), for the central moduli."""
