@@ -365,7 +365,10 @@ def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed_lo
         ([*MAP_ARGUMENTS, "--wait", "1 h", "--creep", "0.03"], ["--wait needs --hardness"]),
         ([*MAP_ARGUMENTS, "--hardness", "1 GPa", "--wait", "1 mn", "--creep", "0.03"], ["--wait", "'mn'", "min, h"]),
         ([*MAP_ARGUMENTS, "--hardness", "1 GPa", "--creep", "0.03"], ["--creep is for --wait"]),
-        ([*MAP_ARGUMENTS, "--hardness", "1 GPa", "--wait", "1 h", "--creep", "-1"], ["--creep must be finite", "'-1'"]),
+        (
+            [*MAP_ARGUMENTS, "--hardness", "1 GPa", "--wait", "1 h", "--creep", "-1"],
+            ["--creep must be from 0 to 0.5", "'-1'"],
+        ),
         ([*MAP_ARGUMENTS, "--hardness", "0..2 GPa"], ["--hardness must be above 0, got '0..2 GPa'"]),
         ([*MAP_ARGUMENTS, "--hardness", "3"], ["--hardness", "unit of pressure", "HV", "HRC"]),
         ([*PROFILE_FILES, "--wait", "1 h", "--creep", "0.03"], ["--wait is for --mechanics half-space"]),
