@@ -4,10 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from stiction import Surface, pair, self_affine_surface
+from stiction import pair
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS
 from stiction.summary.summary import summarize
 from stiction.views.sentence import inputs_text
+from support.rough_surfaces import rough_maps
 
 pytestmark = pytest.mark.usefixtures("no_contact_pictures")
 
@@ -19,16 +20,8 @@ RUBBER_OPTIONS = {
 }  # fmt: skip
 
 
-@cache
-def rough_surfaces():
-    roughness = {"shape": (48, 48), "spacing": 0.1, "hurst_exponent": 0.8, "rms": 0.05, "shortest_wavelength": 0.4}
-    return tuple(
-        Surface(self_affine_surface(5, side=side, **roughness).heights, spacing=0.1) for side in ("upper", "lower")
-    )
-
-
 def press(**options):
-    return pair(*rough_surfaces(), **RUBBER_OPTIONS | options)
+    return pair(*rough_maps(5, rms=0.05, shortest_wavelength=0.4), **RUBBER_OPTIONS | options)
 
 
 @cache

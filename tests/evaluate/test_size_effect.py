@@ -4,10 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from stiction import Surface, pair, self_affine_surface
+from stiction import pair
 from stiction._number_format import format_with_unit
 from stiction.mechanics.hardness import estimate_indentation_depth, size_effect_factor
 from stiction.views.sentence import inputs_text
+from support.rough_surfaces import rough_maps
 
 pytestmark = pytest.mark.usefixtures("no_contact_pictures")
 
@@ -18,16 +19,8 @@ METAL_OPTIONS = {
 
 
 @cache
-def rough_surfaces():
-    roughness = {"shape": (48, 48), "spacing": 0.1, "hurst_exponent": 0.8, "rms": 0.05, "shortest_wavelength": 0.4}
-    return tuple(
-        Surface(self_affine_surface(5, side=side, **roughness).heights, spacing=0.1) for side in ("upper", "lower")
-    )
-
-
-@cache
 def press(**options):
-    return pair(*rough_surfaces(), **METAL_OPTIONS | options)
+    return pair(*rough_maps(5, rms=0.05, shortest_wavelength=0.4), **METAL_OPTIONS | options)
 
 
 def mean_value(result, name):

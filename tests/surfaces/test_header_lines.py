@@ -7,6 +7,7 @@ from stiction.surfaces.measured.reading import read_with_interpretation
 
 RNG = np.random.default_rng(7)
 PROFILE = np.round(np.cumsum(RNG.normal(size=120)) / 50, 4)
+ROWS = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))  # x (mm) and heights (µm)
 MAP = np.round(np.cumsum(np.cumsum(RNG.normal(size=(40, 40)), axis=0), axis=1)[::3, ::2] / 100, 4)
 PROFILE_TEXT = "".join(f"{z:.4f}\n" for z in PROFILE)
 MAP_TEXT = "".join("\t".join(f"{z:.4f}" for z in row) + "\n" for row in MAP)
@@ -159,8 +160,7 @@ UNKNOWN_UNITS = ["ft", "mils", "thou", "dm", "LSB", "bar", "a. u.", "0.1 um", "x
 @pytest.mark.parametrize("unit", UNKNOWN_UNITS)
 @pytest.mark.parametrize("names", ["x (mm);z ({})\n", "x [mm];z [{}]\n", "x;z\n(mm);({})\n"])
 def test_given_unit_does_not_replace_a_unit_of_a_column_that_is_not_known(read_text, names, unit):
-    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
-    message = error_message(read_text, names.format(unit) + rows, unit=("mm", "um"))
+    message = error_message(read_text, names.format(unit) + ROWS, unit=("mm", "um"))
     shown_unit = "inch" if unit == '"' else unit
     assert f"has heights in {shown_unit!r}, which is not a supported unit of length" in message
 
@@ -174,8 +174,7 @@ def test_given_unit_does_not_replace_a_unit_of_a_header_line_that_is_not_known(r
 
 @pytest.mark.parametrize("unit", ["mm/1000", "1e-3 mm", "10^-6 m", "мкм", "微米", "µm RMS", "Mikrometer"])
 def test_unit_with_a_power_of_ten_or_in_another_script_is_read(read_text, unit):
-    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
-    assert read_text(f"x (mm);z ({unit})\n{rows}").body.heights.tolist() == PROFILE.tolist()
+    assert read_text(f"x (mm);z ({unit})\n{ROWS}").body.heights.tolist() == PROFILE.tolist()
 
 
 @pytest.mark.parametrize(
@@ -193,15 +192,13 @@ def test_unit_with_a_power_of_ten_or_in_another_script_is_read(read_text, unit):
     ],
 )
 def test_unit_at_the_end_of_a_column_name_that_is_no_length_is_not_replaced(read_text, name):
-    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
-    message = error_message(read_text, f"x (mm);{name}\n{rows}", unit=("mm", "um"))
+    message = error_message(read_text, f"x (mm);{name}\n{ROWS}", unit=("mm", "um"))
     assert "which is not a supported unit of length" in message
 
 
 @pytest.mark.parametrize("name", ["data points", "z min", "height left", "Channel A", "Profile, left"])
 def test_last_word_of_a_column_name_is_not_always_a_unit(read_text, name):
-    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
-    assert read_text(f"x (mm);{name}\n{rows}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
+    assert read_text(f"x (mm);{name}\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
 
 
 def test_unit_with_a_power_of_ten_after_the_names_is_read(read_text):
@@ -219,8 +216,7 @@ def test_header_with_more_names_than_columns_names_the_first_columns(read_text):
 
 
 def test_letter_after_a_name_is_a_unit_beside_a_name_with_a_unit_of_length(read_text):
-    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
-    assert "has heights in 's'" in error_message(read_text, f"Position mm;Height s\n{rows}", unit=("mm", "um"))
+    assert "has heights in 's'" in error_message(read_text, f"Position mm;Height s\n{ROWS}", unit=("mm", "um"))
 
 
 def test_entity_in_a_unit_is_decoded(read_text):
@@ -265,11 +261,9 @@ def test_heights_that_contradict_their_declared_range_have_a_caveat(read_text, n
 
 @pytest.mark.parametrize("remark", ["raw", "trace", "Filtered", "level 2", "-"])
 def test_remark_in_a_column_name_is_not_a_unit(read_text, remark):
-    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
-    assert read_text(f"x (mm);z ({remark})\n{rows}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
+    assert read_text(f"x (mm);z ({remark})\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
 
 
 def test_unit_of_positions_in_a_header_line_is_used_or_rejected(read_text):
-    rows = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))
-    assert read_text(f"X unit: mm\nx;z\n{rows}", unit="um").body.spacing == pytest.approx(0.5)
-    assert "has positions in 's', which is not" in error_message(read_text, f"X unit: s\nx;z\n{rows}", unit="um")
+    assert read_text(f"X unit: mm\nx;z\n{ROWS}", unit="um").body.spacing == pytest.approx(0.5)
+    assert "has positions in 's', which is not" in error_message(read_text, f"X unit: s\nx;z\n{ROWS}", unit="um")
