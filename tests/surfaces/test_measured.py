@@ -796,7 +796,7 @@ def test_x3p_file_with_an_impossible_height_factor_is_rejected(write_file, incre
     new_xml = f"<DataType>L</DataType><Increment>{increment!r}</Increment>"
     replacements = [("<DataType>D</DataType><Increment>1.0</Increment>", new_xml)]
     path = write_file(x3p_bytes(HEIGHTS_IN_METRES, replacements=replacements), "a.x3p")
-    assert "for Record1/Axes/CZ/Increment, which must be a number from" in error_message(path, read_surface)
+    assert "for Record1/Axes/CZ/Increment; it must be a number from" in error_message(path, read_surface)
 
 
 def test_file_whose_size_is_too_small_for_its_declared_points_is_rejected(tmp_path, write_file):

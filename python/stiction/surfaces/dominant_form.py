@@ -1,4 +1,4 @@
-"""Form of a scan that dominates its roughness: a parabola of a map, or a straight step of a map or a profile."""
+"""Form that dominates the heights of a scan: a parabola (maps), or a straight step (maps and profiles)."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 MAX_BLOCKS = 64
-"""Largest number of blocks along an axis of a map. The blocks are averaged, because form is a matter of large scales.
+"""Largest number of blocks along an axis of a map. Averaging over blocks keeps the form, which varies only over long
+distances.
 
 A profile has the square of this number.
 """
 
 MIN_BLOCKS = 16  # minimum number of blocks along an axis; fewer blocks do not distinguish form from roughness
 MIN_PARABOLA_DOMINANCE = 5.0
-"""Smallest ratio of the mean square heights of the fitted parabola and of the cubic and quartic terms.
+"""Smallest ratio of the mean square height of the fitted parabola to that of the fitted cubic and quartic terms.
 
 For a rough map without form, the ratio is about 2 if the longest wavelengths dominate, and rarely above 5. If the
 parabola is the form of the part, roughness contributes little to the higher terms, and the ratio is larger.

@@ -84,7 +84,7 @@ def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _In
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return the saddles of the maximum spanning tree, highest rank first: two hills and a rank for each saddle."""
+    """Return the saddles between hills (a maximum spanning tree), highest first: two hills and a rank for each."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 

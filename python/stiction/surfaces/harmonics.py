@@ -1,4 +1,4 @@
-"""Harmonics, in a spectrum, of a periodic texture such as the feed marks of turning and milling."""
+"""Spectral harmonics of a periodic texture, such as the feed marks of turning and milling."""
 
 from __future__ import annotations
 

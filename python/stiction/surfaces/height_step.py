@@ -1,4 +1,4 @@
-"""Step to which an instrument or a file format rounded the heights of a scan."""
+"""Rounding step of the heights of a scan, which the instrument or the file format sets."""
 
 from __future__ import annotations
 

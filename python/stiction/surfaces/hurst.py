@@ -327,7 +327,7 @@ def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats,
 
 
 def _areal_harmonics_to_fit(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return wave numbers and densities times wave number, and the scale (µm) that normalises the heights."""
+    """Return wave numbers, densities multiplied by wave number, and the scale (µm) that normalises the heights."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights

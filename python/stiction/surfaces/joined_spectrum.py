@@ -125,7 +125,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def chance(self) -> Floats:
-        """Standard deviation of ln(`disagreement`) that chance alone would cause, with shape (scans,)."""
+        """Standard deviation of ln(`disagreement`) expected from chance alone, with shape (scans,)."""
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         result = np.full(len(self.bands), np.nan)

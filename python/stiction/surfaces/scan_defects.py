@@ -34,7 +34,7 @@ deviation of the heights. It is at most 4 for machined surfaces, and 5 for white
 """
 
 MIN_SPIKE_TO_FLANK_RATIO = 2.0
-"""Minimum ratio of the height of a spike of a profile, per point of its width, to the height of its flanks.
+"""Minimum ratio of the height of a spike per point of its width to the height of its flanks (profiles).
 
 The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and ground profiles.
 """
@@ -59,10 +59,11 @@ _NUM_STRIPS = 8
 # A scan has at least this number of points in each strip, or its drift is not assessed.
 _MIN_STRIP_POINTS = 4
 MAX_DRIFT = math.log(4.0)
-"""Largest drift of ln(rms slope). A straight line overshoots a step between a rough and a smooth part of a scan."""
+"""Upper limit of a reported drift of ln(rms slope), which a linear fit overestimates if the roughness changes abruptly.
+"""
 
 MIN_DRIFT_DEVIATIONS = 2.5
-"""Smallest significant drift of the roughness along an axis, in standard deviations of the drift by chance.
+"""Smallest significant drift of the roughness along an axis, in standard deviations of a drift by chance.
 
 In 400 Gaussian maps with 64 x 64 and 128 x 128 points, 2.6 % had a drift above this limit along one of the two axes.
 """
@@ -146,7 +147,7 @@ class ScanDefects:
 
     @property
     def tip_limit(self) -> InstrumentLimit | None:
-        """Limit set by the tip.
+        """Shortest reliable wavelength if the tip sets it, or None if the tip does not matter.
 
         None if no tip radius is given, if pixels or noise set the limit, or if shorter wavelengths contribute at most
         1 % of the mean square slope. Raises a `ValueError` if the body is flat.

@@ -55,7 +55,7 @@ _INITIAL_SETTING_CLASS_INDEX = 2  # index of the class at which the search start
 
 
 class SectionLengthError(ValueError):
-    """Error for a profile that is too short or too coarse for the section length."""
+    """Error raised if a profile is too short or too coarse for the section length."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -85,7 +85,7 @@ def _read_sheets(
 
 
 def _show_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
-    """Return rows in which a formula without a stored value is a word, so that its column is not read as empty."""
+    """Replace formulas without a stored value by a word, so that their column is not taken for an empty one."""
     shown_rows = []
     for number, formula_row in enumerate(formulas):
         row = rows[number] if number < len(rows) else ()

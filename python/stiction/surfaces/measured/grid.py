@@ -52,7 +52,7 @@ def fill_grid(
     shape: tuple[int, int], rows: np.ndarray, columns: np.ndarray, heights: Floats,
     describe_position: Callable[[int], str],
 ) -> tuple[Floats, int]:  # fmt: skip
-    """Return a matrix with the height of each listed node and NaN at absent nodes, and the number of absent nodes.
+    """Return a matrix with the heights of the listed nodes and NaN elsewhere, and the number of absent nodes.
 
     A node may be listed repeatedly with the same height. Raises `FormatError` if its heights differ.
     """

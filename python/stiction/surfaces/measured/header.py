@@ -83,7 +83,7 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
     rf".*(?<![0-9.,])1\s*{_DIGIT_PATTERN}\s*[=:]\s*{DECIMAL_PATTERN}.*",
     re.IGNORECASE,
 )
-"""Pattern of a line with a factor in words that may apply to the heights."""
+"""Pattern of a line that describes a factor in words. The factor may apply to the heights."""
 
 _NO_HEIGHT_FACTOR_PATTERN = re.compile(
     r"objective|objektiv|magnif|zoom|lens|shape|form|crest|filter|quality|aspect|exaggerat|spring|frequency|defl|piezo|bias|"
@@ -129,7 +129,7 @@ NON_LENGTH_UNIT_PATTERN = re.compile(
     r"(?:/[\w.°µ]+)?|[kdhf]m|µm²|[µu]m\^?2|[nuµm]?m/(?:s|min|h|rev|N|V|nm|um|µm|mm)|"
     r"(?:tenths?|hundredths?|thousandths?) of .{1,12}"
 )
-"""Units of quantities other than lengths, and ambiguous units of length."""
+"""Pattern of units of quantities other than lengths, and of ambiguous units of length."""
 
 NON_HEIGHT_NAME_PATTERN = re.compile(
     r"\b(slopes?|steigung|pente|phase|current|strom|voltage|spannung|intensity|intensität|luminance|brightness|"
@@ -146,7 +146,9 @@ _NON_POSITION_NAME_PATTERN = re.compile(
     r"speed|velocity|energy|intensity|probability)(?![^\W_])",
     re.IGNORECASE,
 )
-"""Pattern of the names of axes that are not positions. The group has names that are none in any unit."""
+"""Pattern of the names of axes that are not positions. The group matches names that never denote a position, whatever
+their unit.
+"""
 
 _LENGTH_AXIS_PATTERN = re.compile(
     r"(?<![^\W_])(?:[xy]\w?|(?:pos|coord|koord|dist|length|län[gn]|lateral|horiz|travers|track|scan|path|abstand|"
@@ -262,7 +264,7 @@ def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> 
 
 
 def _parse_height_unit(lines: Sequence[str]) -> tuple[str | None, str]:
-    """Return the unit of the heights, and its line. A unit that is not known is returned as it is written."""
+    """Return the unit of the heights and the line that declares it. An unknown unit is returned unchanged."""
     for line in lines:
         if (match := _HEIGHT_UNIT_PATTERN.fullmatch(line)) and is_unit(match[1]):
             return parse_length_unit(match[1]) or match[1], line

@@ -28,10 +28,11 @@ _TEXT_FORMATS = ("asc", "xyz")
 """Plain text formats for which SurfaceTopography ignores units and other declarations in the header."""
 
 _ARRAY_FORMATS = ("h5", "mat", "npz")
-"""Formats of named arrays, which may be heights, masks, axes or indices, in rows and columns like a text matrix."""
+"""Formats that store named arrays. An array may contain heights, but also a mask, an axis or indices."""
 
 _FORMATS_WITHOUT_SIGNATURE = ("hgt", "mat")
-"""Formats that SurfaceTopography may find in any bytes. Their files must have the extension of the format."""
+"""Formats without a signature: SurfaceTopography accepts any bytes, so the file must have the extension of the format.
+"""
 
 _UNSUPPORTED_FORMATS = {"nms": "a NanoFocus .nms file, whose spacing has no reliable unit"}
 """Formats that are rejected, because SurfaceTopography 1.27 computes a wrong spacing for some of their files."""

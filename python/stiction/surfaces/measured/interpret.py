@@ -264,7 +264,7 @@ def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]
 
 
 def _parse_length(name: str, text: Any, *, allows_zero: bool = False) -> Quantity:
-    """Parse a length, which must be positive unless `allows_zero` is True (for positions, which may be negative)."""
+    """Parse a length. It must be above 0, unless `allows_zero` is True, as for positions."""
     try:
         length = quantity(text.strip() if allows_zero and isinstance(text, str) else text, "length")
     except ValueError as error:
@@ -292,7 +292,7 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
 
 
 def _position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
-    """Return the given position unit, or None if a single unit was given and the file has a position unit."""
+    """Return the caller's position unit, or None if the caller gave a single unit and the file has a position unit."""
     has_own_unit = (
         options.one_unit and raw.position_unit is not None and parse_length_unit(raw.position_unit) is not None
     )
@@ -342,7 +342,7 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
 
 
 def _height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Return the height unit, caveats and history entries. If the file has a factor and a unit, ignore a given unit."""
+    """Return the height unit, caveats and history entries. A factor and a unit in the file override a given unit."""
     if raw.factor is None or given is None or raw.unit is None or parse_length_unit(raw.unit) is None:
         return _resolve_unit("heights", raw.unit, given), [], []
     file_unit, caller_unit = str(parse_length_unit(raw.unit)), str(parse_length_unit(given))
@@ -386,7 +386,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Reject a given spacing that contradicts the spacing in the header, whatever unit the header spacing may have."""
+    """Reject a given spacing that contradicts the header, whatever unit of length the header spacing may have."""
     unclear = raw.unclear_spacing
     has_two_spacings = unclear is not None and len(unclear.lengths) == len(given) == 2
     if unclear and has_two_spacings and not np.allclose(sorted(unclear.lengths), sorted(given), MAX_STEP_UNEVENNESS):
@@ -515,7 +515,7 @@ def _profile_spacing(
 
 
 def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
-    """Return a caveat if the first or the last height, without positions, equals the given spacing in any unit."""
+    """Return a caveat if the first or last number of a column of heights is the given spacing, in any unit."""
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     ends = {"first": float(raw.heights[0])}
@@ -555,7 +555,7 @@ class _PositionResolution:
 def _worst_unexplained_deviation(
     x: Floats, spacing: float, digit: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Call `_worst_position_deviation` with the printed digits of positions, which are computed only if required."""
+    """Call `_worst_position_deviation`. The printed digits are counted only if some deviation is not round-off."""
     if _worst_position_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
     return _worst_position_deviation(x, spacing, digit.values, slack)

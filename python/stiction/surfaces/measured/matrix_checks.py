@@ -63,7 +63,7 @@ def reject_other_tables(values: Floats, column_numbers: Sequence[int]) -> None:
 
 
 def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -> None:
-    """Raise `FormatError` if empty lines separate blocks of rows. An empty line after each row has no meaning."""
+    """Raise `FormatError` if empty lines separate blocks of rows. Empty lines after every row are accepted."""
     if len(lengths) < 2 or max(lengths) == 1:
         return
     shown = [f"{length} from line {line}" for length, line in zip(lengths, first_lines, strict=True)][:4]
@@ -103,7 +103,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
 
 
 def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> str | None:
-    """Describe a column of another kind than the others in a narrow table: whole numbers, a constant, or normals."""
+    """Describe a column that cannot contain heights: integers or equal numbers among others, or a unit vector."""
     rows, count = values.shape
     if count > MAX_POINT_COLUMNS or rows < max(MIN_POINT_ROWS, 3 * count) or np.isnan(values).any():
         return None
@@ -124,7 +124,7 @@ def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> s
 
 
 def _find_statistics(values: Floats) -> str | None:
-    """Describe rows or columns at a side of a matrix that are statistics of the other rows or columns, or None."""
+    """Describe outer rows or columns of a matrix that are statistics of the inner ones; return None without any."""
     for axis, kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered in (("last", lines), ("first", lines[::-1])):
@@ -138,7 +138,7 @@ def _find_statistics(values: Floats) -> str | None:
 
 
 def _name_of_statistic(lines: Floats, count: int) -> str | None:
-    """Return the statistic that one of the last `count` lines contains for each column of the lines above, or None."""
+    """Return the statistic of the upper lines that the last line repeats (the last `count` are excluded), or None."""
     heights, last = lines[:-count], lines[-1]
     if not np.isfinite(lines).all():
         return None

@@ -92,7 +92,7 @@ def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
 
 
 def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
-    """Find extreme values that repeat exactly and are far from all other heights, at either end or at both."""
+    """Find extreme values that repeat exactly and are far from all other heights, like codes for missing points."""
     heights = scan.non_missing_heights
     for code, count, distance in _find_missing_point_codes(heights):
         number = float(f"{code / scan.factor:.12g}")
@@ -103,7 +103,7 @@ def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_missing_point_codes(heights: Floats) -> list[tuple[float, int, float]]:
-    """Return the codes among the lowest and the highest heights, with their counts and distances from the others.
+    """Return suspected codes for missing points among the extreme heights, with their counts and distances.
 
     Several codes may be at the same end, and their distances from each other are not limited.
     """

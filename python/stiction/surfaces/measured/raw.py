@@ -127,7 +127,7 @@ class DeclaredLength:
 
 @dataclass(frozen=True)
 class UnclearSpacing:
-    """Header line that may declare a spacing. With one length, the line is used, and a caveat quotes it."""
+    """Header line that may declare a spacing. A single length in the line is used as the spacing, with a caveat."""
 
     line: str
     lengths: tuple[float, ...] = ()  # lengths in the line, µm: one, or one for each axis in unknown order
@@ -306,7 +306,7 @@ def parse_positive_number(text: str, place: str) -> float:
     value = parse_number(text, place)
     if not MIN_DECLARED_NUMBER <= value <= MAX_DECLARED_NUMBER:
         raise FormatError(
-            f"has {text[:40]!r} {place}, which must be a number from {MIN_DECLARED_NUMBER:g} to {MAX_DECLARED_NUMBER:g}"
+            f"has {text[:40]!r} {place}; it must be a number from {MIN_DECLARED_NUMBER:g} to {MAX_DECLARED_NUMBER:g}"
         )
     return value
 

@@ -207,7 +207,7 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **att
 
 
 def _has_height_range(heights: Floats, declared: DeclaredLength) -> bool:
-    """Return whether the numbers have the declared range, to the digits of a number of at least three digits."""
+    """Return whether the range of the numbers equals the declared range, which has at least three digits."""
     height_range = float(np.fmax.reduce(heights, axis=None) - np.fmin.reduce(heights, axis=None))
     return abs(height_range - declared.length) <= 0.51 * declared.digit and declared.digit <= 1e-2 * declared.length
 
@@ -569,7 +569,7 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
 
 
 def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether the first line contains positions. If all lines rise evenly, they belong to a tilted surface."""
+    """Return whether the first line contains positions rather than heights of a surface that rises evenly."""
     first = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
     if _has_equal_steps_as_printed(first, digits):

@@ -27,13 +27,13 @@ _T = TypeVar("_T")
 
 DECIMAL_PATTERN = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,5})?"
 DECLARED_NUMBER_PATTERN = rf"(?:[+-]?(?:0x[0-9a-f]{{1,16}}|nan|inf(?:inity)?)(?![^\W_])|{DECIMAL_PATTERN})"
-"""Pattern of a number, including numbers with which a declaration is rejected."""
+"""Pattern of a number in a declaration. It also matches numbers that make a declaration invalid, such as nan."""
 
 SEPARATOR_PATTERN = r"\s*(?:[:=,;\t]|\s)\s*"
 UNIT_PATTERN = r"[^\W\d_]{1,12}"
 _LENGTH_UNITS_PATTERN = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
 _SPACE_BEFORE_UNIT_PATTERN = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTH_UNITS_PATTERN})[\s,;]*$)|\s*)"
-"""Pattern of the space between a number and its unit, or of a separator before a cell with only a unit of length."""
+"""Pattern between a number and its unit: blanks, or a separator if the next cell contains only a unit of length."""
 
 _BRACKETED_UNIT_PATTERN = r"\s*(?:[\[(]([^\])]{1,12})[\])])?"
 _STEP_NAMES = r"spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch"

@@ -47,7 +47,7 @@ MIN_BLOCK_ROWS = 2
 
 
 def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
-    """Parse the largest run of numeric lines and its header as a table. Runs of equal size become channels."""
+    """Parse the longest run of numeric lines, with its header, as a table. Runs of equal width become channels."""
     text, word_columns = replace_word_columns(text)
     runs = find_numeric_line_runs(text)
     if not runs:
@@ -188,7 +188,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
 
 
 def _repeats_words(text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other: int) -> bool:
-    """Return whether line `other` repeats the words of `cells` in the same cells. Then neither line is a header."""
+    """Return whether line `other` has the same words in the same cells as `cells`, so that neither is a header."""
     if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
     other_cells = dialect.split_line(text.line(other))
@@ -216,7 +216,7 @@ def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_runs_of_equal_width(
     text: DecodedText, runs: list[tuple[int, int]], main_run: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs of lines with as many columns as the main run, without a short first run (a size or a count)."""
+    """Return the runs of numeric lines that have as many columns as the main run."""
     width = len(dialect.split_line(text.line(main_run[0])))
     equal_runs: list[tuple[int, int]] = []
     for first, last in runs:

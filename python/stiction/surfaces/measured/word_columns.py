@@ -78,7 +78,7 @@ def describe_words(counts: Mapping[str, int]) -> str:
 
 
 def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]]) -> bool:
-    """Return whether rows from the line above the first numbers onwards may contain both words and numbers."""
+    """Return whether words may stand among the numbers, from the line above the first numbers onwards."""
     if not runs:
         return True
     kinds = text.line_kinds[text.line_kinds != BLANK_LINE_CODE]
