@@ -62,7 +62,7 @@ The ratio of rubber on glass is usually 0.1 to 0.3. A unit that is wrong by a fa
 
 
 PLANE_STRAIN_RATIO = 2 + np.pi
-"""Ratio of hardness to shear strength of a flat punch in plane strain, in units of which slip lines are written."""
+"""Ratio of hardness to shear strength of a flat punch in plane strain, to which slip-line formulas are scaled."""
 
 MIN_SHEAR_RATIO, CENTRAL_SHEAR_RATIO, MAX_SHEAR_RATIO = 5.14, 5.6, 6.05
 """Ratios of hardness to shear strength: plane strain, central value, and a rough circular flat punch.
@@ -71,17 +71,19 @@ Shield, Proceedings of the Royal Society A 233 (1955) 267; Eason & Shield, ZAMP 
 """
 
 MAX_BULK_SHEAR_EFFECT = 0.05
-"""Relative reduction of the friction force by the shear strength of the softer body, up to which it is neglected."""
+"""Largest reduction of the friction force by shear of the softer body that is neglected, as a fraction of the force."""
 
 SMALLEST_TABULATED_MEAN, NUM_TABULATED_VALUES = 0.005, 256
-"""Smallest mean pressure relative to the largest, and number of values along both axes of a table of fractions."""
+"""Table of `_fraction_below`: smallest mean pressure as a fraction of the largest, and number of values along each
+axis.
+"""
 
 NUM_PRESSURE_STEPS = 3  # number of Newton steps for the yield pressure of slip lines, which are exact to round-off
 
 
 @dataclass(frozen=True)
 class FrictionLaw:
-    """Law of friction of a contact: a contact with force F and true area A carries mu0 F + tau0 A.
+    """Friction law: a contact with force F and true area A carries mu0 F + tau0 A.
 
     Contacts that yield carry less pressure while they are sheared. Their pressure at the onset of sliding follows from
     slip lines, or from p² + α s² = H². Elastic contacts of soft bodies lose area while they are sheared.
@@ -146,7 +148,7 @@ class FrictionLaw:
         return np.minimum(coefficient, 2 / self.junction_growth) if self.uses_slip_lines else coefficient
 
     def growth_effect(self, hardness: float) -> float:
-        """Return by how much yield by slip lines would change the friction coefficient if all contacts yield.
+        """Return the change of the coefficient of fully yielding contacts if they yield by slip lines.
 
         The change is relative to contacts that do not grow, and negative if the softer body shears.
         """
@@ -155,13 +157,13 @@ class FrictionLaw:
         return float(slip_lines.plastic_coefficient(hardness)) / without - 1 if without > 0 else 0.0
 
     def is_stronger_than_body(self, hardness: Any) -> Any:
-        """Return whether the interface of yielding contacts is stronger than the softer body with a hardness (GPa)."""
+        """Return whether the interface of yielding contacts is stronger than a softer body of given hardness (GPa)."""
         if not self.uses_slip_lines:
             return self.bulk_strength_ratio(hardness) >= 1
         return self.force(0.5 * hardness, 1.0) > hardness / self.junction_growth
 
     def bulk_strength_ratio(self, hardness: Any) -> Any:
-        """Return tau0 over the shear strength, H/R or H/√α, of bodies with a hardness (GPa)."""
+        """Return tau0 divided by the shear strength, H/R or H/√α, of a body with the hardness H (GPa)."""
         ratio = self.junction_growth if self.uses_slip_lines else np.sqrt(self.junction_growth)
         return self.tau0 * ratio / hardness
 
@@ -257,7 +259,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
 
 
 def _fraction_below(limit: Any, mean: Any) -> Floats:
-    """Return mean(min(p, limit)) / mean(p) of pressures p with a Weibull distribution that is limited at 1.
+    """Return mean(min(p, limit)) / mean(p) for pressures p that are Weibull-distributed and at most 1.
 
     The fraction is interpolated in a table, with errors below 1e-4.
     """

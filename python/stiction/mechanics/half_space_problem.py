@@ -251,7 +251,7 @@ class ContactSolution:
         return self._compute_response(self._all_points)
 
     def _get_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the response of the points below the hardness, or of all points, which is computed only once."""
+        """Return the cached response of the points below the hardness, or of all points."""
         return self._linear_response if free_mask is self.below_hardness else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:

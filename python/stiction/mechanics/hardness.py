@@ -29,7 +29,7 @@ INDENTATION_AREA_RATIO = 24.5
 
 
 def size_effect_factor(length: ArrayLike, depth: ArrayLike, indent: ArrayLike = np.inf) -> Floats:
-    """Return the hardness of contacts, divided by that measured with an indentation.
+    """Return the hardness of contacts, divided by the hardness that an indentation measured.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def size_effect_factor(length: ArrayLike, depth: ArrayLike, indent: ArrayLike = 
 def estimate_indentation_depth(
     area: ArrayLike, contact_count: ArrayLike, slope: ArrayLike, *, are_lines: bool = False
 ) -> Floats:
-    """Estimate the depth (µm) of an indentation that strains a body as steeply as contacts do.
+    """Estimate the depth (µm) of an indentation with the same strain gradient as the contacts.
 
     The density of geometrically necessary dislocations is proportional to the slope divided by the radius. The contacts
     have a total area (µm²) and the rms slope of the gap. A flat contact corresponds to a deeper indentation. Contacts

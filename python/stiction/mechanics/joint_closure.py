@@ -17,7 +17,7 @@ MAX_EXTRAPOLATION = 10.0  # maximum ratio of the maximum closure to the largest 
 
 @dataclass(frozen=True)
 class BandisLaw:
-    """Closure law p = K c / (1 - c/V) of a joint, and how well it fits.
+    """Closure law p = K c / (1 - c/V) of a joint, with the deviation of the fit.
 
     Attributes
     ----------

@@ -297,7 +297,7 @@ def is_coating_formula(name: str) -> bool:
 
 
 def _is_formula_of_another_material(name: str, found: Material) -> bool:
-    """Return whether a name has the letters of a material in the case of a formula, as "TiN" has those of tin."""
+    """Return whether a name is spelled like a formula, as "TiN" is, although its letters are those of a material."""
     letters = "".join(character for character in name if character.isalnum())
     exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(found))
     if letters in exact_names or letters in (letters.lower(), letters.upper()):

@@ -13,7 +13,7 @@ from stiction._checks import Floats
 from stiction.mechanics.model import SlidingRule
 
 MAX_LEVEL_PATCH_SLOPE = 1e-6
-"""A patch counts as level if the ratio of its mean slope to the rms slope in contact is below this limit.
+"""Largest ratio of the mean slope of a patch to the rms slope in contact at which the patch counts as level.
 
 Level patches do not oppose the motion. For a sphere on a flat, solver errors give a ratio of 1e-9 at a tolerance of
 1e-6.

@@ -629,7 +629,7 @@ def quantity_attributes(name: str) -> dict[str, str]:
 
 
 INTERVAL_KIND_ATTRIBUTE = "interval_kind"
-"""Attribute of a variable whose intervals are of another kind than `ResultQuantity.interval_kind`."""
+"""Name of the attribute that replaces `ResultQuantity.interval_kind` for a variable."""
 
 
 def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:

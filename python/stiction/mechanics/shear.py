@@ -156,7 +156,7 @@ class ShearBox:
         return self.lower.heights.ndim > 1 and self.boundary != "periodic"
 
     def find_max_strips(self, offsets: NDArray[np.int64], min_points: int = MIN_OVERLAP_POINTS) -> int:
-        """Return the largest number of strips whose overlaps stay as wide as `min_points`; 0 if there are none.
+        """Return the largest number of strips whose overlaps are at least `min_points` wide; 0 if there are none.
 
         Strips move sideways if the motion is oblique to the grid.
         """
@@ -173,7 +173,7 @@ class ShearBox:
         return int(np.argmin(np.abs(self._motion)))
 
     def cut_strips(self, offsets: NDArray[np.int64], count: int | None = None) -> list[ShearBox]:
-        """Cut the faces into strips along the motion, and return the test of each, at the same normal stress.
+        """Cut the faces into strips along the motion, and return a test of each strip at the same normal stress.
 
         By default `MIN_STRIPS` to `MAX_STRIPS` strips, or none if the faces are too narrow. Strips with few measured
         points are left out. `offsets` are the positions of the test.
@@ -248,7 +248,7 @@ class ShearBox:
         return upper_slopes, lower_slopes
 
     def _find_edges(self, offset: NDArray[np.int64]) -> Floats:
-        """Return 0 at the points of the overlap at which only the upper face ends, 1 where only the lower one ends.
+        """Mark the edge points of the overlap: 0 where only the upper face ends, 1 where only the lower face ends.
 
         Elsewhere the values are NaN.
         """
@@ -439,7 +439,7 @@ def _select_points(face: Any, selection: tuple[slice, ...]) -> Any:
 
 
 def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
-    """Make the gap of two faces 0 if it varies by round-off only, because it has no solution otherwise."""
+    """Set the gap of two faces to 0 if it varies by round-off only; such a gap has no solution."""
     missing = combine_missing_masks(upper, lower)
     gap = upper.heights - lower.heights if missing is None else (upper.heights - lower.heights)[~missing]
     if np.ptp(gap) > MAX_ROUND_OFF_GAP * np.ptp(lower.heights):
@@ -456,7 +456,7 @@ def _measured_area(upper: Profile | Surface, lower: Profile | Surface) -> float:
 def _find_root(
     compare_load: Callable[[float], tuple[float, float]], guess: float, load: float, max_load: float
 ) -> Status:
-    """Find the elastic load at which a rising function is 0, by secants within a bracket. The last call is the root."""
+    """Find the elastic load at which a rising function is 0 by secants in a bracket. The last call is at the root."""
     below, above = 0.0, max_load  # elastic loads at which the function is negative and positive
     trial, last = min(guess, 0.9 * max_load), None
     for _ in range(MAX_LOAD_TRIALS):

@@ -13,7 +13,7 @@ StepResult = dict[str, Any]
 
 
 class SolutionRecord:
-    """Record that counts the solver iterations of a computation, and passes its steps on.
+    """Record that counts the solver iterations of a computation, and runs its steps.
 
     A step, such as the contact at one load, depends only on the inputs of the computation and on earlier steps. A
     subclass may therefore store the results of steps: a computation that is repeated reads them instead of computing
@@ -28,7 +28,7 @@ class SolutionRecord:
         return SolutionRecord, ()
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:
-        """Return the result of the next step. `compute` may raise the error type, which counts as a result too."""
+        """Return the result of the next step. An error of the given type also counts as a result."""
         return compute()
 
     def read_state(self) -> StepResult | None:

@@ -1,4 +1,4 @@
-"""A study that belongs to the result of a measured pair and is stored in a subfolder of the result.
+"""Companion study: a study derived from a measured pair, and stored in a subfolder of the pair's result.
 
 Examples are the cutoff study, alternative preparations of the scans, and studies with scaled heights.
 """

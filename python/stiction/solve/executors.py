@@ -46,7 +46,7 @@ def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
 
 
 class _ThreadPool(ThreadPoolExecutor):
-    """Thread pool that works with fewer threads if the system cannot start all of them."""
+    """Thread pool that uses fewer threads if the system cannot start all of them."""
 
     def _adjust_thread_count(self) -> None:
         try:

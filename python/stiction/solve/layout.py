@@ -120,7 +120,7 @@ def compute_bytes_per_member(study: Study) -> int:
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return how many members (a power of two) fit in one piece of a result, if each member takes `size` bytes."""
+    """Return how many members, a power of two, one piece of a result contains if a member takes `size` bytes."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
@@ -287,7 +287,7 @@ def nondimensional(
 
 
 def share(value: _Value) -> _Value:
-    """Return a shallow copy of a cached dataset with read-only arrays, so that nobody can change the cached values.
+    """Return a shallow copy of a cached dataset, with read-only arrays that protect the cached values.
 
     Values of other types are returned unchanged.
     """

@@ -68,7 +68,7 @@ STIFFNESS_DIFFERENCE_STEP = 0.02
 """Half width of the finite difference that gives the stiffness of asperities, relative to the approach."""
 
 LOAD_JUMP_DISTANCE = 1e-11
-"""Relative distance from a jump of the load to an approach just before the jump.
+"""Relative distance of an approach from the jump of the load that follows.
 
 The distance exceeds the tolerance of `find_approaches_at_loads`.
 """
@@ -81,7 +81,7 @@ It is computed for all pairs of lines, whose stiffness differs more between memb
 """
 
 NUM_ELASTIC_MAP_MEMBERS, NUM_ELASTIC_LARGE_MAP_MEMBERS, NUM_ELASTIC_PROFILE_MEMBERS = 4, 2, 16
-"""Numbers of members for which the elastic area is also computed if the bodies yield: maps, large maps and profiles."""
+"""Numbers of members (maps, large maps, profiles) whose elastic area is computed in addition if the bodies yield."""
 
 MIN_LARGE_MAP_POINTS = 2**19
 """Number of grid points above which a map is large.

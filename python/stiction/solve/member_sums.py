@@ -38,7 +38,7 @@ class MemberSums:
 
     @classmethod
     def of(cls, sums: MemberSums | xarray.Dataset | StoredResult) -> Self:
-        """Convert member sums, as an object, dataset or directory, to this class. Return its instances unchanged."""
+        """Convert a dataset, directory or object with member sums to this class, or return an instance unchanged."""
         import xarray
 
         if isinstance(sums, cls):
@@ -51,7 +51,7 @@ class MemberSums:
         return cls(sums)
 
     def with_study(self, study: Study) -> MemberSums:
-        """Return the same sums as the result of another study, which may differ in the values of inputs."""
+        """Return the same sums with another study, which may differ in the values of inputs."""
         sums = MemberSums(self.source)
         sums.study = study
         return sums

@@ -47,7 +47,7 @@ advance.
 
 
 class MembersInProgress:
-    """Members that a run is computing: their iterations and, if a result folder is given, their stored steps.
+    """Members that a run is computing, with their iterations and, in a result folder, their stored steps.
 
     `estimate_iterations` returns the expected number of iterations of a member.
     """

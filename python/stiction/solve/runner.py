@@ -254,7 +254,7 @@ def _create_run_token(path: Path) -> Iterator[SharedResultFolder]:
 
 @contextlib.contextmanager
 def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to the messages of storage errors and of errors about dead workers."""
+    """Add the number of finished members to the messages of storage errors and of dead-worker errors."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -353,7 +353,7 @@ def _format_revised_time_estimate(
 
 
 class _UnfinishedMembers:
-    """Unfinished members of a study or of one part of it. Each range of members lies within one block."""
+    """Unfinished members of a study, or of one part of the study. Each range of members lies within one block."""
 
     def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
         num_members = stored_result.study.ensemble.repetitions

@@ -426,7 +426,7 @@ def open_stored_result(path: str | Path) -> StoredResult:
 
 
 def open_result_to_complete(path: Path) -> StoredResult | None:
-    """Open the result in a folder. Returns None if its study file does not exist or is empty, so that a run writes it.
+    """Open the result in a folder. Return None if its study file is missing or empty, and has to be written.
 
     Raises a `StoreError` if the study file is damaged.
     """
@@ -538,7 +538,7 @@ def _format_study_file_header(text: str) -> str:
 
 
 def remove_result(stored_result: StoredResult, claim: FolderClaim) -> None:
-    """Remove all files of a result (study, blocks, areas, onset) from a folder, but no other files.
+    """Remove the files of a result (study, blocks, areas, onset) from a folder, and leave other files.
 
     Raises a `StoreError` if the study file was written or edited by hand, or if another run uses the folder.
     """
@@ -629,7 +629,7 @@ def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
 
 
 def _check_replaceable(path: Path, study: Study) -> None:
-    """Raise a `StoreError` unless the study file in a folder may be replaced by another study."""
+    """Raise a `StoreError` unless another study may replace the study file in a folder."""
     try:
         check_unedited(path)
     except EditedStudyError:
