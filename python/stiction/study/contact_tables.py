@@ -1,4 +1,4 @@
-"""Classes for the table `[contact]` of a study, one for each contact model and kind of surfaces."""
+"""Classes for the section `[contact]` of a study, one for each contact model and kind of surfaces."""
 
 from __future__ import annotations
 
@@ -54,8 +54,8 @@ from stiction.study.values import (
     LoadsOrRange,
     Modulus,
     PressureOrZero,
-    SettingsTable,
-    SettingsTableVariant,
+    SettingsSection,
+    SettingsSectionVariant,
     SlidingRules,
     WorkOfAdhesion,
     as_tuple,
@@ -81,26 +81,26 @@ MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads in the conta
 # ---- Laws -----------------------------------------------------------------------------------------------------------
 
 
-class HertzCylinderSettings(SettingsTable):
-    """Entry `law` for elastic cylinders, with the width of the cylinders."""
+class HertzCylinderSettings(SettingsSection):
+    """Section `law` for elastic cylinders, with the width of the cylinders."""
 
     name: Literal["hertz-cylinder"]
     width: Length
 
     def law(self) -> HertzCylinder:
-        """Return the contact law that the table describes."""
+        """Return the contact law that the section describes."""
         return HertzCylinder(width=float(self.width))
 
 
-class JacksonGreenSettings(SettingsTable):
-    """Entry `law` for the Jackson-Green contact law, with the yield strength and Poisson's ratio of the softer body."""
+class JacksonGreenSettings(SettingsSection):
+    """Section `law` for the Jackson-Green contact law, with yield strength and Poisson's ratio of the softer body."""
 
     name: Literal["jackson-green"]
     yield_strength: Modulus
     poisson_ratio: Annotated[float, Field(ge=0, le=0.5)]
 
     def law(self) -> JacksonGreen:
-        """Return the contact law that the table describes."""
+        """Return the contact law that the section describes."""
         return JacksonGreen(yield_strength=float(self.yield_strength), poisson_ratio=self.poisson_ratio)
 
 
@@ -109,11 +109,11 @@ LAW_SETTINGS_CLASSES: dict[str, type[LawTableSettings]] = {
     "hertz-cylinder": HertzCylinderSettings,
     "jackson-green": JacksonGreenSettings,
 }
-"""Classes for the tables of contact laws that have parameters, by the value of the key `name`."""
+"""Classes for the sections `law` of contact laws that have parameters, by the value of the key `name`."""
 
 
 def _parse_law(value: object) -> LawName | LawTableSettings:
-    """Parse a contact law, given as a name or as a table of parameters."""
+    """Parse a contact law, given as a name or as a section with parameters."""
     for name in CONTACT_LAWS_BY_NAME:
         if value == name:
             return name  # type: ignore[return-value]
@@ -149,7 +149,7 @@ CurvatureSetting = Annotated[
 ]
 MaterialNames = Annotated[tuple[_MaterialName, _MaterialName], as_tuple]
 DERIVED_ELASTICITY_KEYS = ("effective_modulus", "compliance_share")
-"""Keys of the table that follow from Young's moduli and Poisson's ratios, if these are given."""
+"""Keys of the section that follow from Young's moduli and Poisson's ratios, if these are given."""
 
 
 def _repeat_single_value(value: Any) -> Any:
@@ -163,7 +163,7 @@ YoungModuli = Annotated[tuple[YoungModulusEntry, YoungModulusEntry], _for_both_b
 PoissonRatios = Annotated[tuple[PoissonRatioEntry, PoissonRatioEntry], _for_both_bodies]
 
 
-class OnsetSettings(SettingsTable):
+class OnsetSettings(SettingsSection):
     """Friction parameters used to compute the onset of sliding. Friction is assumed to act at all contacts.
 
     The result stores the onset for these parameters only.
@@ -187,8 +187,8 @@ DIRECTION_DESCRIPTION = (
 LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `friction.load` by default."
 
 
-class CommonContactSettings(SettingsTableVariant):
-    """Keys of the table `[contact]` that are common to all contact models and all kinds of surfaces."""
+class CommonContactSettings(SettingsSectionVariant):
+    """Keys of the section `[contact]` that are common to all contact models and all kinds of surfaces."""
 
     effective_modulus: EffectiveModulusEntry = Field(
         default=parse_input_value("effective_modulus", "10 GPa"), description="Effective modulus E* of both bodies."
@@ -204,7 +204,7 @@ class CommonContactSettings(SettingsTableVariant):
         raise NotImplementedError
 
     def sliding_rules(self) -> tuple[SlidingRule, ...]:
-        """Return all sliding rules that the table specifies."""
+        """Return all sliding rules that the section specifies."""
         raise NotImplementedError
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
@@ -246,7 +246,7 @@ class GeneratedSurfaceContactSettings(CommonContactSettings):
         return self
 
     def sliding_rules(self) -> tuple[SlidingRule, ...]:
-        """Return all sliding rules that the table specifies."""
+        """Return all sliding rules that the section specifies."""
         return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
@@ -300,7 +300,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
     @model_validator(mode="before")
     @classmethod
     def _derive_effective_modulus(cls, data: Any) -> Any:
-        """Add E* and the compliance share if Young's moduli are given."""
+        """Add E* and the lower body's fraction of the compliance if Young's moduli are given."""
         if not isinstance(data, Mapping) or data.get("young") is None:
             return data
         for key in DERIVED_ELASTICITY_KEYS:
@@ -348,14 +348,14 @@ class MeasuredLinesContactSettings(MeasuredSurfaceContactSettings):
 
 
 class MeasuredMapContactSettings(MeasuredSurfaceContactSettings):
-    """Keys of the section `[contact]` for measured areas, which can slide in one or several directions."""
+    """Keys of the section `[contact]` for measured height maps, which can slide in one or several directions."""
 
     place: ClassVar[str] = "measured areas"
 
     direction: Directions = Field(default=DEFAULT_DIRECTIONS, description=DIRECTION_DESCRIPTION)
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
-        """Return all directions of motion that the table specifies."""
+        """Return all directions of motion that the section specifies."""
         assert self.direction is not None
         return self.direction if isinstance(self.direction, tuple) else (self.direction,)
 
@@ -495,7 +495,7 @@ class AsperityModelSettings(CommonContactSettings):
         return {}
 
     def contact_model(self, sliding: SlidingRule | None = None) -> ContactModel:
-        """Return the contact model with the given sliding rule. The default is the first rule in the table."""
+        """Return the contact model with the given sliding rule. The default is the first rule in the section."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -608,7 +608,7 @@ ContactSettings = (
     | MeasuredLineHalfSpaceSettings
     | MeasuredMapHalfSpaceSettings
 )
-"""Table `[contact]` of a study."""
+"""Section `[contact]` of a study."""
 
 CONTACT_SETTINGS_CLASSES: dict[str, dict[str, type[ContactSettings]]] = {
     "generated lines": {
@@ -619,19 +619,19 @@ CONTACT_SETTINGS_CLASSES: dict[str, dict[str, type[ContactSettings]]] = {
     "measured lines": {"asperities": MeasuredLineAsperitySettings, "half-space": MeasuredLineHalfSpaceSettings},
     "measured areas": {"half-space": MeasuredMapHalfSpaceSettings, "asperities": MeasuredMapAsperitySettings},
 }
-"""Classes of the table by kind of bodies and value of `mechanics`; the first class of each kind is the default."""
+"""Classes of the section by kind of bodies and value of `mechanics`; the first class of each kind is the default."""
 
 SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
     AsperityModelSettings, GeneratedSurfaceAsperitySettings, MeasuredSurfaceContactSettings,
     GeneratedSurfaceContactSettings, MeasuredMapContactSettings, HalfSpaceSettings, GeneratedSurfaceLoadSettings,
 )  # fmt: skip
-"""Base classes whose keys several tables share; error messages about misplaced keys name these classes."""
+"""Base classes whose keys several sections share; error messages about misplaced keys name these classes."""
 
 
 def select_contact_settings_class(
     surfaces: type[GeneratedSurfaceSettings | MeasuredSurfaceSettings], table: Mapping[str, Any]
 ) -> type[ContactSettings]:
-    """Return the contact-table class that matches the kind of surfaces and the key `mechanics`."""
+    """Return the class of the section `[contact]` that matches the kind of surfaces and the key `mechanics`."""
     settings_classes = CONTACT_SETTINGS_CLASSES[surfaces.bodies]
     return settings_classes[select_key_value("mechanics", table, settings_classes)]
 

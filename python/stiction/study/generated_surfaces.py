@@ -1,4 +1,4 @@
-"""Classes for the table `[surfaces]` of studies with generated (fractal) profiles or height maps."""
+"""Classes for the section `[surfaces]` of studies with generated (fractal) profiles or height maps."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from stiction.study.values import (
     Length,
     Lengths,
     NumGridPoints,
-    SettingsTableVariant,
+    SettingsSectionVariant,
     as_tuple,
     make_key_error,
     read_length,
@@ -58,7 +58,7 @@ AmplitudeDefinition = Annotated[
 MAX_HARMONICS = 1_000_000
 
 
-class CommonGeneratedSurfaceSettings(SettingsTableVariant):
+class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
     """Keys of `[surfaces]` that all generated surfaces share, i.e. fractal dimension and amplitude."""
 
     bodies: ClassVar[str] = "generated areas"  # term for the bodies in error messages
@@ -221,8 +221,7 @@ class SelfAffineSettings(GeneratedMapSettings):
             "Distance between rows and between columns, instead of `extent`.",
         ),
     }
-    """Allowed values and meanings of the alternative keys, which are named like the arguments of `self_affine_surface`.
-    """
+    """Allowed values and meanings of alternative keys, which have the names of arguments of `self_affine_surface`."""
 
     @model_validator(mode="before")
     @classmethod
@@ -285,4 +284,4 @@ class SelfAffineSettings(GeneratedMapSettings):
 
 
 GeneratedSurfaceSettings = GeneratedProfileSettings | WeierstrassMandelbrotSettings | SelfAffineSettings
-"""Table `[surfaces]` of a generated ensemble."""
+"""Section `[surfaces]` of a study of generated surfaces."""

@@ -97,7 +97,7 @@ class UncertainInput:
 
     @property
     def short_text(self) -> str:
-        """Short text of the input: a number with up to six digits, or a range as the user wrote it."""
+        """Input as short text: a number with up to six digits, or a range as the user wrote it."""
         return f"{self.value:g}" if self.is_exact else self.text
 
     def describes_same_hardness(self, text: str) -> bool:
@@ -221,7 +221,7 @@ def _convert_rockwell_hardness(low: float, high: float, text: str) -> UncertainI
 
 
 class _NumberOutsideRangeError(ValueError):
-    """Error for a number that is not finite, negative or larger than `MAX_INPUT_NUMBER`."""
+    """Error raised if a number is not finite, negative or larger than `MAX_INPUT_NUMBER`."""
 
 
 def _parse_number(name: str, text: str) -> float:
@@ -350,14 +350,14 @@ INPUT_KINDS: dict[str, InputKind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
     "poisson": "", "creep": "", "junction_growth": "", "yield_exponent": "", "area_loss": "",
 }  # fmt: skip
-"""Kind of quantity of each input that may be a range."""
+"""Kind of quantity (such as length) of each input that may be a range."""
 
 _INPUT_LIMITS = {
     "poisson": (0.0, MAX_POISSON_RATIO), "creep": (0.0, MAX_CREEP_EXPONENT), "area_loss": (0.0, MAX_AREA_LOSS),
     "junction_growth": (0.0, MAX_JUNCTION_GROWTH_COEFFICIENT),
     "yield_exponent": (MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT),
 }  # fmt: skip
-"""Smallest and largest value of each input without a unit that has narrower limits than other numbers."""
+"""Smallest and largest value of each dimensionless input that has narrower limits than other numbers."""
 
 
 def parse_study_input(name: str, source: Any) -> UncertainInput:
@@ -494,7 +494,7 @@ def format_input_value(value: InputValue | None) -> Any:
 
 
 def _parse_single_value(name: str, values: Any, parse_list: Callable[[Any], Any]) -> Any:
-    """Parse a single value of mu0 or tau0, which may be uncertain, or a list of exact values, into a tuple."""
+    """Parse mu0 or tau0 into a tuple. A single value may be uncertain; the values of a list are exact."""
     items = list(values) if isinstance(values, (list, tuple)) else [values]
     if any(isinstance(item, InputValue) or (isinstance(item, str) and _is_uncertain(item)) for item in items):
         if len(items) > 1:

@@ -88,7 +88,7 @@ class Inputs:
 
     @classmethod
     def from_study(cls, study: Study) -> Inputs:
-        """Return the inputs of a study. Those of equal entries are built once."""
+        """Return the inputs of a study. Studies with equal entries share the inputs."""
         contact, friction = study.contact, study.friction
         values = {
             "mu0": friction.mu0[0], "tau0": friction.tau0[0], "effective_modulus": contact.effective_modulus,
@@ -122,7 +122,7 @@ class Inputs:
         return {name: entry for name, entry in self.entries.items() if not entry.estimate.is_exact}
 
     def estimate(self, name: str) -> UncertainInput | None:
-        """Return the distribution of an input, or None if the study does not have the input."""
+        """Return the central value and the distribution of an input, or None if the study does not have the input."""
         entry = self.entries.get(name)
         return None if entry is None else entry.estimate
 
@@ -132,7 +132,7 @@ class Inputs:
         return None if self.interface is None else self.interface.load()
 
     def friction_law(self, mu0: Any, tau0: Any) -> FrictionLaw:
-        """Return the law of friction for given mu0 and tau0 (GPa), with the central junction growth or area loss."""
+        """Return the friction law for given mu0 and tau0 (GPa), with the central junction growth or area loss."""
         growth, loss = (self.entries.get(name) for name in ("junction_growth", "area_loss"))
         if growth is None:
             return FrictionLaw(mu0, tau0, area_loss=0.0 if loss is None else loss.central)

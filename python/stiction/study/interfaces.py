@@ -36,7 +36,7 @@ from stiction.study.input_distributions import (
     parse_study_input,
     parse_uncertain_input,
 )
-from stiction.study.values import SettingsTable
+from stiction.study.values import SettingsSection
 
 if TYPE_CHECKING:
     import pandas
@@ -53,7 +53,9 @@ MAX_INTERFACE_BYTES = 50_000_000  # maximum size of an interface file in bytes
 _NUMERIC_HEADER_ENTRIES = ("area_per_load", "variation")
 
 EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
-"""Probabilities of the residuals: below the first, a sliding rule is excluded; below the second, errors are scaled."""
+"""Limits of the probability of the residuals: below the first, a sliding rule is excluded; below the second, errors are
+scaled.
+"""
 
 # A lower limit is set to the bound if its distance from the bound is below this fraction of the interval width.
 BOUND_TOLERANCE = 0.01
@@ -167,7 +169,7 @@ class InterfaceStrength:
 
     @classmethod
     def named(cls, name_or_path: str | Path) -> Self:
-        """Return a published strength, or read one from a file. A `ValueError` names the published interfaces."""
+        """Return a published strength, or read one from a file. An error lists the published names."""
         check_instance("interface", name_or_path, (str, Path), "a name or a path")
         published_entry = _published_interfaces().get(str(name_or_path))
         if published_entry is None:
@@ -251,7 +253,7 @@ class InterfaceStrength:
         return tuple(strengths)
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
-        """Return the median and the 95 % interval of a coefficient, given as a function of mu0 and tau0 (GPa).
+        """Return the median and the 95 % interval of a coefficient, which is a function of mu0 and tau0 (GPa).
 
         The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
@@ -470,7 +472,7 @@ def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
     return entries
 
 
-class InterfaceSettings(SettingsTable):
+class InterfaceSettings(SettingsSection):
     """Entry of a study for an interface, which defines mu0 and tau0 jointly.
 
     `mu0` and `tau0` apply if the file of the interface is missing or has changed.

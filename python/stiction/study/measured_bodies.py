@@ -21,7 +21,7 @@ from stiction._units import Quantity, quantity, short_repr
 from stiction.study.values import (
     Length,
     LengthOrZero,
-    SettingsTable,
+    SettingsSection,
     as_tuple,
     as_written,
     format_quantities,
@@ -138,7 +138,7 @@ class BodyInMemory:
         self.body = body
 
 
-class MeasuredBodySettings(SettingsTable):
+class MeasuredBodySettings(SettingsSection):
     """Entry for a measured profile, surface or joined spectrum. The data are in a file or in memory."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
@@ -375,7 +375,7 @@ class MeasuredBodySettings(SettingsTable):
 
     @property
     def caveats(self) -> tuple[FileCaveat, ...]:
-        """Caveats about how the file was read, or about the heights of a body in memory."""
+        """Caveats about the reading of the file, or about the heights of a body in memory."""
         if (reading := self.reading) is not None:
             return tuple(reading.caveats)
         body = None if self.body is None else self.body.body

@@ -1,4 +1,4 @@
-"""Classes for the table `[surfaces]` of a study of measured bodies, including files, reading options and members."""
+"""Classes for the section `[surfaces]` of a study of measured bodies, with files, reading options and members."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from stiction.study.member_sources import (
 from stiction.study.values import (
     CutOffs,
     LengthOrZero,
-    SettingsTableVariant,
+    SettingsSectionVariant,
     SignedLength,
     as_tuple,
     make_key_error,
@@ -46,14 +46,14 @@ from stiction.surfaces.profile import LineOrientation, Profile
 from stiction.surfaces.surface import Surface
 
 
-class CommonMeasuredSurfaceSettings(SettingsTableVariant):
+class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     """Keys of `[surfaces]` that all studies of measured surfaces share."""
 
     bodies: ClassVar[str] = "measured areas"  # term for the bodies in error messages
     is_areal: ClassVar[bool] = True
     """True if members are independent pairs of height maps rather than profiles."""
     pressed: ClassVar[str]
-    """Name of the members in reports."""
+    """Word for the members in reports."""
 
     kind: Literal["measured"] = Field(default="measured", description="Kind of surfaces: two measured files.")
     upper: MeasuredBodySettings = Field(
@@ -78,7 +78,7 @@ class CommonMeasuredSurfaceSettings(SettingsTableVariant):
 
     @property
     def member_names(self) -> MemberNames:
-        """Name of the members in texts for users."""
+        """Word for the members in output: positions or pairs of surrogates."""
         return POSITION_NAMES
 
     def cell_coordinates(self) -> dict[str, Floats]:
@@ -95,7 +95,7 @@ class CommonMeasuredSurfaceSettings(SettingsTableVariant):
         return upper, lower
 
     def with_changed_files(self, change: Callable[[MeasuredBodySettings, str], MeasuredBodySettings]) -> Self:
-        """Return a copy of the table in which each file is replaced by `change(file, side)`."""
+        """Return a copy of the section in which each file is replaced by `change(file, side)`."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
@@ -241,7 +241,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
 
     @property
     def member_names(self) -> MemberNames:
-        """Name of the members in texts for users. It is general if some members are pairs of surrogates."""
+        """Word for the members in output. A general word is used if some members are pairs of surrogates."""
         return GENERAL_MEMBER_NAMES if self.surrogates else POSITION_NAMES
 
     @property
@@ -252,7 +252,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource | GapMemberSource:
-        """Return the members, which are surrogates followed by pairs of map pieces, or a single measured gap."""
+        """Return the members: surrogates followed by pairs of map pieces, or a single measured gap."""
         upper, lower = self.filter_scans(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')
@@ -285,13 +285,13 @@ class SurrogateSettings(CommonMeasuredSurfaceSettings):
 
     @property
     def member_names(self) -> MemberNames:
-        """Name of the members in texts for users."""
+        """Word for the members in output: pairs of surrogates."""
         return SURROGATE_PAIR_NAMES
 
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource:
-        """Return the members. Each is a pair of random height maps with the spectra of two scans."""
+        """Return the members, which are pairs of random height maps with the spectra of two scans."""
         first, second = scans
         if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
             shortest_cutoff = float(self.cell_coordinates()["cut_off"].min())
@@ -313,4 +313,4 @@ class SurrogateSettings(CommonMeasuredSurfaceSettings):
 
 
 MeasuredSurfaceSettings = MeasuredMapSettings | MeasuredLineSettings | SurrogateSettings
-"""Table `[surfaces]` of a study of measured files, with a class for each kind of member."""
+"""Section `[surfaces]` of a study of measured files, with a class for each kind of member."""

@@ -1,4 +1,4 @@
-"""Names of the members of a study in texts for users: repetitions, positions or pairs of surrogates."""
+"""Words for the members of a study in output: repetitions, positions or pairs of surrogates."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class MemberNames(NamedTuple):
-    """Singular and plural of the name of members."""
+    """Word for the members of a study, in singular and plural."""
 
     singular: str
     plural: str
@@ -17,7 +17,7 @@ class MemberNames(NamedTuple):
 
 
 GENERAL_MEMBER_NAMES = MemberNames("member", "members")
-"""General name, for studies that have both positions and pairs of surrogates as members."""
+"""General word, for studies whose members are both positions and pairs of surrogates."""
 
 REPETITION_NAMES = MemberNames("repetition", "repetitions")
 POSITION_NAMES = MemberNames("position", "positions")

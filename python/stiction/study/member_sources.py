@@ -1,4 +1,4 @@
-"""Members of measured surfaces: pairs of lines, of pieces of maps and of surrogates at relative positions."""
+"""Sources of the members of measured surfaces: pairs of lines, map pieces or surrogates at relative positions."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class EnsembleMember:
 
 @dataclass(frozen=True)
 class SharedMemberProperties:
-    """Properties that all members of a study have in common.
+    """Properties that all members of a study share.
 
     Lengths are in µm, one per axis: (x,) for profiles, (y, x) for surfaces.
     """
@@ -73,7 +73,7 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     # change of ln(rms slope) along a single scan, and fraction of the mean square slope of the gap that it contributes
     **{f"{side}_drift": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
 }
-"""Attributes of a result that describe measured bodies. A value for each axis is in the order of the array axes."""
+"""Attributes of a result that describe measured bodies. Values for several axes are in the order of array axes."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class BodyAttributes:
 
 
 class MemberSource(Protocol):
-    """Source of the members of a study: for each member index, it returns one pair of bodies."""
+    """Source of the members of a study. It returns the pair of bodies of each member index."""
 
     def member(self, index: int) -> EnsembleMember:
         """Return the member with the given index.
@@ -104,7 +104,7 @@ class MemberSource(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LineMemberSource:
-    """Members of a study that presses profiles or lines of height maps."""
+    """Source of the members of a study that presses profiles or lines of height maps."""
 
     pairs: LinePairs
     scans: tuple[MeasuredBody, MeasuredBody]
@@ -144,7 +144,7 @@ class LineMemberSource:
         return self._member_at(slider, counterface, offset_steps, line)
 
     def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:
-        """Return the member whose slider starts `steps` points after the start of the counterface."""
+        """Return the member whose slider begins `steps` points after the beginning of the counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(counterface, offset, slider)
         return EnsembleMember(
@@ -190,7 +190,7 @@ def build_map_pairs(
 
 @dataclass(frozen=True, eq=False)
 class MapMemberSource:
-    """Members of a study that presses height maps or surrogates of scans."""
+    """Source of the members of a study that presses height maps or surrogates of scans."""
 
     pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
     scans: tuple[MeasuredBody, MeasuredBody]

@@ -189,7 +189,7 @@ def _get_grid_properties(body: Any) -> tuple[Any, ...]:
 
 
 class PreparedBodies:
-    """Measured bodies of a study, and the members formed from them.
+    """Measured bodies of a study, and the source of the members formed from them.
 
     Each file is read only once. The constructor raises a `ValueError` if a file has changed.
     """
@@ -210,7 +210,7 @@ class PreparedBodies:
         self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_member_source)
 
     def _prepare_member_source(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
-        """Low-pass filter two scans at a cutoff (µm, 0 for no filter), and form members from the filtered scans.
+        """Low-pass filter two scans at a cutoff (µm, 0 for no filter), and build the source of the members.
 
         Raises a `ValueError` if the scans have no members.
         """

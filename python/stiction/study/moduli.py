@@ -23,7 +23,7 @@ from stiction.surfaces.pairing import SIDES
 MODULUS_NAMES = ("young", "poisson")
 
 ELASTOMER_AREA_LOSS = "0..0.3"
-"""Fraction of their true area that elastomers lose before they slide, unless given.
+"""Default range of the fraction of the true area that elastomers lose before they slide.
 
 docs/howto/elastomers.md lists published cases.
 """

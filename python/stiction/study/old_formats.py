@@ -22,11 +22,11 @@ from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
 from stiction.study.values import StudyError
 
 MAX_MATERIAL_ROUNDING_ERROR = 0.006
-"""Largest relative difference between the hardness of a study and of its material, which was rounded."""
+"""Largest relative difference between the hardness of a study, which was rounded, and that of its material."""
 
 
 def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]:
-    """Convert the tables of a study file to the current format. Tables in this format are returned unchanged.
+    """Convert the sections of a study file to the current format. Sections in this format are returned unchanged.
 
     Raises a `StudyError` if the study contradicts itself.
     """
@@ -47,7 +47,7 @@ def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]
 
 
 class _ContradictionError(Exception):
-    """Error raised if a study has a value that contradicts the range of the same input."""
+    """Error raised if a value in a study contradicts the range of the same input."""
 
 
 def _convert_contact_table(contact: dict[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
@@ -90,7 +90,7 @@ def _convert_contact_table(contact: dict[str, Any], known: Mapping[str, Any]) ->
 def _replace_effective_modulus(
     contact: dict[str, Any], bodies: Mapping[str, Any], *, is_one_material: bool
 ) -> dict[str, Any]:
-    """Replace E* by Young's moduli and Poisson's ratios or, if E* differs from their E*, add the range of E*."""
+    """Replace E* by Young's moduli and Poisson's ratios. If E* differs from theirs, add the range of E* instead."""
     modulus = _parse("effective_modulus", contact.get("effective_modulus", "10 GPa"))
     values = {
         name: [_parse(name, entry) for entry in (entries if isinstance(entries, list) else [entries])]
@@ -166,7 +166,7 @@ def _parse(name: str, entry: Any) -> InputValue | None:
 
 
 def _merge(key: str, central: Any, text: Any) -> Any:
-    """Return one entry for the central value and the range of an input.
+    """Merge the central value and the range of an input into one entry.
 
     Raises a `_ContradictionError` if the input is exact, but has two values.
     """

@@ -120,7 +120,7 @@ BodyScans: TypeAlias = Annotated[ScanInput | Sequence[ScanInput], SkipValidation
 GapInput: TypeAlias = Annotated[HeightInput, SkipValidation]
 InterfaceInput: TypeAlias = Annotated[str | Path | InterfaceStrength, SkipValidation]
 QuantityInput: TypeAlias = Annotated[str | float, PlainValidator(_parse_single_value)]
-"""Number in the unit of the option, or string with a unit."""
+"""Number in the default unit of the option, or text with a unit."""
 QuantityInputs: TypeAlias = Annotated[
     str | float | Sequence[str | float] | NDArray[np.float64], PlainValidator(_parse_value_list)
 ]  # fmt: skip
@@ -177,7 +177,7 @@ class PairProperties(Protocol):
 
     @property
     def press_mode(self) -> str:
-        """Kind of members that the contact model presses together: "areas", "lines" or "surrogates"."""
+        """Kind of contact that is computed: between "areas", "lines" or "surrogates"."""
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
@@ -241,13 +241,13 @@ def presses_profiles_as_lines(pair: PairProperties) -> bool:
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def has_complete_scans_for_surrogates(pair: PairProperties) -> bool:
-    """Return True unless surrogates are requested for a scan that has masked points."""
+    """Return False if surrogates are requested for a scan that has masked points."""
     return not (pair.has_masked_points and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def has_complete_scans_for_asperities(pair: PairProperties) -> bool:
-    """Return True unless the asperity model is used for a scan that has masked points."""
+    """Return False if the asperity model is used for a scan that has masked points."""
     return not pair.has_masked_points or "asperities" not in pair.contact_models
 
 
@@ -259,7 +259,7 @@ def has_complete_scans(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with a spectrum, because its surfaces are generated")
 def has_no_spectrum(pair: PairProperties) -> bool:
-    """Return True unless one of the bodies is a spectrum that joins several scans."""
+    """Return False if one of the bodies is a spectrum that joins several scans."""
     return not pair.has_spectrum
 
 
@@ -283,25 +283,25 @@ def presses_lines_of_maps(pair: PairProperties) -> bool:
 
 @make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairProperties) -> bool:
-    """Return whether two height maps are pressed as areas."""
+    """Return whether two height maps are pressed over their area."""
     return pair.press_mode == "areas"
 
 
 @make_condition("is for areas; lines are always moved in both directions")
 def presses_maps_or_surrogates(pair: PairProperties) -> bool:
-    """Return whether areas of height maps or of surrogates are pressed."""
+    """Return whether height maps are pressed over their area, measured ones or surrogates."""
     return pair.press_mode != "lines"
 
 
 @make_condition("is for lines, or for the areas of two maps")
 def presses_scans(pair: PairProperties) -> bool:
-    """Return whether `press` is "lines" or "areas", rather than "surrogates"."""
+    """Return whether the scans themselves are pressed, as lines or areas, rather than surrogates."""
     return pair.press_mode != "surrogates"
 
 
 @make_condition("must not be given with {positions}")
 def has_no_positions(pair: PairProperties) -> bool:
-    """Return True unless the user has listed the relative positions of the bodies."""
+    """Return False if the user has listed the relative positions of the bodies."""
     return pair.options.positions is None
 
 
@@ -343,7 +343,7 @@ def uses_asperity_model(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {lay} grooves, which needs the law of cylinders")
 def has_contact_law_for_lay(pair: PairProperties) -> bool:
-    """Return whether the contact law suits the lay. For grooves, the law for elastic cylinders is required."""
+    """Return whether the contact law suits the lay: grooves require the law for elastic cylinders."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
 
 
@@ -355,7 +355,7 @@ def has_contact_law_with_yield(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_no_hardness_for_asperities(pair: PairProperties) -> bool:
-    """Return True unless a given hardness determines the yield strength of the asperities."""
+    """Return False if a given hardness determines the yield strength of the asperities."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
@@ -385,7 +385,7 @@ def has_work_of_adhesion(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {interface}, which contains mu0 and tau0")
 def has_no_interface(pair: PairProperties) -> bool:
-    """Return True unless an interface determines mu0 and tau0."""
+    """Return False if an interface determines mu0 and tau0."""
     return pair.options.interface is None
 
 
@@ -840,7 +840,7 @@ def list_option_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Equivalent option for each of these arguments of surface functions."""
+"""Name of the equivalent option for each argument of surface functions that is not an option."""
 
 
 def format_command_line_name(name: str) -> str:

@@ -89,7 +89,7 @@ GAP_REMARK = (
 
 
 class MeasuredPair:
-    """Pair of measured bodies, with contact options converted to core units (µm, mN, GPa).
+    """Pair of measured bodies with its contact options, which are converted to core units (µm, mN, GPa).
 
     Invalid options raise an `ArgumentError`.
     """
@@ -106,7 +106,7 @@ class MeasuredPair:
         self._check_conditions(OPTION_CHECK_ORDER if reads_scans else ())
 
     def _check_conditions(self, names: Iterable[str]) -> None:
-        """Raise an `ArgumentError` for the first of the named options that is given although it does not apply."""
+        """Raise an `ArgumentError` for the first of the named options that is given but does not apply."""
         for name in names:
             if (value := self.options.option_value(name)) is None:
                 continue
@@ -270,7 +270,7 @@ class MeasuredPair:
 
     @property
     def press_mode(self) -> str:
-        """Kind of members that the contact model presses together: "areas", "lines" or "surrogates"."""
+        """Kind of contact that is computed: between "areas", "lines" or "surrogates"."""
         if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
         return "areas" if self.are_maps and self.options.lines is None else "lines"
@@ -560,7 +560,7 @@ class MeasuredPair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Entries of the table `[surfaces]` for filtering out wavelengths that may be noise.
+        """Entries of the section `[surfaces]` that filter out wavelengths that may be noise.
 
         The study then has two cutoffs: unfiltered, and with each scan filtered at its own cutoff. The filtered scans
         come first and give the quoted result if the spectrum of one scan ends in the noise floor of an instrument, and
@@ -761,7 +761,7 @@ class MeasuredPair:
 
     @property
     def _indent(self) -> Quantity | None:
-        """Depth of the indentation that measured the hardness, or None if it is unknown."""
+        """Depth of the indentation by which the hardness was measured, or None if the depth is unknown."""
         if (value := self.options.indent) is None:
             return None
         if self._yield_exponent is None:
@@ -862,14 +862,14 @@ class MeasuredPair:
 
 
 def _build_entry(estimate: UncertainInput) -> InputValue:
-    """Return the entry of a study for a junction growth whose central value need not be the middle of its range."""
+    """Return the study entry of a junction growth whose central value may differ from the middle of its range."""
     if estimate.is_exact:
         return parse_input_value("junction_growth", estimate.value)
     return parse_input_value("junction_growth", f"{estimate.value:.6g} ({estimate.text})")
 
 
 def _validate_study(data: dict[str, Any]) -> Study:
-    """Validate the tables of a study that was built from options.
+    """Build a study from sections. An invalid key raises an error that names the option that sets the key.
 
     If an option set the invalid key, the `ArgumentError` names the option.
     """
@@ -929,7 +929,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | HiddenNoise | None:
-    """Find the wavelengths of a scan that may be instrument noise, or at which its spectrum may hide noise.
+    """Find wavelengths of a scan at which instrument noise shows in the spectrum, or may be hidden in it.
 
     Returns None if they affect the slope only slightly.
     """

@@ -30,7 +30,7 @@ _CHUNK_SIZE = 2**14  # number of values that are compared at a time
 _DTYPE_KINDS: dict[type, tuple[str, str]] = {
     float: ("fiu", "numbers"), int: ("iu", "integers"), bool: ("biu", "integers"), str: ("OUS", "text"),
 }  # fmt: skip
-"""Kinds of NumPy data types that may be stored for a type, and a phrase for them. NetCDF has no Boolean type."""
+"""NumPy type codes that a file may contain for each type, and a phrase for them. NetCDF has no Boolean type."""
 
 
 class DamagedFileError(Exception):
@@ -68,7 +68,7 @@ def check_values(
     name: str, values: NDArray[Any], *, dtype: type = float, bounds: tuple[float, float] = ANY_STORED_VALUE,
     may_be_nan: bool = False,
 ) -> tuple[float, bool]:  # fmt: skip
-    """Raise a `DamagedFileError` if stored values have another type than `dtype`, or are outside of `bounds`.
+    """Raise a `DamagedFileError` if stored values have another type than `dtype`, or exceed `bounds`.
 
     Returns the smallest finite value, or infinity if there is none, and whether a value is NaN.
     """

@@ -62,8 +62,8 @@ from stiction.study.old_formats import convert_old_study
 from stiction.study.values import (
     FrictionCoefficients,
     LoadsOfInterest,
-    SettingsTable,
-    SettingsTableVariant,
+    SettingsSection,
+    SettingsSectionVariant,
     ShearStrengths,
     StudyError,
     Times,
@@ -85,13 +85,13 @@ MAX_STUDY_BYTES = 1_000_000  # maximum size (bytes) of a study file that is read
 MAX_PARAMETER_COMBINATIONS = 1000  # maximum number of combinations of load, mu0 and tau0 of measured surfaces
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
-"""Pairs of a table and a key, where the value of the key selects the class of the table."""
+"""Pairs of a section and a key, where the value of the key selects the class of the section."""
 
 _LEADING_KEYS = (
     "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "materials", "young", "poisson",
     "law", "detection", "curvature", "boundary", "hardness", "compliance_share",
 )  # fmt: skip
-"""Keys that are written first in their tables."""
+"""Keys that are written first in their sections."""
 
 _STUDY_LIBRARY_FOLDER = resources.files("stiction.study") / "library"
 DEFAULT_SEED = 2016  # default seed of the random number generator
@@ -120,7 +120,7 @@ The first class is the default.
 
 
 def select_surface_settings_class(table: Mapping[str, Any]) -> type[SurfaceSettings]:
-    """Return the class for the table `[surfaces]`, as selected by its keys `kind`, `generator` and `press`."""
+    """Return the class for the section `[surfaces]`, as selected by its keys `kind`, `generator` and `press`."""
     key, cases = _SURFACE_CLASSES_BY_KIND[select_key_value("kind", table, _SURFACE_CLASSES_BY_KIND)]
     return cases[select_key_value(key, table, cases)]
 
@@ -132,8 +132,8 @@ TAU0_DESCRIPTION = "Adhesive shear strengths."
 LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these and the other loads of the curve."
 
 
-class GeneratedSurfaceFrictionSettings(SettingsTableVariant):
-    """Table `[friction]` for generated surfaces. It contains the interface strengths to plot."""
+class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
+    """Section `[friction]` for generated surfaces: the interface strengths to plot."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
@@ -145,22 +145,22 @@ class GeneratedSurfaceFrictionSettings(SettingsTableVariant):
 
 
 class AsperityFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Table `[friction]` for generated surfaces in the asperity model. It contains the interface strengths to plot."""
+    """Section `[friction]` for generated surfaces in the asperity model: the interface strengths to plot."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
 class HalfSpaceFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Table `[friction]` for half-spaces with generated surfaces. It contains the strengths and loads to plot."""
+    """Section `[friction]` for half-spaces with generated surfaces: the interface strengths and loads to plot."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
     load: LoadsOfInterest = Field(default=(), description=LOADS_DESCRIPTION)
 
 
-class MeasuredSurfaceFrictionSettings(SettingsTableVariant):
-    """Table `[friction]` for measured surfaces. It contains interface strengths, loads and dwell times."""
+class MeasuredSurfaceFrictionSettings(SettingsSectionVariant):
+    """Section `[friction]` for measured surfaces: interface strengths, loads and dwell times."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -184,11 +184,11 @@ class MeasuredSurfaceFrictionSettings(SettingsTableVariant):
 
 
 STRENGTH_KEYS = ("mu0", "tau0")
-"""Keys of the table `[friction]` that follow from an interface, if it is given."""
+"""Keys of the section `[friction]` that follow from an interface, if an interface is given."""
 
 
 def _add_interface_strength(table: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Add mu0 and tau0 to a table `[friction]` with an interface."""
+    """Add mu0 and tau0 to a section `[friction]` with an interface."""
     if (source := table.get("interface")) is None:
         return table
     for key in STRENGTH_KEYS:
@@ -208,24 +208,24 @@ def _add_interface_strength(table: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 FrictionSettings = AsperityFrictionSettings | HalfSpaceFrictionSettings | MeasuredSurfaceFrictionSettings
-"""Table `[friction]` of a study."""
+"""Section `[friction]` of a study."""
 FRICTION_SETTINGS_CLASSES: tuple[type[FrictionSettings], ...] = get_args(FrictionSettings)
-SHARED_FRICTION_SETTINGS_CLASSES: tuple[type[SettingsTableVariant], ...] = (
+SHARED_FRICTION_SETTINGS_CLASSES: tuple[type[SettingsSectionVariant], ...] = (
     MeasuredSurfaceFrictionSettings,
     GeneratedSurfaceFrictionSettings,
     HalfSpaceFrictionSettings,
 )
-"""Base classes whose keys several friction tables share."""
+"""Base classes whose keys several sections `[friction]` share."""
 
 
 def select_friction_settings_class(surfaces: type[SurfaceSettings], mechanics: str) -> type[FrictionSettings]:
-    """Return the class of the table `[friction]` for the given surfaces and contact model."""
+    """Return the class of the section `[friction]` for the given surfaces and contact model."""
     if issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
         return MeasuredSurfaceFrictionSettings
     return HalfSpaceFrictionSettings if mechanics == "half-space" else AsperityFrictionSettings
 
 
-class EnsembleSettings(SettingsTable):
+class EnsembleSettings(SettingsSection):
     """Number of members in the ensemble, and seed for the random numbers."""
 
     repetitions: int = Field(
@@ -249,7 +249,7 @@ def _require_distinct_figures(names: tuple[str, ...]) -> tuple[str, ...]:
     return names
 
 
-class FigureSettings(SettingsTable):
+class FigureSettings(SettingsSection):
     """Figures to draw for a result of generated surfaces."""
 
     draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_require_distinct_figures)] = Field(
@@ -260,7 +260,7 @@ class FigureSettings(SettingsTable):
 def _add_bracketing_loads(
     surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Add loads below and above the requested loads to the tables `[contact]` and `[friction]`.
+    """Add loads below and above the requested loads to the sections `[contact]` and `[friction]`.
 
     This applies to the half-space of generated surfaces. Returns an empty dictionary if no loads are requested, if the
     study has its own load curve, or if a table is invalid.
@@ -295,17 +295,17 @@ def _add_bracketing_loads(
 
 
 def _compute_nominal_area(surfaces: Mapping[str, Any]) -> float:
-    """Return the nominal area (µm²) of generated surfaces from the table that describes them."""
+    """Return the nominal area (µm²) of generated surfaces from the section that describes them."""
     table: Any = select_surface_settings_class(surfaces).model_validate(surfaces)
     return math.prod(table.extents()) if table.is_areal else float(table.extent) * PROFILE_WIDTH
 
 
 def _build_empty_table() -> Any:
-    """Return an empty table. Validation replaces it with an instance of the class that matches the surfaces."""
+    """Return an empty section. Validation replaces it with an instance of the class that matches the surfaces."""
     return {}
 
 
-class Study(SettingsTable):
+class Study(SettingsSection):
     """Complete description of a computation, including surface pairs, contact model and parameters.
 
     Missing tables and keys have the values of Fig. 6 of the paper. In files, a quantity is text with a unit, as in
@@ -360,7 +360,7 @@ class Study(SettingsTable):
     @field_validator("surfaces", mode="before")
     @classmethod
     def _validate_surfaces_table(cls, value: object) -> SurfaceSettings:
-        """Validate the table `[surfaces]` with the class that its keys select."""
+        """Validate the section `[surfaces]` with the class that its keys select."""
         if isinstance(value, SURFACE_SETTINGS_CLASSES):
             return value
         if not isinstance(value, Mapping):
@@ -372,7 +372,7 @@ class Study(SettingsTable):
     @field_validator("contact", "friction", mode="before")
     @classmethod
     def _validate_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
-        """Validate a table with the class that matches the surfaces, or return an empty table for invalid surfaces."""
+        """Validate a section with the class that matches the surfaces; it is empty if the surfaces are invalid."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
             surfaces, value = GeneratedProfileSettings(), {}
@@ -441,7 +441,7 @@ class Study(SettingsTable):
 
     @property
     def is_areal(self) -> bool:
-        """True if the members are areal contacts, and False if they are profiles."""
+        """True if the members are pairs of height maps, and False if they are pairs of profiles."""
         return self.surfaces.is_areal
 
     @property
@@ -459,7 +459,7 @@ class Study(SettingsTable):
 
     @property
     def member_names(self) -> MemberNames:
-        """Name of the members in texts for users."""
+        """Word for the members in output: repetitions, positions or pairs of surrogates."""
         return self.surfaces.member_names
 
     @property
@@ -570,7 +570,7 @@ class Study(SettingsTable):
         return format_toml_tables(self._to_tables())
 
     def _convert_base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the tables of the study before any changes, converted to the classes that the changes require."""
+        """Return the sections before any changes, converted to the classes that the changes require."""
         tables = self._to_tables()
         selectors = {
             key: changes.get(f"{section}.{key}", tables[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
@@ -623,8 +623,8 @@ class Study(SettingsTable):
         return {name: drop_none_entries(getattr(self, name)) for name in names}
 
 
-def _convert_table(table: SettingsTable, case: type[SettingsTable]) -> dict[str, Any]:
-    """Convert a table to another class. Values that differ from the defaults of the original class are kept."""
+def _convert_table(table: SettingsSection, case: type[SettingsSection]) -> dict[str, Any]:
+    """Convert a section to another class. Values that differ from the defaults of the original class are kept."""
     table_class = type(table)
     changed_keys = {key for key, value in table if value != table_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed_keys or not field.is_required()]
@@ -632,8 +632,8 @@ def _convert_table(table: SettingsTable, case: type[SettingsTable]) -> dict[str,
     return drop_none_entries(case.model_construct(**values))
 
 
-def drop_none_entries(table: SettingsTable) -> dict[str, Any]:
-    """Return the entries of a table that are not None, in the order used in study files."""
+def drop_none_entries(table: SettingsSection) -> dict[str, Any]:
+    """Return the entries of a section that are not None, in the order used in study files."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(table, MeasuredMapContactSettings):
@@ -685,8 +685,8 @@ def find_step_dimension(dataset: xarray.Dataset) -> str:
     return "load" if "load" in dataset.dims else "approach"
 
 
-def find_table_differences(first: SettingsTable, second: SettingsTable, prefix: str = "") -> list[StudyDifference]:
-    """List the differences between two tables, in the order of keys in study files."""
+def find_table_differences(first: SettingsSection, second: SettingsSection, prefix: str = "") -> list[StudyDifference]:
+    """List the differences between two sections, in the order of keys in study files."""
     serialized, differences = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
@@ -695,7 +695,7 @@ def find_table_differences(first: SettingsTable, second: SettingsTable, prefix: 
         table_values = getattr(first, name, None), getattr(second, name, None)
         if table_values[0] == table_values[1]:
             continue
-        if isinstance(table_values[0], SettingsTable) and isinstance(table_values[1], SettingsTable):
+        if isinstance(table_values[0], SettingsSection) and isinstance(table_values[1], SettingsSection):
             differences += find_table_differences(table_values[0], table_values[1], f"{prefix}{name}.")
         else:
             texts = [
@@ -707,7 +707,7 @@ def find_table_differences(first: SettingsTable, second: SettingsTable, prefix: 
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """List those differences between two studies that affect the members.
+    """List the differences between two studies that affect their members.
 
     Members depend on the central values of inputs, but not on their ranges. They do not depend on the table
     `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. Elastic

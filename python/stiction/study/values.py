@@ -53,7 +53,7 @@ read_length = _make_quantity_parser("length")
 
 
 def format_quantities(value: Any) -> Any:
-    """Format quantities and floats as text, including those in tuples. Other values are returned unchanged."""
+    """Format quantities and numbers as text, also inside tuples. Other values are returned unchanged."""
     if isinstance(value, tuple):
         return tuple(map(format_quantities, value))
     if isinstance(value, Quantity):
@@ -170,8 +170,8 @@ SlidingRules = Annotated[
 ]
 
 
-class SettingsTable(BaseModel):
-    """Base class for the tables of a study file. Tables are immutable, and have declared keys with strict types."""
+class SettingsSection(BaseModel):
+    """Base class for the sections of a study file. Sections are immutable; their keys and types are declared."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
 
@@ -186,8 +186,8 @@ class SettingsTable(BaseModel):
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
-class SettingsTableVariant(SettingsTable):
-    """Base class for study-file tables with several variants. Each variant is a class with different keys."""
+class SettingsSectionVariant(SettingsSection):
+    """Base class for sections that have several variants. Each variant is a class with its own keys."""
 
     place: ClassVar[str]  # phrase for this variant of the table in messages
 
@@ -201,12 +201,12 @@ class SettingsTableVariant(SettingsTable):
 
 
 def make_key_error(key: str, message: str) -> PydanticCustomError:
-    """Create a validation error that refers to a key of a table."""
+    """Create a validation error that refers to a key of a section."""
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
 def select_key_value(key: str, table: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the value of a key in a table. If the key is missing, return the first name in `cases`.
+    """Return the value of a key in a section. If the key is missing, return the first name in `cases`.
 
     Raises an error if the value is not a name in `cases`.
     """
@@ -217,7 +217,7 @@ def select_key_value(key: str, table: Mapping[str, Any], cases: Mapping[str, Any
     return value
 
 
-class _ValueRange(SettingsTable):
+class _ValueRange(SettingsSection):
     """Range of equally spaced values, including both limits."""
 
     start: Any
@@ -284,7 +284,7 @@ RANGE_TAG, LIST_TAG = "a range", "a list"
 
 
 def _range_or_list_tag(value: object) -> str | None:
-    if isinstance(value, (Mapping, SettingsTable)):
+    if isinstance(value, (Mapping, SettingsSection)):
         return RANGE_TAG
     return LIST_TAG if isinstance(value, (list, tuple)) else None
 
@@ -312,9 +312,9 @@ def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:
 
 
 def check_keys(
-    table: Mapping[Any, Any], case: type[SettingsTableVariant], shared: Sequence[type[SettingsTableVariant]]
+    table: Mapping[Any, Any], case: type[SettingsSectionVariant], shared: Sequence[type[SettingsSectionVariant]]
 ) -> None:
-    """Raise an error if a key belongs to another class of this table, or if a required key is missing.
+    """Raise an error if a key belongs to another variant of the section, or if a required key is missing.
 
     `shared` lists base classes whose keys several classes have. Messages refer to these classes by `place`.
     """
@@ -339,7 +339,7 @@ def check_keys(
             raise make_key_error(key, f"must be given for {case.place}")
 
 
-_SettingsClass = TypeVar("_SettingsClass", bound=SettingsTable)
+_SettingsClass = TypeVar("_SettingsClass", bound=SettingsSection)
 
 
 MAX_LISTED_FAULTS = 5  # maximum number of errors in a message about a study
@@ -382,7 +382,7 @@ def format_toml_value(value: Any) -> str:
 
 
 def format_toml_tables(tables: Mapping[str, Mapping[str, Any]]) -> str:
-    """Format tables as TOML text. Empty tables are omitted."""
+    """Format sections as TOML text. Empty sections are omitted."""
     blocks = []
     for name, table in tables.items():
         lines = [f"{key} = {format_toml_value(value)}" for key, value in table.items()]
@@ -407,7 +407,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 
 def validate_table(table_class: type[_SettingsClass], data: Mapping[str, Any], source: str) -> _SettingsClass:
-    """Validate a table and return it as an instance of the given class.
+    """Validate a section, and return it as an instance of the given class.
 
     Error messages start with the name of the source of the table.
     """
@@ -417,7 +417,7 @@ def validate_table(table_class: type[_SettingsClass], data: Mapping[str, Any], s
         raise _convert_validation_errors(table_class, error, f"{printable_path(source)}: ") from None
 
 
-def _convert_validation_errors(table_class: type[SettingsTable], error: ValidationError, prefix: str) -> StudyError:
+def _convert_validation_errors(table_class: type[SettingsSection], error: ValidationError, prefix: str) -> StudyError:
     """Convert an error of pydantic to a `StudyError`, with one line per fault. Each line starts with the prefix."""
     faults = [_convert_validation_error(table_class, fault) for fault in error.errors(include_url=False)]
     lines = [f"{prefix}{key}: {reason}" if key else f"{prefix}{reason}" for key, reason in faults[:MAX_LISTED_FAULTS]]
@@ -437,10 +437,10 @@ _ERROR_MESSAGE_TEMPLATES = {
     "string_too_short": "must have at least {min_length} characters",
     "string_too_long": "must have at most {max_length} characters",
 }  # fmt: skip
-"""Messages that replace messages of pydantic, by error type."""
+"""Messages that replace those of pydantic, by error type."""
 
 
-def _convert_validation_error(table_class: type[SettingsTable], fault: ErrorDetails) -> tuple[str, str]:
+def _convert_validation_error(table_class: type[SettingsSection], fault: ErrorDetails) -> tuple[str, str]:
     """Convert a pydantic error to a message and the key that caused the error."""
     location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_TAG, LIST_TAG)]
     key = "".join(
@@ -468,8 +468,8 @@ def _convert_validation_error(table_class: type[SettingsTable], fault: ErrorDeta
 MAX_SUGGESTIONS = 3  # maximum number of suggestions for an unknown key
 
 
-def _suggest_keys(table_class: type[SettingsTable], location: list[int | str]) -> str:
-    """Return a hint that names similar keys of the table, or the command that lists all keys."""
+def _suggest_keys(table_class: type[SettingsSection], location: list[int | str]) -> str:
+    """Return a hint that names similar keys of the section, or the command that lists all keys."""
     tables = [table_class]
     for parent_key in location[:-1]:
         fields = [table.model_fields[str(parent_key)] for table in tables if str(parent_key) in table.model_fields]
@@ -482,8 +482,8 @@ def _suggest_keys(table_class: type[SettingsTable], location: list[int | str]) -
     return f"; is it {names}?" if names else "; stiction studies --keys lists all"
 
 
-def find_table_classes(annotation: Any) -> list[type[SettingsTable]]:
-    """Return the table classes that a field with the given annotation accepts."""
+def find_table_classes(annotation: Any) -> list[type[SettingsSection]]:
+    """Return the section classes that a field with the given annotation accepts."""
     if isinstance(annotation, type):
-        return [annotation] if issubclass(annotation, SettingsTable) else []
+        return [annotation] if issubclass(annotation, SettingsSection) else []
     return [table for argument in get_args(annotation) for table in find_table_classes(argument)]

@@ -61,16 +61,16 @@ MIN_MERGED_AREA_FRACTION = 0.3
 MAX_AFFECTED_FRACTION = 0.5
 MAX_INTERPOLATED_FRACTION = 0.02  # A caveat is issued if more than this fraction of the scan points is interpolated.
 MAX_PIERCED_FRACTION = 0.02
-"""Fraction of scattered missing points above which a caveat about holes in contacts is issued."""
+"""Largest fraction of scattered missing points without a caveat about holes in contacts."""
 MAX_AREA_LOSS_PER_HOLE = 1.3
-"""Largest relative loss of A/A0 through scattered missing points, divided by their fraction.
+"""Largest relative loss of A/A0 through scattered missing points, divided by the fraction of these points.
 
 Elastic contacts that are much larger than the holes lose the fraction of points that are missing in either map. If 30 %
 of both maps are missing at random, this is 1.3 times the fraction of points that are missing between measured points.
 With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1 times that fraction on average.
 """
 MIN_DRIFT_EFFECT = 0.02
-"""Relative standard error of a coefficient above which a caveat about drift of the roughness is issued."""
+"""Smallest relative standard error of a coefficient for a caveat about drift of the roughness."""
 MAX_SPACING_RATIO = 3.0  # A caveat is issued if the grid spacings of the two scans differ by more than this factor.
 
 # an interface counts as nearly as strong as the bulk if the ratio of τ0 to H/√α exceeds this limit
@@ -79,10 +79,10 @@ NEARLY_BULK_STRENGTH_RATIO = 0.7
 MAX_UNLIMITED_FRACTION = 0.025
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
-"""Fraction of the load on plastic contacts. Above it, τ0 is compared with the shear strength of the softer body."""
+"""Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
 
 TYPICAL_SIZE_EFFECT_LENGTH = 0.5
-"""Length h* (µm) of the indentation size effect for the caveat about an unknown indentation."""
+"""Typical length h* (µm) of the indentation size effect, used if the depth of the indentation is unknown."""
 MIN_METAL_MODULUS = 20.0
 """E* (GPa) above which a body that yields and has no name is taken for a metal."""
 
@@ -112,7 +112,7 @@ class Caveat:
     has_second_cutoff: bool = False
     """True if the interval covers the results with and without the wavelengths that the caveat concerns."""
     name: str = ""
-    """Name (in `QUANTITIES` or `_compute_checked_numbers`) of the number compared with a limit; may be empty."""
+    """Name of the number that exceeds a limit (in `QUANTITIES` or `_compute_checked_numbers`); may be empty."""
     value: float = field(default=math.nan, compare=False)
     """Value of the named number, in core units."""
     limit: float = field(default=math.nan, compare=False)
@@ -154,7 +154,7 @@ class LimitCheck(NamedTuple):
 CheckGroups = Sequence[Sequence[LimitCheck]]  # groups of checks; each group reports only its first failed check
 
 ASSESSMENTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
-"""Text of the assessment, by the worst severity of all caveats."""
+"""Text of the assessment by the severity of the worst caveat."""
 
 STATUS_EXPLANATIONS = {
     "not-reached": (
@@ -183,7 +183,7 @@ STATUS_EXPLANATIONS = {
     ),
     "no-contact": ("the bodies do not touch", "use a larger load or a larger approach"),
 }
-"""Meaning and remedy of each status of a point that has no coefficient, or only a lower limit."""
+"""Meaning and remedy of each status of a point that lacks a coefficient or its upper limit."""
 
 WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check of the width of the interval of the mean
 
@@ -360,7 +360,7 @@ def find_smallest_check_limit(name: str, study: Study) -> float | None:
 
 
 def find_caveats_of_failed_checks(checks: CheckGroups, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
-    """Yield one caveat for each group of checks in which a check fails. The first failed check determines the caveat.
+    """Yield one caveat for each group of checks in which a check fails, for the first failed check of the group.
 
     A check passes if its number is missing.
     """
@@ -399,7 +399,7 @@ def compute_checked_quantities(
 
 
 def list_contact_check_names(study: Study) -> list[str]:
-    """List the names of the numbers in the checks of the contacts, of the pull-off force and of the rms gradient."""
+    """List the names of the numbers that are checked for the contacts, the pull-off force and the rms gradient."""
     check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
     return list(dict.fromkeys(check.name for group in check_groups for check in group))
 
@@ -637,7 +637,7 @@ def _find_unlimited_caveats(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about neglected or unresolved adhesion, and about input effects that are not in the interval."""
+    """Yield caveats about neglected or unresolved adhesion, and about inputs whose effect the interval ignores."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
         # the asperity model does not include adhesion

@@ -81,7 +81,7 @@ class Characterisation:
 
     @cached_property
     def scale_limited_body(self) -> Profile | Surface:
-        """Body from which roughness parameters are computed: the profile itself, or the surface after filtering."""
+        """Body whose roughness parameters are computed: the profile itself, or the filtered surface."""
         body = self.body
         if isinstance(body, Profile):
             return body
@@ -122,7 +122,7 @@ class Characterisation:
 
     @property
     def body_without_outliers(self) -> Profile | Surface:
-        """Body with interpolated outliers, from which the spectrum and all values of the spectrum are computed."""
+        """Body with interpolated outliers, whose spectrum is computed."""
         return self.defects.body_without_outliers
 
     @property
@@ -139,7 +139,7 @@ class Characterisation:
 
     @cached_property
     def areal_analysis(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...], float]:
-        """Radial spectrum of a surface, moments along x and y, and the direction of the largest mean square slope."""
+        """Radial spectrum of a surface, moments along x and y, and the direction of the largest rms slope."""
         assert isinstance(self.body_without_outliers, Surface)
         spectrum = surface_spectrum(self.body_without_outliers)
         moments = tuple(spectrum.moments(direction) for direction in (0, 90))
@@ -199,7 +199,7 @@ class Characterisation:
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
-        """Small-slope friction estimates for two bodies like this one, along x (and along y); empty for a flat body."""
+        """Small-slope estimates of the friction of two bodies like this one, along x and y; empty for a flat body."""
         # The mean square slope of the gap between two such bodies is twice the mean square slope of one body.
         # The list is reversed, so that the estimate along x comes first.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]

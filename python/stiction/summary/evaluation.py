@@ -58,11 +58,11 @@ NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
 class Evaluation(MemberSums):
-    """Contact sums of a study with the values that are evaluated from them, and with solutions stored alongside."""
+    """Contact sums of a study, the values evaluated from them, and further results stored alongside."""
 
     @cached_property
     def num_solved(self) -> int:
-        """Number of members that the solver completed at all loads or approaches."""
+        """Number of members for which the solver succeeded at all loads or approaches."""
         return sum(piece.sizes["repetition"] for piece in iterate_solved_pieces(self, ["normal_elastic"]))
 
     # ---- Stored alongside --------------------------------------------------------------------------------------------
@@ -81,7 +81,7 @@ class Evaluation(MemberSums):
         return None if onset is None else self.scale_onset(onset)
 
     def scale_onset(self, onset: xarray.Dataset) -> xarray.Dataset | None:
-        """Scale a computed onset to the coefficient of the result for friction at all contacts.
+        """Scale a computed onset of sliding to the coefficient of the result, with friction at all contacts.
 
         Returns None if the result has no coefficient. The onset is not changed if the result has no values for friction
         at all contacts.
@@ -430,7 +430,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def _study_summary(self) -> Summary | ValueError:
-        """Summary at the loads of the study, or the error that states why the result has no values.
+        """Summary at the loads of the study, or the error that explains why the result has no values.
 
         The error is cached too, because it takes as long to compute as a summary.
         """

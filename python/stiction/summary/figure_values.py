@@ -28,7 +28,7 @@ LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale for whic
 MAX_SURFACE_SIDE_POINTS = 400  # maximum number of rows and of columns of a surface in a figure
 MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest are drawn
 CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
-"""Loads at which the onset of sliding is drawn, as fractions of the logarithmic load range."""
+"""Fractions of the logarithmic load range at which the onset of sliding is drawn."""
 
 
 # ---- Measured surfaces -----------------------------------------------------------------------------------------------
@@ -85,7 +85,7 @@ def omit_meaningless_area(points: xarray.Dataset, study: Study) -> xarray.Datase
 
 @dataclass(frozen=True, eq=False)
 class FrictionOverDimension:
-    """Friction of generated surfaces over the fractal dimension, for one mu0 and at most two values of tau0.
+    """Friction of generated surfaces against the fractal dimension, for one mu0 and at most two values of tau0.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
 
 
 def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -> list[FrictionOverDimension]:
-    """Evaluate friction of generated surfaces for each mu0, and for the lowest and the highest tau0 in the study."""
+    """Evaluate friction of generated surfaces for each mu0, at the lowest and the highest tau0 in the study."""
     strengths = list(result.study.friction.tau0)
     strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
     loads = result.reached_loads()
@@ -141,7 +141,7 @@ def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
 
 
 def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
-    """Evaluate the true area of generated surfaces over the load range of the result, for the first mu0 and tau0.
+    """Evaluate the true area of generated surfaces at loads over the range of the result, for the first mu0 and tau0.
 
     The dataset contains at most `MAX_DRAWN_CURVES` fractal dimensions.
     """

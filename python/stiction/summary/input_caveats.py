@@ -51,13 +51,13 @@ MAX_HEIGHT_OVER_EXTENT = 10.0
 MAX_PLAUSIBLE_MU0 = 2.0  # largest plausible mu0; it exceeds all published values, even for clean metals in vacuum
 
 MAX_FORM_FRACTION = 0.6
-"""Fraction of the mean square height due to a fitted parabola, above which a caveat about form is issued.
+"""Largest fraction of the mean square height due to a fitted parabola without a caveat about form.
 
 The fraction is about one half if the longest wavelengths dominate the heights of a surface without form error.
 """
 
 MAX_STEP_FRACTION = 0.65
-"""Fraction of the mean square height due to a straight step, above which a caveat is issued.
+"""Largest fraction of the mean square height due to a straight step without a caveat.
 
 The largest fraction of 540 simulated profiles and 540 simulated maps without a step was 0.62.
 """
@@ -174,14 +174,14 @@ def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) ->
 
 
 MIN_GAP_REDUCTION = 2.0
-"""Ratio of rms gaps, above which a caveat states that the faces fit better if the upper map is mirrored."""
+"""Smallest ratio of rms gaps for a caveat that the faces fit better if the upper map is mirrored."""
 
 _MIRROR_ALTERNATIVES = (
     ("with its columns reversed instead of its rows", "--rotate {rotation:g} does this", np.s_[::-1, ::-1]),
     ("with neither rows nor columns reversed", "reverse the rows of the upper file", np.s_[::-1, :]),
     ("with rows and columns reversed", "reverse the columns of the upper file", np.s_[:, ::-1]),
 )
-"""Other ways to face the lower map: description, remedy, and the change of the map that `flipped` returns."""
+"""Mirror images of the upper map: description, remedy, and the change of the map that `flipped` returns."""
 
 
 def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
@@ -212,7 +212,7 @@ def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study)
 
 
 def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :]) -> float:
-    """Return the rms height (µm) of the gap between two maps after levelling, over the points that both have."""
+    """Return the rms height (µm) of the gap between two maps after levelling, over the points measured on both."""
     missing = combine_missing_masks(
         facing.changed(facing.heights[mirrored], "mirrored", missing=select_from_mask(facing.missing, mirrored)), lower
     )
@@ -221,7 +221,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, or other advice if the suggested cutoff is above the largest allowed one (µm)."""
+    """Return the remedy of a caveat. If it is a cutoff that exceeds the largest one (µm), return other advice."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (

@@ -41,7 +41,7 @@ JOINT_QUANTITIES = (
     "closure", "closure_stiffness", "unloading_closure_stiffness", "tangential_stiffness_per_area",
     "contact_area_fraction",
 )  # fmt: skip
-"""Quantities of a joint table besides friction."""
+"""Names of the quantities besides friction in a joint table."""
 
 JOINT_TITLES = {
     "nominal_pressure": "nominal pressure", "closure": "closure", "closure_stiffness": "normal stiffness",
@@ -49,7 +49,7 @@ JOINT_TITLES = {
     "tangential_stiffness_per_area": "tangential stiffness", "contact_area_fraction": "true area over nominal area",
     "friction_combined": "mu_s", **{f"friction_{each:g}": f"mu_s {each:g} %" for each in FRICTION_PERCENTILES},
 }  # fmt: skip
-"""Titles of the estimates of a row. Stiffnesses are per nominal area."""
+"""Column titles of the values in a row of a joint table. Stiffnesses are per nominal area."""
 
 
 @dataclass(frozen=True)
@@ -253,7 +253,7 @@ def _explain_missing_percentiles(study: Study, at: xarray.Dataset) -> str:
 
 
 def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
-    """Return how the tangential stiffness follows from the normal stiffness, or why it is missing."""
+    """Return a description of how the tangential stiffness was computed, or why it is missing."""
     if "tangential_stiffness_per_area" not in at or np.isnan(at["tangential_stiffness_per_area"]).all():
         return "No tangential stiffness: the result was stored without the stiffness while unloading; compute it again."
     contact: Any = study.contact
@@ -275,7 +275,7 @@ def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
 
 
 def _compute_dundurs_beta(poisson: Any, compliance_share: float) -> float:
-    """Return the size of Dundurs' second constant in plane strain, for Poisson's ratios and the lower body's share."""
+    """Return |β| of Dundurs in plane strain, for Poisson's ratios and the lower body's fraction of the compliance."""
     factors = [(1 - 2 * ratio) / (1 - ratio) for ratio in parse_poisson_ratios(poisson)]
     return abs((1 - compliance_share) * factors[0] - compliance_share * factors[1]) / 2
 

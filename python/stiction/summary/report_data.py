@@ -1,4 +1,4 @@
-"""Data of a report. Everything that a page shows is evaluated here, before the page is rendered."""
+"""Data of a report. Every number of the report is evaluated here, before the page is rendered."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ class GeneratedReportData(ReportData):
 
 
 def count_coefficients(result: Evaluation) -> int:
-    """Return the number of friction coefficients of a report on a result."""
+    """Return the number of friction coefficients in a report."""
     return ReportGrid(result).num_coefficients
 
 

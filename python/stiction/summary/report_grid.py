@@ -1,4 +1,4 @@
-"""Loads, mu0 and tau0 that a report shows, and the result evaluated at them."""
+"""Loads, mu0 and tau0 that a report shows, and the values of the result at these loads, mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ MAX_TAU0_STEPS = {True: 6, False: 5}  # largest number of steps of tau0, for mea
 MAX_STUDY_VALUES = 9  # maximum number of values of mu0 or tau0 in a study that a report shows; more are thinned
 MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 as a fraction of E*, if no tau0 in the study is larger
 MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
-"""Largest tau0 relative to the hardness, if the study has no larger value."""
+"""Largest tau0 of a report relative to the hardness, unless the study has a larger value."""
 
 NUM_REPORT_LOADS = 40  # number of loads in a report of generated surfaces
 # quantities that are evaluated on the grid in addition to friction (measured surfaces)
@@ -94,7 +94,7 @@ class ReportGrid:
 
     @cached_property
     def member_kinds(self) -> list[MemberKind | None]:
-        """Kinds of members, starting with the quoted kind."""
+        """Kinds of members (scans or surrogates), starting with the quoted kind."""
         if "surrogate" not in self.result.head.coords:
             return [None]
         surrogate = self.result.dataset["surrogate"].values.astype(bool)
@@ -102,7 +102,7 @@ class ReportGrid:
 
     @property
     def motions(self) -> list[list[int]]:
-        """Indices of the directions over which each motion averages."""
+        """Groups of directions (indices) over which the reported values are averaged."""
         directions = list(range(len(self.study.contact.direction_angles())))
         single_directions = [[index] for index in directions]
         return [directions, *single_directions] if self.study.is_measured and len(directions) > 1 else single_directions
@@ -157,7 +157,7 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
 
 
 def _round_steps(largest: float, max_count: int) -> Floats:
-    """Return at most `max_count` equal steps from 0 to the largest value. Their length is 1, 2 or 5 times 10^n."""
+    """Return equally spaced values from 0 to about the largest value, in steps of 1, 2 or 5 times 10^n."""
     exponent = math.floor(math.log10(largest / max_count))
     step = next(
         step for factor in (1, 2, 5, 10) if (step := float(f"{factor}e{exponent}")) * max_count >= largest * (1 - 1e-9)

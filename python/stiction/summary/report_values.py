@@ -1,4 +1,4 @@
-"""Arrays of a result at loads, mu0 and tau0. A report shows these arrays, and evaluates no further values."""
+"""Arrays of all values that a report shows, for each of its loads, mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
-"""Statuses in the order of their codes. If several directions have no value, the lowest code is reported."""
+"""Statuses in the order of their codes. If several directions have no value, the smallest code is reported."""
 
 LEADING_DIMENSIONS = ("fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0")
 
@@ -132,7 +132,7 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
 
 
 def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
-    """Return combined estimates, sampling estimates, status codes, numbers of members and slopes of all motions."""
+    """Return arrays of the estimates, status codes, member counts and slopes of all motions."""
     dims = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
     dims_of_mean = tuple(dim for dim in dims if dim != "direction")
     by_direction = values["friction_coefficient"].transpose(*dims, "statistic").values
@@ -184,7 +184,7 @@ GENERATED_STATUSES = (
     (friction.STATUS_OK, False),
     *((name, False) for name in friction.STATUSES if name != friction.STATUS_OK),
 )
-"""Statuses in the order of their codes, each with whether the values are within the limits of the model."""
+"""Statuses in the order of their codes, each with a flag: True if the values are within the limits of the model."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Summary of a result. It contains all values to report, and is computed only once for all views.
+"""Summary of a result: all values to report, which are computed once for all views.
 
 A summary has one point for each cell, load, mu0 and tau0. The terminal, JSON, CSV, figures, reports and notebooks show
 these points, and compute no further values.
@@ -147,13 +147,13 @@ class PointSummary:
 
     @property
     def cutoffs(self) -> ScanCutoffs | None:
-        """Cutoffs (µm, 0 for no filter) of all scans of the upper and of the lower body; None for generated bodies."""
+        """Cutoffs (µm, 0 for no filter) of the scans of the upper and of the lower body; None for generated bodies."""
         surfaces: Any = self.study.surfaces
         return surfaces.get_scan_cut_offs(self.at["cut_off"]) if "cut_off" in self.at else None
 
     @cached_property
     def quoted_values(self) -> xarray.Dataset:
-        """Values for the quoted sliding rule, on which the true area of generated bodies depends slightly."""
+        """Values for the quoted sliding rule. The true area of generated bodies depends slightly on the rule."""
         return select_sliding_rule(self.values, self.rules[0].rule)  # type: ignore[no-any-return]
 
     @property
@@ -232,7 +232,7 @@ class PointSummary:
 
     @property
     def load_definition_effect(self) -> float:
-        """Relative difference of the coefficients for different definitions of the load, or NaN if it is unknown."""
+        """Relative difference of the coefficients between the definitions of the load, or NaN if it is unknown."""
         return self.numbers.get("load_definition_effect", math.nan)
 
     @property
@@ -386,7 +386,7 @@ def summarize(
 
 
 def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
-    """Return whether the reported coefficients for all alternative preparations have an interval at a point."""
+    """Return whether the coefficients for all alternative preparations have an interval at a point."""
     return all(
         point.rules[0].has_interval
         for alternative in alternatives.values()
@@ -396,7 +396,7 @@ def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
-    """Return a point after adding the faults of an alternative preparation that the point does not have itself.
+    """Return a point with the faults that only an alternative preparation has.
 
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.
@@ -415,7 +415,7 @@ def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, a
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Extend the intervals at the first cutoff to include those at the second cutoff. Return the first points first."""
+    """Extend the intervals at the first cutoff to include those at the second. The first points come first."""
     cut_off = points[0].at["cut_off"]  # the value at the first cutoff is reported
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
@@ -436,7 +436,7 @@ def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, flo
 
 
 def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Return the reported point after extending its intervals and caveats to include those at the other cutoff.
+    """Return the reported point with intervals and caveats that also cover another cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
     """
@@ -466,7 +466,7 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
 
 
 def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntry:
-    """Return the budget entry with the interval at the first cutoff alone."""
+    """Return the budget entry for possible noise: the interval at the first cutoff alone."""
     width = point.upper - point.lower
     return UncertaintyBudgetEntry(
         point.value, point.lower, point.upper, name="remaining_interval", kind="conditional",
@@ -557,7 +557,7 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return "ok", or the first other status (alphabetically) of any direction."""
+    """Return "ok" if all directions have this status, or otherwise the alphabetically first other status."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 
@@ -573,7 +573,7 @@ def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict
 
 
 def _get_interval(table: xarray.Dataset, name: str) -> Interval | None:
-    """Return the 95 % interval of a quantity, or None if the quantity or its interval is missing."""
+    """Return the 95 % interval of a quantity, or None if the quantity has no interval or is missing."""
     if name not in table:
         return None
     estimate = read_estimate(table[name])
@@ -637,7 +637,7 @@ def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, flo
 
 
 def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient) -> float | None:
-    """Return the part of the friction coefficient that depends on the scans, or None if this part is unknown.
+    """Return the contribution of roughness to the coefficient, or None if it is unknown.
 
     Friction acts at all contacts. The contribution of the inputs alone is mu0 and, with a hardness H, tau0/H if all
     contacts yield. With adhesion the result is None, because the load on the contacts also depends on the scans. It is

@@ -70,7 +70,7 @@ _ALL_CONTACT_SETTINGS_CLASSES = tuple(
     dict.fromkeys(case for cases in CONTACT_SETTINGS_CLASSES.values() for case in cases.values())
 )
 _KEY_TABLES: tuple[
-    tuple[str, str, tuple[type[values.SettingsTable], ...], tuple[type[values.SettingsTableVariant], ...]], ...
+    tuple[str, str, tuple[type[values.SettingsSection], ...], tuple[type[values.SettingsSectionVariant], ...]], ...
 ] = (
     ("`[surfaces]`, generated", "Fractal profiles, or two kinds of areal surfaces.", SURFACE_SETTINGS_CLASSES[:3], ()),
     (
@@ -92,7 +92,7 @@ def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
     """Return the title, the description and the rows of each table of keys. Each row describes one key."""
     tables = []
     for title, phrases, table_classes, base_classes in _KEY_TABLES:
-        classes_by_row: dict[KeyTableRow, list[type[values.SettingsTable]]] = {}
+        classes_by_row: dict[KeyTableRow, list[type[values.SettingsSection]]] = {}
         for table_class in table_classes:
             for key, field in table_class.model_fields.items():
                 if field.repr:  # keys without `repr` describe bodies in memory and do not occur in study files
@@ -120,9 +120,9 @@ def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
 
 
 def _models_with_key(
-    owners: Sequence[type[values.SettingsTable]],
-    table_classes: Sequence[type[values.SettingsTable]],
-    base_classes: Sequence[type[values.SettingsTableVariant]],
+    owners: Sequence[type[values.SettingsSection]],
+    table_classes: Sequence[type[values.SettingsSection]],
+    base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
     """Return the names of the models that have a key. A base class replaces its models if all of them have the key."""
     subclasses = {
@@ -136,7 +136,7 @@ def _models_with_key(
     return class_names + [
         table_class.place
         for table_class in table_classes
-        if table_class in remaining_classes and issubclass(table_class, values.SettingsTableVariant)
+        if table_class in remaining_classes and issubclass(table_class, values.SettingsSectionVariant)
     ]
 
 
@@ -222,7 +222,7 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
         return ["a length"]
     if get_origin(annotation) is Literal:
         return [f"`{_toml_text(value)}`" for value in get_args(annotation)]
-    if isinstance(annotation, type) and issubclass(annotation, values.SettingsTable):
+    if isinstance(annotation, type) and issubclass(annotation, values.SettingsSection):
         if "start" in annotation.model_fields:
             spacing = ", spacing" if "spacing" in annotation.model_fields else ""
             return [f"a range `{{ start, stop, count{spacing} }}`"]
@@ -281,7 +281,7 @@ def _toml_text(value: Any) -> str:
         return f'"{value.text}"'
     if isinstance(value, tuple):
         return f"[{', '.join(map(_toml_text, value))}]"
-    if isinstance(value, values.SettingsTable):
+    if isinstance(value, values.SettingsSection):
         entries = ((name, _toml_text(getattr(value, name))) for name in type(value).model_fields)
         return f"{{ {', '.join(f'{name} = {text}' for name, text in entries)} }}"
     if isinstance(value, bool):
