@@ -92,7 +92,7 @@ class _ProbabilityGrid:
 
 
 class CalibrationProblem:
-    """Linear equations for mu0 and tau0 from friction tests, with errors and nuisance parameters.
+    """Linear equations for mu0 and tau0 that follow from friction tests, with errors and nuisance parameters.
 
     In each equation, the sum of mu0 and tau0, multiplied by their coefficients, equals the right side.
 
@@ -220,7 +220,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return the residual changes caused by an offset common to the tests of a run, as unit vectors and norms.
+        """Return the changes of the residuals due to an offset common to the tests of a run: unit vectors and norms.
 
         The directions are unit vectors with shape (runs, tests), and the norms, with shape (runs,), are in units of the
         errors. Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would

@@ -124,14 +124,14 @@ class _FrictionTestSums:
 
 @dataclass(frozen=True)
 class AreaFactor:
-    """Area factor, i.e. the ratio of true area to computed area, as a function of uncertain inputs."""
+    """Area factor, i.e. the ratio of true area to computed area, which depends on uncertain inputs."""
 
     # uncertain inputs by name: hardness, creep exponent, moduli, junction growth and area loss
     known: Mapping[str, UncertainInput]
     surfaces: Hashable  # key of the surfaces; only tests with equal keys share the area loss
 
     def nuisance_name(self, name: str) -> Hashable:
-        """Return the name of the nuisance parameter for an input. Tests with equal inputs share this parameter.
+        """Return the name of the nuisance parameter for an input. Tests with equal inputs share the parameter.
 
         Small contacts lose a larger fraction of their area than large ones, so other surfaces have another area loss.
         """
@@ -170,13 +170,13 @@ class _BallAreaFactor(AreaFactor):
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
-        """Return the area factor of a ball, or None if its moduli are exact and its contact keeps its area."""
+        """Return the area factor of a ball, or None if its moduli are exact and shear leaves its area unchanged."""
         loss: InputValue = ball.area_loss
         known = ball.moduli.inputs | ({} if loss.is_exact else {"area_loss": loss.estimate})
         return cls(known, ("ball", ball.radius), ball.moduli, float(loss)) if known or loss else None
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the true area at the onset, divided by the area before shear for the central moduli, and 1."""
+        """Return the ratio of the area at the onset to that for the central moduli, and a friction fraction of 1."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 
@@ -344,7 +344,7 @@ class FrictionTest:
 
 
 def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: float) -> bool:
-    """Return whether yield by slip lines would noticeably change the friction coefficient."""
+    """Return whether yield by slip lines would noticeably change the friction coefficient of a test."""
     if not friction.sums["tangential_adhesive"] * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
     return abs(FrictionLaw(mu0, tau0).growth_effect(friction.hardness)) > NEGLIGIBLE_GROWTH_EFFECT

@@ -1,4 +1,4 @@
-"""Compute the best mu0 and the range of tau0 for tests in which junction growth makes the equations nonlinear."""
+"""Best mu0 and range of tau0 for tests whose equations are nonlinear because of junction growth."""
 
 from __future__ import annotations
 

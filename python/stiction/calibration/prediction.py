@@ -1,4 +1,4 @@
-"""Interface strengths that predict the friction of other surfaces."""
+"""Predictions of the friction of other surfaces from the fitted strength of an interface."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ class Interface(InterfaceStrength):
             )
 
         def compute_coefficients(mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-            """Return the coefficients, and their upper limits, which are infinite if the softer body shears."""
+            """Return coefficients and their upper limits. An upper limit is infinite if the softer body shears."""
             law, fraction, total_area = FrictionLaw(mu0, tau0), np.ones(()), area_samples
             if area_factor is not None:
                 area, fraction = area_factor.onset_factors(samples, law)
@@ -140,7 +140,7 @@ class Interface(InterfaceStrength):
         return (value, lower, upper) if math.isnan(combined.lower + combined.upper) else (value, *combined)
 
     def _list_separate_nuisances(self, area_factor: AreaFactor) -> set[Hashable]:
-        """Return the nuisance parameters of an area factor that are not samples of the joint distribution."""
+        """Return the nuisance parameters of an area factor that the joint distribution does not contain."""
         known = area_factor.known
         joint_names = {
             "hardness": "hardness" in known

@@ -1,4 +1,4 @@
-"""Friction tests in a text file. A heading contains column names and units. Each row below it contains one test."""
+"""Friction tests in a text file: a heading with column names and units, and one test per row below it."""
 
 from __future__ import annotations
 

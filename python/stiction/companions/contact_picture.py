@@ -1,4 +1,4 @@
-"""Individual contacts: the stored picture of the contacts in a typical member, and a table of all contacts.
+"""Picture of the contacts in a typical member, as stored with a result, and tables of individual contacts.
 
 A result stores only sums over contacts, so its members are computed again.
 """
@@ -63,7 +63,7 @@ _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um
 
 
 def contact_picture(result: MemberSums | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
-    """Return heights, contacts and pressures of a typical member. Its true area is nearest to the mean area.
+    """Return heights, contacts and pressures of the member whose true area is nearest to the mean.
 
     Parameters
     ----------
@@ -252,7 +252,7 @@ def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
 def build_contact_table(
     result: MemberSums, loads: ArrayLike, members: int | Sequence[int] | None = None
 ) -> pandas.DataFrame:
-    """Return a table of the contacts in the selected members at loads (mN) of the elastic solution.
+    """Return a table of the contacts of the selected members at elastic loads (mN).
 
     `Result.contacts` describes the columns.
     """
@@ -300,7 +300,7 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
 def _select_members_at_loads(
     areas: xarray.DataArray, loads: Floats, indices: list[int] | None
 ) -> Iterator[tuple[float, int]]:
-    """Yield (load, member index) pairs. By default, select the member whose true area is nearest to the mean."""
+    """Yield (load, member index) pairs. The default member is the one whose true area is nearest to the mean."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

@@ -48,12 +48,12 @@ HEIGHT_SCALE_FOLDER = "height_scale"
 """Name of the subfolder of a result folder that contains a study for each factor."""
 
 HEIGHT_FACTOR_EXPONENT_STEP = 0.5
-"""Largest difference of log2(factor) between neighboring factors that are used for an interpolation."""
+"""Largest difference of log2(factor) between neighbouring factors that are used for an interpolation."""
 
 NUM_FACTOR_DIGITS = 6  # number of significant digits to which a height factor is rounded
 
 ScaledBodies = Literal["both", "upper", "lower"]
-"""Surfaces whose heights are scaled."""
+"""Choice of the bodies whose heights are scaled."""
 
 _INTERPOLATED_VARIABLES = (
     "mean_friction", "friction_by_axis", "friction_combined", "friction_prediction", "spread_low", "spread_high",
@@ -153,7 +153,7 @@ def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
 
 
 def _find_neighbor_indices(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
-    """Return the indices of the computed factors just below and just above the given factor.
+    """Return the indices of the nearest computed height factors below and above the given factor.
 
     Both indices are equal if the factor itself was computed. Returns None if the neighboring factors are too far apart.
     """
@@ -396,7 +396,7 @@ def _compute_rms_heights(study: Study) -> dict[str, float]:
 def _interpolate_between_factors(
     values: Floats, solved_factors: Floats, factor: float, neighbors: tuple[int, int]
 ) -> Floats:
-    """Interpolate values along the first axis between computed height factors. NaN spreads to adjacent intervals."""
+    """Interpolate values along the first axis between computed height factors. NaN at a factor affects both sides."""
     from scipy.interpolate import PchipInterpolator
 
     lower, upper = neighbors

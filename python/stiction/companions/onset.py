@@ -57,7 +57,7 @@ _CURVE_TITLES = {
     "slipped_load": "slipped load",
     "energy_lost": "energy lost",
 }
-"""Column titles in `ONSET_TABLE_FILE`, by quantity."""
+"""Column titles of `ONSET_TABLE_FILE`, keyed by quantity."""
 
 _ONSET_SCALAR_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
 _STATISTIC_NAMES = ["mean", "lower", "upper"]
@@ -226,7 +226,7 @@ def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
 
 
 _LOAD_INTERVAL_KIND = "load_interval_kind"
-"""Attribute of a scaled onset: kind of the intervals of its tangential loads."""
+"""Attribute of a scaled onset that names the kind of its tangential-load intervals."""
 
 
 @dataclass(frozen=True)
@@ -262,7 +262,7 @@ class OnsetValues:
 
 
 def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
-    """Return the values of the onset of sliding in a dataset that `compute_onset` or `scale_onset` returned."""
+    """Return the values of the onset of sliding that a dataset of `compute_onset` or `scale_onset` contains."""
     attributes = onset.attrs
 
     def read(table: xarray.DataArray) -> Estimate:
@@ -418,7 +418,7 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
 
 
 def _find_block_minima(values: Floats, block_size: int) -> Floats:
-    """Return the minimum of each block of `block_size` rows and columns. It is NaN if all values are NaN."""
+    """Return the minimum of each block of `block_size` rows and columns, or NaN for blocks without values."""
     rows, columns = (-(-size // block_size) * block_size for size in values.shape)
     padded = np.full((rows, columns), np.inf)
     padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

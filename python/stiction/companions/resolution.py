@@ -163,7 +163,7 @@ class ResolvedRoughness:
         return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, kappa_factor)
 
     def extrapolate_to_finer_scans(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
-        """Extrapolate the gap gradient and the area fraction to finer scans, assuming elastic bodies.
+        """Extrapolate the gap gradient and the area fraction of elastic bodies to finer scans.
 
         Returns the shortest wavelengths (µm) of the finer scans, the gradients, and the area fractions. Gradients and
         area fractions are triples of value, lower limit and upper limit.
@@ -267,7 +267,7 @@ class ResolutionEffect:
 
 
 def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> ResolutionEffect | None:
-    """Return the effect of the scan resolution, or None if roughness and results at cutoffs are both unavailable.
+    """Return the effect of the scan resolution, or None if neither the roughness nor results at cutoffs are known.
 
     `cutoffs` is a result of `evaluate_at_cutoffs`, or a dataset of `Result.at` at several cutoffs.
     """
@@ -330,7 +330,7 @@ def estimate_yield_wavelengths(
 
 @dataclass(frozen=True, eq=False)
 class ResolutionLimits:
-    """Values at several cutoffs and one load, mu0 and tau0, with their limits for finer scans.
+    """Values at several cutoffs, one load, mu0 and tau0, and the limits that apply to finer scans.
 
     Attributes
     ----------
@@ -359,7 +359,7 @@ class ResolutionLimits:
 
 
 def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLimits:
-    """Return the limits, for finer scans, of values at several cutoffs and one load, mu0 and tau0."""
+    """Return values at several cutoffs, one load, mu0 and tau0, with the limits that apply to finer scans."""
     roughness = find_resolved_roughness(study)
     shortest_cutoff = float(np.min(points["cut_off"].values)) if "cut_off" in points.coords else 0.0
     limits = ResolutionLimits(

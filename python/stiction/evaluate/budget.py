@@ -54,14 +54,14 @@ COVERED_NAMES = (
     "friction_after_dwell",
     "remaining_interval",
 )
-"""Intervals of the coefficient that cover the results for alternative preparations of the scans."""
+"""Names of the intervals of the coefficient that cover the results for alternative preparations of the scans."""
 
 COMBINED_ATTRIBUTES = {INTERVAL_KIND_ATTRIBUTE: "combined"}  # attributes of the variables in `COMBINED_QUANTITIES`
 
 _INTERVAL_VARIABLES = (
     "mean_friction", "spread_low", "spread_high", "ok", "members", "contact_count", "mu0", "tau0", "sliding",
 )  # fmt: skip
-"""Variables that determine the interval of a coefficient."""
+"""Names of the variables that determine the interval of a coefficient."""
 
 
 def add_uncertainty(
@@ -128,7 +128,7 @@ def predict_interval(result: MemberSums, load: float, strength: InterfaceStrengt
 def _add_own_uncertainty(
     at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool, strength: InterfaceStrength | None = None
 ) -> xarray.Dataset:
-    """Add the variables of `add_uncertainty` without the results for alternative preparations of the scans.
+    """Add the variables of `add_uncertainty`, but ignore results for alternative preparations of the scans.
 
     `strength` replaces the interface of the study.
     """
@@ -289,7 +289,7 @@ def _average_pairs_of_scans(
 
 
 class _CombinedQuantities:
-    """Quantities besides friction with combined intervals, which are added for one coefficient after the other."""
+    """Quantities other than friction, whose combined intervals are added one coefficient at a time."""
 
     def __init__(self, at: xarray.Dataset, dims: Sequence[str]) -> None:
         self._dims = dims
@@ -446,7 +446,7 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
 
 
 def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Sequence[Any]) -> Floats:
-    """Return the intervals that would remain if each of the named inputs were exact.
+    """Return, for each of the named inputs, the intervals that would remain if this input were exact.
 
     An alternative preparation can have other inputs, such as a drift of the roughness. Without an input, the combined
     interval remains.
@@ -458,7 +458,7 @@ def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Seq
 
 
 def _find_budgeted_coefficients(at: xarray.Dataset, dims: Sequence[Any]) -> NDArray[np.bool_]:
-    """Return a mask of the coefficients with a budget. Its last axis, for the statistics, has the length 1."""
+    """Return a mask of the coefficients that have an uncertainty budget, with a last axis of length 1."""
     widths = at["remaining_width"].transpose("input", *dims[:-1]).values
     return np.asarray(~np.isnan(widths).all(axis=0)[..., np.newaxis])
 
@@ -475,7 +475,7 @@ def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:
 def _get_arrays_over_dims(
     variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[str, NDArray[Any]]:
-    """Return variables of a dataset as arrays whose first array axes are the given dimensions.
+    """Return the variables of a dataset as arrays whose first axes are the given dimensions.
 
     Variables that lack a dimension are constant along it. The arrays are much faster to index than variables.
     """

@@ -38,7 +38,7 @@ INTERFACE_INPUT_NAME = "interface"  # name of the input that combines mu0 and ta
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 
 FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
-"""Percentiles of the coefficient of a single test in `Result.at`. Design codes use the first as a minimum."""
+"""Percentiles of the coefficient of a single test in `Result.at`. Design codes use the lowest one as a minimum."""
 
 # upper bound on ln(coefficient of a single test / mean coefficient), which prevents overflow
 MAX_LOG_COEFFICIENT_RATIO = 50.0
@@ -76,7 +76,7 @@ The inputs change each quantity by the named ratio.
 def compute_quantity_ratios(
     response: ContactResponse, inputs: InputValues, central: ResponseValues
 ) -> dict[RatioName, Floats]:
-    """Return the ratios of quantities besides the closure to those at the central inputs, by name."""
+    """Return all quantities except the closure, by name, divided by their values at the central inputs."""
     values = response.evaluate(inputs)
     hardness, central_hardness = (
         response.area.contact_hardness(response.load, each.hardness, each.size_effect)
@@ -120,14 +120,14 @@ class InputSampler:
     def draw(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
     ) -> _InputSamples:
-        """Draw samples of the named inputs and sources. Some are fixed at the given quantiles."""
+        """Draw samples of the named inputs and sources. Inputs in `fixed` have a given quantile instead."""
         key = tuple(inputs), names, tuple(fixed.items())
         if key not in self._cache:
             self._cache[key] = self._draw_uncached(inputs, names, fixed)
         return self._cache[key]
 
     def find_areas(self, key: Any, response: ContactResponse, inputs: InputValues) -> AreasBeforeShear:
-        """Return the areas before shear for samples with the given key, and cache them for other mu0 and tau0."""
+        """Return the areas before shear for the samples with a given key, which are cached for other mu0 and tau0."""
         if key not in self._areas:
             if len(self._areas) == MAX_CACHED_AREAS:
                 self._areas.pop(next(iter(self._areas)))
@@ -135,7 +135,7 @@ class InputSampler:
         return self._areas[key]
 
     def find_closures(self, key: Any, response: ContactResponse, inputs: InputValues) -> Floats:
-        """Return `closures_at_computed_loads` for samples with the given key, or with None for other samples.
+        """Return the closures at the computed loads for the samples with a given key; None stands for other samples.
 
         The closures of the last key are cached for other loads.
         """
@@ -237,7 +237,7 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return the 95 % interval of a coefficient that is 0 at the central inputs, after the coefficient itself.
+        """Return a coefficient that is 0 at the central inputs, followed by the limits of its 95 % interval.
 
         Relative errors of such a coefficient are undefined. The interval contains the coefficient and its sampling
         interval, and is not below 0. The result is NaN if the coefficient is not 0, or if neither mu0 nor tau0 is
@@ -257,7 +257,7 @@ class CombinedIntervals:
         return value, max(low, 0.0), high
 
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
-        """Return the 95 % interval of the coefficient with some inputs fixed at the given quantiles.
+        """Return the 95 % interval of the coefficient if some inputs are fixed at the given quantiles.
 
         The interval contains the value, the interval of the mean, and the range of coefficients for finer
         scans, unless these sources are fixed.
@@ -301,7 +301,7 @@ class CombinedIntervals:
         return first.extended_to(*others, (self.value, self.value), *self._intervals_without_upper_limit)
 
     def predict_percentiles(self) -> Floats:
-        """Return the `FRICTION_PERCENTILES` of the coefficients of such tests. The outer ones enclose the value."""
+        """Return `FRICTION_PERCENTILES` of single tests. The lowest and the highest enclose the coefficient itself."""
         by_strength = [compute_quantiles(FRICTION_PERCENTILES / 100, *each) for each in self._sample_next_tests()]
         value = np.where(FRICTION_PERCENTILES == 50.0, np.nan, self.value)
         return extend_percentiles(by_strength[0], [*by_strength[1:], value])
@@ -393,14 +393,14 @@ class CombinedIntervals:
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """Interval without an upper limit, if the coefficient at the central inputs has none."""
+        """Return an interval without an upper limit if the coefficient at the central inputs has none."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
         drift_factor: float = 1.0,
     ) -> list[tuple[Floats, Floats]]:  # fmt: skip
-        """Return the samples of `_sample_friction` times a factor, for each entry of `strengths`."""
+        """Call `_sample_friction` for each entry of `strengths`, and multiply the samples by a factor."""
         num_strengths = 1 if INTERFACE_INPUT_NAME in fixed else max(len(self.strengths), 1)
         samples = (self._sample_friction(fixed, dwell_time, index, drift_factor) for index in range(num_strengths))
         return [(lower * factor, upper * factor) for lower, upper in samples]
@@ -464,7 +464,7 @@ class CombinedIntervals:
     def _insert_interface_samples(
         self, inputs: InputValues, samples: _InputSamples, strength_index: int
     ) -> InputValues:
-        """Insert the joint samples of an interface, in the order of the coefficients that they give.
+        """Insert the joint samples of an interface, sorted by the coefficients that they give.
 
         Their quantiles are therefore also quantiles of the coefficient.
         """
@@ -494,7 +494,7 @@ def _compute_friction_angle_difference(ends: tuple[float, float]) -> float:
 
 
 def compute_equal_tailed_interval(values: NDArray[Any], upper_values: NDArray[Any] | None = None) -> Interval:
-    """Return the limits of the equal-tailed interval that contains 95 % of the samples, as `compute_quantiles`.
+    """Return the limits of the equal-tailed interval that contains 95 % of the samples; see `compute_quantiles`.
 
     Raises
     ------
@@ -507,7 +507,7 @@ def compute_equal_tailed_interval(values: NDArray[Any], upper_values: NDArray[An
 def compute_quantiles(
     probabilities: Floats, values: NDArray[Any], upper_values: NDArray[Any] | None = None, axis: int | None = None
 ) -> Floats:
-    """Return quantiles of samples (along an axis), which are infinite where too many samples are infinite.
+    """Return quantiles of samples along an axis. A quantile is infinite if too many samples are infinite.
 
     Quantiles above the median are those of `upper_values`, if given.
 
@@ -533,7 +533,7 @@ def compute_quantiles(
 
 
 def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:
-    """Extend `FRICTION_PERCENTILES` (last axis) to those of other samples: lower ones down, and higher ones up.
+    """Extend `FRICTION_PERCENTILES` (last axis) by those of other samples: low ones downwards, high ones upwards.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

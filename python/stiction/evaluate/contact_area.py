@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import xarray
 
 FALLBACK_YIELD_EXPONENT = 1.15
-"""Exponent of the yielding area for results whose area is limited by the pressure cap. It only scales this area."""
+"""Exponent of the yielding area if a result stores only the area with the pressure cap. It only scales this area."""
 
 AREA_SUMS = ("contact_area", "normal_adhesive", "tangential_adhesive")
 """Stored sums that are proportional to the true area."""
@@ -37,7 +37,7 @@ AREA_SUMS = ("contact_area", "normal_adhesive", "tangential_adhesive")
 
 @dataclass(frozen=True, eq=False)
 class AreaFunction:
-    """True area of the contacts in one cell of a result, averaged over the members.
+    """True area of the contacts in one cell of a result, as a function of load and inputs, averaged over members.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ class AreaFunction:
     def _area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
-        """Return the true area (µm²) of contacts that yield at a pressure (GPa), or None for elastic bodies."""
+        """Return the true area (µm²) of contacts that yield at a pressure (GPa; None for elastic contacts)."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent
@@ -140,7 +140,7 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH,
     ) -> OnsetState:  # fmt: skip
-        """Return the state of the contacts at the onset of sliding. Arguments are as for the area."""
+        """Return the state of the contacts at the onset of sliding. Arguments have the meaning as in `__call__`."""
         elastic_area = self.elastic_area(load, modulus) if elastic_area is None else elastic_area
 
         def area_at_pressure(pressure: Floats | None) -> Floats:
@@ -277,7 +277,7 @@ def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
 
 
 def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floats:
-    """Return d ln(q) / d ln F at the given loads F (mN), where q is the mean of a stored quantity over the members."""
+    """Return d ln(q) / d ln F at the given loads F (mN), where q is the mean over members of a stored quantity."""
     steps = result.study.contact.loading_steps()
     values = result.means([name])[name]
     mean = np.asarray(values.mean([dim for dim in values.dims if dim != "load"]).values)
@@ -328,7 +328,7 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
 
 
 def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Yield the pieces of a result with the true areas of contacts that yield, instead of those with the pressure cap.
+    """Yield the pieces of a result, with the true areas of yielding contacts instead of areas with the cap.
 
     Sums over the true area (`AREA_SUMS`) are proportional to it. All other sums stay those of the contact with the
     pressure cap.

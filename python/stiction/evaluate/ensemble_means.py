@@ -1,4 +1,4 @@
-"""Means over the ensemble: ratios of mean loads, at given mean normal loads or at given elastic loads."""
+"""Ensemble means: friction as the ratio of mean loads, and quantities at mean normal loads or elastic loads."""
 
 from __future__ import annotations
 

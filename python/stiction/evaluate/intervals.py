@@ -27,12 +27,12 @@ NUM_BATCH_VALUES = 2**17  # maximum number of values in a batch; larger batches 
 MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is computed
 MIN_NEIGHBOURING_VALUES = 8  # minimum number of values at neighbouring positions for which an interval is computed
 MIN_RELATIVE_CHANGE = -1 + 1e-12
-"""A mean keeps its sign without a repetition if its relative change is above this limit.
+"""Smallest relative change of a mean on leaving out a repetition at which the mean keeps its sign.
 
 The change is -1 if all other repetitions are zero. The distance from -1 exceeds the round-off.
 """
 MAX_RELATIVE_ROUND_OFF = 1e-12
-"""Half widths of symmetric intervals up to this fraction of |mean| + |slope| · load count as 0, as round-off.
+"""Largest half width of a symmetric interval that counts as round-off, relative to |mean| + |slope| · load.
 
 So does friction up to this fraction of the load or of the pull-off force.
 """
@@ -96,7 +96,7 @@ class LoadCrossings:
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
-        """Remove each crossing between two loading steps if the curve is NaN at the first of these steps."""
+        """Remove the crossings between two loading steps if the curve is NaN at the first of the steps."""
         before, at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
@@ -139,7 +139,7 @@ class LoadCrossings:
         return self.scale[1]
 
     def interpolate_with_slopes(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-        """Interpolate increasing values and their derivatives with respect to the logarithm of the load, as cubics.
+        """Interpolate increasing values, and their derivatives by the logarithm of the load, by cubics.
 
         The arrays have the shape (..., k), and the results have the shape (..., l). The crossings must have been found
         with `interpolates_ratio`. Between two loading steps, slopes are limited so that the cubic increases (Fritsch &
@@ -487,7 +487,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
 
 
 def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
-    """Average values along each line, and return the mean of the line averages with its 95 % interval."""
+    """Average values along each line, and return the mean of these averages with its 95 % interval."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)

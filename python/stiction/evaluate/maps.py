@@ -422,7 +422,7 @@ def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArra
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return the contact sums, and the sums that determine each quantity. The first array axes describe the motion."""
+    """Return the contact sums, followed by the sums for each named quantity. The first axes are those of the motion."""
     dims = [
         *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
         *find_cell_dimensions(dataset),

@@ -239,7 +239,7 @@ def include_interpolation_error(
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
-    """Return the status of a coefficient where a member (first axis) has one, and elsewhere the most frequent one."""
+    """Return the status of a coefficient where any member (first axis) has one; elsewhere the most frequent status."""
     counts = np.stack([(statuses == each).sum(axis=0) for each in STATUSES])
     most_frequent_statuses = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
     with_coefficient = friction.STATUSES_WITH_COEFFICIENT
@@ -265,7 +265,7 @@ def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tupl
 
 
 def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
-    """Replace masked means and their limits by NaN, and negative means, which result from round-off, by 0.
+    """Set masked means and their limits to NaN, and set negative means, which are round-off, to 0.
 
     The last axis contains mean, lower limit and upper limit.
     """

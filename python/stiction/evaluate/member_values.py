@@ -322,7 +322,7 @@ def _grow_contacts(
     forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, sums: Mapping[str, Floats], growth: Floats,
     fraction: Floats,
 ) -> tuple[_MemberForces, NDArray[Any]]:  # fmt: skip
-    """Return the loads and statuses of members whose contacts grow or shrink, or whose softer body shears, under shear.
+    """Return loads and statuses of members whose contacts change under shear, or whose softer body shears.
 
     `sums` are the contact sums that mu0 and tau0 multiply, at the loads. `growth` and `fraction` are the results of
     `compute_onset_factors`.
@@ -345,7 +345,7 @@ def _grow_contacts(
 def _compute_opposing_share(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return the fraction of the load on contacts that oppose the motion, or {} if a sliding rule for it is missing."""
+    """Return the fraction of the load on contacts that oppose the motion; {} without both sliding rules."""
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}
@@ -362,7 +362,7 @@ def _compute_opposing_share(
 def _interpolate_quantities(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, names: Collection[str] | None
 ) -> dict[str, Any]:
-    """Interpolate the requested quantities of a piece, and `normal_elastic`, at the given loads."""
+    """Interpolate the requested quantities and `normal_elastic` of a piece to the given loads."""
     step_dimension, variables = find_step_dimension(piece), {}
     for name in (*INTERPOLATED_QUANTITIES, *DISTRIBUTION_QUANTITIES):
         if name not in piece.variables or not (name == "normal_elastic" or is_requested(name, names)):
@@ -394,7 +394,7 @@ def find_tangential_stiffness_ratio(study: Study) -> float:
 
 
 def has_grooves(study: Study) -> bool:
-    """Return whether the pair presses lines across grooves. Other contact laws take profiles as isotropic surfaces."""
+    """Return whether profiles are pressed as sections of grooves, as opposed to sections of isotropic surfaces."""
     if study.is_areal:
         return False
     contact: Any = study.contact
@@ -478,7 +478,7 @@ def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law:
 
 
 def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _MemberForces) -> NDArray[Any]:
-    """Return the status of each member as an array of shape (..., sliding, direction, load, mu0, tau0)."""
+    """Return the status of each member, with the shape (..., sliding, direction, load, mu0, tau0)."""
     is_known = np.isfinite(forces.normal)
     is_locked = is_known & (forces.normal <= 0)
     status = friction.choose_statuses(

@@ -103,14 +103,14 @@ def read_estimate(table: xarray.DataArray) -> Estimate:
 
 
 def _get_estimate_fields(name: Any, attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Return the name, the unit and the kind of the interval of an estimate in a variable with some attributes."""
+    """Return name, unit and interval kind of the estimate in a variable, given the attributes of the variable."""
     return {
         "name": str(name), "unit": QUANTITIES[str(name)].unit, "kind": find_interval_kind(str(name), attributes),
     }  # fmt: skip
 
 
 def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float, Estimate]:
-    """Return the estimates in an array with the dimensions `dimension` and `statistic`, by coordinate."""
+    """Return the estimates in an array with the dimensions `dimension` and `statistic`, keyed by coordinate."""
     rows = table.variable.transpose(dimension, "statistic").values[:, find_statistic_indices(table)].astype(float)
     fields = _get_estimate_fields(table.name, table.attrs)
     return {
@@ -202,7 +202,7 @@ def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
 
 
 def nominal_pressure_at(point: xarray.Dataset, study: Study) -> float:
-    """Return the load of a point over the nominal area (GPa), or NaN if the nominal area is not meaningful."""
+    """Return the load of a point divided by its nominal area (GPa), or NaN if the nominal area is not meaningful."""
     return float(point["load"]) / float(point["nominal_area"]) if has_nominal_area(point, study) else math.nan
 
 

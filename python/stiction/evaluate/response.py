@@ -20,7 +20,7 @@ from stiction.mechanics.hardness import CENTRAL_SIZE_EFFECT_LENGTH
 from stiction.solve.member_sums import MemberSums
 
 UNLOADING_STIFFNESS_EXPONENT, LOADING_STIFFNESS_EXPONENT = 0.55, -0.4
-"""Exponents of the stiffness as powers of the area that yielding adds, fitted to solutions at other hardnesses.
+"""Exponents of the stiffness as powers of the area added by yielding, fitted to solutions at other hardnesses.
 
 The exponent of the loading stiffness is multiplied by the yielded fraction of the area. For hardnesses from half to
 double and E* within 25 %, the unloading stiffness is within 10 % of these solutions, the loading stiffness within 20 %.
@@ -29,7 +29,7 @@ double and E* within 25 %, the unloading stiffness is within 10 % of these solut
 
 @dataclass(frozen=True, kw_only=True)
 class InputValues:
-    """Values or samples of the inputs of a contact. Arrays are broadcast against each other.
+    """Values or samples of the inputs of a contact, as arrays that are broadcast against each other.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class InputValues:
 
     @property
     def law(self) -> FrictionLaw:
-        """Law of friction of the contacts."""
+        """Friction law of the contacts."""
         return FrictionLaw(self.mu0, self.tau0, self.junction_growth, self.uses_slip_lines, self.area_loss)
 
 
@@ -99,7 +99,7 @@ class ClosureCurve:
         return loading, unloading
 
     def scale_stiffness(self, ratios: Floats) -> Floats:
-        """Return the closures of contacts whose closure stiffnesses at the loads are multiplied by ratios.
+        """Return the closures if the closure stiffnesses at the computed loads are multiplied by ratios.
 
         The arrays have the shape (l, ...). The closure is the integral of the load over the stiffness.
         """
@@ -109,7 +109,7 @@ class ClosureCurve:
         return np.cumsum(np.concatenate([self.closures[:1] * compliances[:1], steps]), axis=0)
 
     def interpolate(self, closures: Floats, load: Floats) -> Floats:
-        """Interpolate closures of shape (l, ...) at loads, as power laws, which are extended beyond the loads."""
+        """Interpolate closures of shape (l, ...) by power laws, which continue beyond the computed loads."""
         log_loads, logs = np.log(self.loads), np.log(closures)
         index = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
         below, above = (np.take_along_axis(logs, each[np.newaxis], axis=0)[0] for each in (index - 1, index))
@@ -143,7 +143,7 @@ def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
 
 
 class AreasBeforeShear(NamedTuple):
-    """True areas (µm²) before shear: of elastic bodies, and of the bodies themselves."""
+    """True areas (µm²) before shear: as if the bodies were elastic, and with yielding."""
 
     elastic: Floats
     true: Floats
@@ -212,7 +212,7 @@ class ContactResponse:
         return AreasBeforeShear(elastic_area, self.area(self.load, elastic_area=elastic_area, **_area_inputs(inputs)))
 
     def evaluate(self, inputs: InputValues, known_areas: AreasBeforeShear | None = None) -> ResponseValues:
-        """Return all quantities for the given inputs, whose areas before shear may be known already."""
+        """Return all quantities for the given inputs. `known_areas` saves computing the areas before shear again."""
         elastic_area, area = self.areas_before_shear(inputs) if known_areas is None else known_areas
         central_area = self.area(self.load)
         law = inputs.law
@@ -276,7 +276,7 @@ class ContactResponse:
         return self.stiffness_ratios(inputs, area_before_shear, exponents)
 
     def closures_at_computed_loads(self, inputs: InputValues) -> Floats:
-        """Return the closures (µm) at all loads of the closure curve, with the shape (loads, ...), for `closure_ratio`.
+        """Return the closures (µm) at all loads of the closure curve, from which `closure_ratio` interpolates.
 
         E* and the height factor are those of the study. The hardness is divided by their changes.
         """
@@ -304,5 +304,5 @@ class ContactResponse:
         return np.asarray(inputs.height_factor * closure / central)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities for the central inputs, of which some may be replaced."""
+        """Return all quantities for the central inputs, after replacing some of these inputs."""
         return self.evaluate(replace(self.central, **changes))

@@ -31,13 +31,13 @@ MIN_INPUT_SAMPLES = 2**10  # minimum number of samples, however many displacemen
 MAX_CURVE_VALUES = 2**21  # maximum number of samples times displacements, which limits the memory
 INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
 CONTACT_INPUTS = ("hardness", "effective_modulus")
-"""Inputs that change the contacts, so that the test is repeated at their limits."""
+"""Inputs that change the contacts. The test is repeated at the limits of these inputs."""
 
 CURVES = ("friction_coefficient", "shear_stress", "dilation")
-"""Quantities with an interval at each displacement."""
+"""Quantities that have an interval at each displacement."""
 
 SUMMARY_NAMES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
-"""Attributes of a shear test with an interval."""
+"""Attributes of a shear test that have an interval."""
 
 _Samples = dict[str, Floats]  # arrays by quantity; the first axis is that of the samples or of the strips
 
@@ -65,7 +65,7 @@ def _draw_points(dimensions: int, num_displacements: int) -> Floats:
 def draw_shear_samples(
     inputs: Inputs, strength: InterfaceStrength | None, num_displacements: int
 ) -> list[ShearInputSamples]:
-    """Draw samples of the inputs; of an interface, also those with mu0 or tau0 at its bound. Empty if all are exact."""
+    """Draw samples of the uncertain inputs. With an interface, further samples have mu0 or tau0 at its bound."""
     uncertain, joint_strengths = find_inputs_and_strengths(inputs, strength)
     if not uncertain and all(np.ptp(mu0) == np.ptp(tau0) == 0 for mu0, tau0, *_ in joint_strengths):
         return []
@@ -96,7 +96,7 @@ def draw_shear_samples(
 
 @dataclass(frozen=True)
 class ContactVariation:
-    """Ratio of an input in `CONTACT_INPUTS` to its central value at one of its limits."""
+    """One limit of an input in `CONTACT_INPUTS`, as a ratio to the central value of the input."""
 
     name: str
     ratio: float
@@ -166,7 +166,7 @@ def _divide(test: xr.Dataset, name: str, divisor: str) -> Floats:
 
 
 def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, dilation: Floats) -> _Samples:
-    """Return curves and summary of samples. The peak is that of the displacements at which the test has one."""
+    """Return curves and summary values of samples. A peak is found among the displacements with status "ok"."""
     displacement, is_ok = test["displacement"].values, test["status"].values == STATUS_OK
     found = {"friction_coefficient": coefficient, "shear_stress": stress, "dilation": dilation}
     if is_ok[-1]:
@@ -230,14 +230,14 @@ def add_shear_intervals(
 
 
 def _student_scores(probabilities: Floats, num_strips: int) -> Floats:
-    """Return quantiles of the error of a mean over strips in standard errors, or zeros without strips."""
+    """Return quantiles of Student's t distribution for a mean over strips, or zeros without strips."""
     from scipy.special import stdtrit
 
     return np.asarray(stdtrit(num_strips - 1, probabilities)) if num_strips else np.zeros_like(probabilities)
 
 
 def _compute_limits(values: Floats) -> Floats:
-    """Return the limits of samples along the first axis (last axis: lower, upper), NaN if a sample is NaN."""
+    """Return 95 % limits over the first axis (last axis: lower, upper), or NaN where any sample is NaN."""
     columns = values.reshape(len(values), -1)
     limits = np.full((columns.shape[1], 2), np.nan)
     is_known = ~np.isnan(columns).any(axis=0)
@@ -247,14 +247,14 @@ def _compute_limits(values: Floats) -> Floats:
 
 
 def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
-    """Extend limits to the value and to other limits. Only dilations and dilation angles may be negative."""
+    """Extend the first limits to the value and to the other limits, and cut them at 0, except for dilation."""
     first, *others = limits
     extended = extend_intervals(first, *others, np.stack([value, value], axis=-1))
     return extended if "dilation" in name else np.maximum(extended, 0.0)
 
 
 def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
-    """Return the test with variables for the limits of curves, and attributes for those of other quantities."""
+    """Store the limits of curves as variables of the test, and the limits of other quantities as attributes."""
     attributes: dict[str, float] = {}
     displacement = test["displacement"].values
     for name in SUMMARY_NAMES:
