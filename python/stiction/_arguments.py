@@ -87,7 +87,7 @@ def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[floa
 
 
 MAX_INPUT_NUMBER = 1e6
-"""Largest accepted coefficient, percentage or range limit. A larger value is treated as an input error."""
+"""Largest accepted coefficient, percentage or range limit. Larger values are rejected as mistakes."""
 
 
 def parse_coefficients(name: str, value: Any) -> list[float]:

@@ -17,7 +17,7 @@ from stiction._units import quantity, short_repr
 
 Floats = NDArray[np.float64]
 _QUANTITY_KINDS_BY_UNIT = {"µm": "length", "GPa": "pressure", "mN": "force", "s": "time", "mN/µm": "work of adhesion"}
-"""Kind of quantity that each core unit measures."""
+"""Kind of quantity of each core unit, such as length for µm."""
 
 _Array = TypeVar("_Array", bound=NDArray[Any])
 

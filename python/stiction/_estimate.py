@@ -233,7 +233,7 @@ def count_estimate_decimals(
 
 
 def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:
-    """Return how many decimals to print for `digits` digits of the half-width, and for 2 to 4 digits of the value."""
+    """Count the decimals that show `digits` digits of the half-width, but at least 2 and at most 4 of the value."""
     first_decimals = -_find_decimal_exponents(value)
     max_decimals = first_decimals + MAX_SIGNIFICANT_DIGITS - 1
     interval_decimals = digits - 1 - _find_decimal_exponents((upper - lower) / 2)
@@ -242,7 +242,7 @@ def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits
 
 
 def _count_significant_decimals(value: Floats, digits: int) -> Floats:
-    """Return the decimals of values that are rounded to `digits` digits, without trailing zeros."""
+    """Count the decimals of values that are rounded to `digits` digits, without trailing zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
         # the rounded digits as a whole number, such as 123 for 0.01234

@@ -120,7 +120,7 @@ def new_partial_file_name() -> str:
 
 
 class FolderClaim:
-    """Partial file that marks a folder as in use by a run, from `acquire` until the end of the context.
+    """Partial file by which a run claims a folder, from `acquire` until the end of the context.
 
     A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
     process is killed, the file stays and becomes stale, so that it does not lock the folder.

@@ -93,7 +93,7 @@ def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
 
 
 def format_number(value: float, kind: str) -> str:
-    """Format a number according to its size and its kind, such as "percent"; see `list_number_formats`."""
+    """Format a number according to its size and its kind (for example "percent"); see `list_number_formats`."""
     return _choose_by_size(value, list_number_formats(kind)).format(value)
 
 

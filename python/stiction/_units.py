@@ -33,10 +33,10 @@ _QUANTITY_PATTERN = re.compile(
 _NUMBER_WITH_UNIT_PATTERN = re.compile(
     r"\s*[+-]?(?:[0-9._]+(?:[eE][+-]?[0-9]+)?|inf|nan)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*"
 )
-"""Pattern of a number and a unit. It allows more digits and larger exponents than a valid quantity can have."""
+"""Pattern of a number and a unit. It accepts more digits and larger exponents than a valid quantity can have."""
 
 _RANGE_OF_NUMBERS_PATTERN = re.compile(r"[0-9]\s*[^\W0-9_]*\s*\.\.\s*[0-9]")
-"""Pattern in a string with a range, such as "1..5 um"."""
+"""Pattern of a range of numbers in a string, such as "1..5 um"."""
 
 
 def unit_names(kind: str) -> tuple[str, ...]:

@@ -243,7 +243,7 @@ def _create_folder(folder: Path) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _TestSetup:
-    """Everything that a shear test computes: the test itself, and further tests for its intervals."""
+    """Shear test to compute, and the further tests that its intervals require."""
 
     box: ShearBox
     offsets: NDArray[np.int64]
@@ -265,7 +265,7 @@ def _build_setup(box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64
 
 
 def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[ShearBox]:
-    """Return the tests of the strips. Raise a `ValueError` if the faces cannot be cut into as many."""
+    """Return a test of each strip. Raise a `ValueError` if the faces cannot be cut into so many strips."""
     if strips is None:
         boxes = box.cut_strips(offsets)
         return boxes if len(boxes) >= MIN_STRIPS else []
@@ -348,7 +348,7 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
 
 
 def _describe(setup: _TestSetup) -> str:
-    """Return text that differs if any input of a test differs."""
+    """Return text that identifies all inputs of a test: it differs if any input differs."""
     box = setup.box
     checksums = [
         hashlib.sha256(heights_with_nan(face).tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
@@ -362,7 +362,7 @@ def _describe(setup: _TestSetup) -> str:
 
 
 def _open_stored_test(folder: Path, key: str, *, replace: bool) -> xr.Dataset | None:
-    """Return the finished test of a folder, or None if the folder has none, or another one that is to be replaced."""
+    """Return the finished test in a folder, or None if the folder has no test, or another test to be replaced."""
     import xarray as xr
 
     path = folder / TEST_FILE_NAME

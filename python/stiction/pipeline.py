@@ -183,7 +183,7 @@ def complete_result(
 
 
 def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: float) -> None:
-    """Print the estimated time of a task if it is long."""
+    """Print the estimated time of a task if the task takes long."""
     if seconds > MIN_ANNOUNCED_TIME:
         print_remark(f"{task}: about {format_duration(seconds)} of one core")
 
@@ -223,7 +223,7 @@ def compute_companion_files(
     result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False,
     announce: LinePrintFunction = _ignore_line, print_remark: LinePrintFunction = _ignore_line,
 ) -> None:  # fmt: skip
-    """Compute the cutoff study and the onset of sliding of a measured pair unless they are already stored."""
+    """Compute the cutoff study and the onset of sliding of a measured pair, unless they are stored already."""
     stored_result = result.stored
     if stored_result is None or not stored_result.study.is_measured:
         return
@@ -255,7 +255,7 @@ def compute_companion_files(
 
 
 def _write_onset_table(result: Result, onset: xarray.Dataset) -> None:
-    """Write the table of an onset that is scaled to the coefficient of the result, unless the file contains it."""
+    """Write the onset table of a result, scaled to its coefficient, unless the file already contains this table."""
     scaled_onset = result.scale_onset(onset)
     if scaled_onset is None or result.path is None:
         return

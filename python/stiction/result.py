@@ -43,7 +43,7 @@ class Result(Evaluation):
 
     @property
     def sentence(self) -> str:
-        """Sentences to quote, one for each load on a line of its own, with all conditions under which the value holds.
+        """Sentences to quote, one line for each load, with all conditions under which the values hold.
 
         Loads whose coefficient must not be quoted have a sentence with the reason. If `mu0` and `tau0` have several
         values, each combination has a sentence. For generated surfaces, only the first combination of D, amplitude, mu0

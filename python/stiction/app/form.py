@@ -19,7 +19,7 @@ from stiction.study.pair_options import (
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 
 _NAMES_BY_FLAG = {format_command_line_name(name).removeprefix("--"): name for name in PAIR_OPTIONS}
-"""Field names of the options by their names on the command line without dashes."""
+"""Field names of the options, keyed by the command-line name of the option without dashes."""
 
 FORM_FIELDS_BY_FLAG: dict[str, FormField] = {
     flag: field for flag, name in _NAMES_BY_FLAG.items() if (field := PAIR_OPTIONS[name].field) is not None
@@ -34,16 +34,16 @@ SHARED_FLAGS = tuple(
     for flag, field in FORM_FIELDS_BY_FLAG.items()
     if field.place == "scan" and not PAIR_OPTIONS[_NAMES_BY_FLAG[flag]].is_repeatable
 )
-"""Names of options that have a field for each scan, but one value for both scans."""
+"""Names of options for which the form has a field for each scan, although both scans share one value."""
 
 
 SHEAR_FORM_FLAGS = ("path", "direction", "normal-stiffness", "register")
-"""Names of the options of a shear test that have fields of their own."""
+"""Names of the shear test options that have their own fields in the form."""
 
 SHEAR_FLAGS = (
     *FILE_READING_FLAGS, "upper", "lower", "young", "poisson", "hardness", "load", "mu0", "tau0", "interface", "tilt",
 )  # fmt: skip
-"""Names of the options of a shear test that it shares with a pair."""
+"""Names of the options that a shear test shares with a pair."""
 
 
 def fields_html(place: Literal["scan", "more"]) -> str:
@@ -79,7 +79,7 @@ def page_data_json() -> str:
 
 
 def group_option_values(options: Iterable[tuple[str, str]]) -> dict[str, Any]:
-    """Return the keyword arguments of `MeasuredPair.from_values` for pairs of option name and text."""
+    """Convert pairs of option name and text to keyword arguments of `MeasuredPair.from_values`."""
     texts_by_name: dict[str, list[str]] = {}
     for flag, text in options:
         texts_by_name.setdefault(_NAMES_BY_FLAG[flag], []).append(text)
@@ -87,7 +87,7 @@ def group_option_values(options: Iterable[tuple[str, str]]) -> dict[str, Any]:
 
 
 def format_error(error: Exception) -> str:
-    """Return the message of an error as the command line prints it. Its arguments have the names of options."""
+    """Return the message of an error as the command line prints it, with option names instead of argument names."""
     return error.translated_message(format_command_line_name) if isinstance(error, ArgumentError) else str(error)
 
 
@@ -125,11 +125,11 @@ def replace_option_names(message: str) -> str:
 
 
 def replace_option_names_in_caveats(record: dict[str, Any]) -> dict[str, Any]:
-    """Return the record of a point after replacing the option names in its caveats with field labels."""
+    """Replace option names in the caveats of a point record with field labels."""
     caveats = [{name: replace_option_names(text) for name, text in caveat.items()} for caveat in record["caveats"]]
     return record | {"caveats": caveats}
 
 
 def replace_option_names_in_preview(preview: dict[str, Any]) -> dict[str, Any]:
-    """Return the preview of a scan after replacing the option names in its messages with field labels."""
+    """Replace option names in the messages of a scan preview with field labels."""
     return preview | {name: replace_option_names(preview[name]) for name in ("error", "warning") if name in preview}

@@ -82,7 +82,7 @@ class Job:
     task: asyncio.Task[None] | None = None
 
     def page_data(self) -> dict[str, Any]:
-        """Return a dict of the job data that the server sends to the page."""
+        """Return the job data that the server sends to the page."""
         field_names = ("number", "title", "state", "finished", "total")
         return {name: getattr(self, name) for name in field_names} | {
             "words": self.activity, "by": self.scope, "answer": self.record, "error": replace_option_names(self.error),
@@ -91,7 +91,7 @@ class Job:
         }  # fmt: skip
 
     def show(self, record: Any, files: Path | None, *, scope: str = "", counts: tuple[int, int] | None = None) -> None:
-        """Show the values of a result.
+        """Store the values of a result for the page, which then shows them.
 
         `files` is the directory with the files that the user can save, or None if they have not been written. `scope`
         describes the members of an intermediate result. `counts` contains the number of finished members and the number
@@ -141,7 +141,7 @@ class JobQueue:
         return job
 
     def page_data(self) -> list[dict[str, Any]]:
-        """Return the data of all jobs for the page. A waiting job names the job before it in the queue."""
+        """Return the data of all jobs for the page. A waiting job states for which job it waits."""
         records, previous_title = [], ""
         for job in self.jobs_by_number.values():
             record = job.page_data()
@@ -244,7 +244,7 @@ class JobQueue:
         job.show(_read_answer(job, record), files, counts=counts)
 
     def _copy_files(self, job: Job, files: Path, record: str) -> tuple[int, int] | None:
-        """Copy the files and the JSON record to a new directory, and return the member counts of a pair."""
+        """Copy the files and the JSON record of a job to a new directory. For a pair, return the member counts."""
         sources = FILES_BY_COMMAND[job.arguments[0]]
         texts = {name: (job.folder / source).read_text("utf-8") for name, source in sources.items()}
         files.mkdir(parents=True)
@@ -314,7 +314,7 @@ def _print_unexpected_error(task: asyncio.Task[None]) -> None:
 
 
 def _read_answer(job: Job, record: str) -> dict[str, Any]:
-    """Return the values of the JSON record that a command printed."""
+    """Return the values in the JSON record that the command of a job printed."""
     return _read_shear_test(record) if job.arguments[0] == "shear" else _read_reported_point(record)
 
 
@@ -329,7 +329,7 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the values of the reported point in the JSON record of a pair. Raise its remark if it has no values."""
+    """Return the values of the reported point in the JSON record of a pair, or raise the remark of the record."""
     values = json.loads(record)
     if "points" not in values:
         raise RejectedRequestError(values["remark"])

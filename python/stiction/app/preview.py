@@ -74,7 +74,7 @@ def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return whether the faces of two scans fit into each other, and a path for a shear test, a tenth of their length.
+    """Return whether the faces of two scans fit into each other, and a shear path of a tenth of their length.
 
     Scans that cannot be read do not fit.
     """

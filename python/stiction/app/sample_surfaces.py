@@ -29,7 +29,7 @@ def write_sample_surfaces(folder: Path) -> list[Path]:
 
 
 def draw_profiles(changes: Any) -> str:
-    """Draw an SVG image of two profiles near their first contact: those of the study `quick`, changed by `changes`."""
+    """Draw an SVG image of two profiles near their first contact, from the study `quick` with `changes`."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
     upper, lower = next(

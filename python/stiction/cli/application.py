@@ -259,7 +259,7 @@ def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[F
 
 
 _OPTION_NAMES_BY_ARGUMENT = {"height_scale": "--scale-heights", "compute=True": "--compute"}
-"""Options of `at` whose names differ from the names of the arguments of `Result.at`."""
+"""Names of the options of `at` that differ from the argument names of `Result.at`."""
 
 
 def _option_name(argument: str) -> str:

@@ -165,7 +165,7 @@ def _print_height_factor_results(
     stored_result: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print a result for several height factors. If `compute` is True, first compute the missing results."""
+    """Print a result for several height factors. If `compute` is True, compute missing results first."""
     from stiction.companions.height_scale import (
         compute_results_at_height_factors,
         evaluate_at_height_factors,

@@ -53,7 +53,7 @@ def check_output_directory(directory: Path) -> None:
 
 
 def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable: bool) -> str:
-    """Return advice on what to do if the output directory contains another study."""
+    """Return advice for an output directory that contains another study."""
     remedies = ["choose another directory with --output DIR"]
     if is_replaceable:
         remedies.append("overwrite the stored result with --replace")

@@ -72,7 +72,7 @@ def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReadi
 
 
 def show_reader_import_status(file: Path) -> None:
-    """If SurfaceTopography must be imported to read a file, show a message on a terminal."""
+    """Show a message on the terminal while SurfaceTopography is imported, if reading a file requires it."""
     from stiction.surfaces.measured.reading import READERS
 
     if file.suffix.lower() not in READERS and file.is_file() and "SurfaceTopography" not in sys.modules:

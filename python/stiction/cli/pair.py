@@ -205,7 +205,7 @@ def pair(
 
 
 def compute_preview_line(study: Study) -> str:
-    """Return a line of text with a preview of the friction coefficient. Only the first members are computed.
+    """Return a line of text with a preview of the friction coefficient, computed from the first members.
 
     Raises `ValueError` if the surfaces do not touch.
     """

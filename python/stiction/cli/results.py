@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stiction.result import Result
 
 JOINT_DIRECTORY = "joint"
-"""Directory, in that of a pair, of the result at all loads of its joint table."""
+"""Subdirectory of a pair's directory for the result at all loads of the joint table."""
 
 DirectoryArgument = Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair` or `run`.")]
 
@@ -158,7 +158,7 @@ def export(
 
 
 def _compute_joint(result: Result, directory: Path, workers: int | None) -> Result:
-    """Compute a pair at all loads of its joint table. A joint of another study in the directory is replaced."""
+    """Compute a pair at all loads of its joint table. A stored joint result of another study is replaced."""
     from stiction.cli.execution import compute_result_in_folder, open_executor
     from stiction.solve.store import StudyMismatchError
     from stiction.summary.joint_table import build_joint_study

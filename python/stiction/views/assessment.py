@@ -74,20 +74,20 @@ def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]
 
 
 _CAVEAT_NUMBER_PATTERN = re.compile(r"(\d+(?:\.\d+)?(?:e[+-]?\d+)?)( ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?)")
-"""Pattern of a number with its unit. Caveats that differ only in numbers are grouped."""
+"""Pattern of a number with its unit. Caveats that are equal apart from such numbers are grouped."""
 
 _PREFIX_FACTORS = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 
 
 def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
-    """Return the first caveat of a group, with the ranges of the numbers in which the caveats of the group differ."""
+    """Return the first caveat of a group, with ranges for the numbers that differ between the caveats."""
     numbers = zip(*(_CAVEAT_NUMBER_PATTERN.findall(caveat.text) for caveat in group), strict=True)
     range_texts = iter([_range_text(sorted(set(each), key=_number_with_unit)) for each in numbers])
     return replace(group[0], text=_CAVEAT_NUMBER_PATTERN.sub(lambda _: next(range_texts), group[0].text))
 
 
 def _number_with_unit(number: tuple[str, str]) -> float:
-    """Return a number, multiplied by the factor of the prefix of its unit."""
+    """Return the value of a (number, unit) pair, multiplied by the factor of the unit's prefix."""
     unit = number[1].strip()
     return float(number[0]) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
 
@@ -127,4 +127,4 @@ _CONDITION_TEXTS = {
     UPPER_SCANS_INPUT_NAME: "With scans of more places of the upper part",
     LOWER_SCANS_INPUT_NAME: "With scans of more places of the lower part",
 }  # fmt: skip
-"""Conditions under which sources other than uncertain inputs would contribute little."""
+"""Conditions (as phrases) under which a source other than an uncertain input would contribute little."""

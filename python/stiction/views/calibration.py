@@ -83,7 +83,7 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
 
 
 def _junction_growth_text(interface: Interface) -> str:
-    """Return a sentence about the junction growth of the tests, with its fitted interval if it is a range."""
+    """Return a sentence about the junction growth of the tests, with its fitted interval if it is uncertain."""
     growth = interface.junction_growth
     assert growth is not None, "tests have a junction growth"
     text = f"Junction growth: the tests were evaluated with {junction_growth_text(growth)}"

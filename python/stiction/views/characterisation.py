@@ -60,12 +60,12 @@ class TableRow(NamedTuple):
 HEADLINE_PARAMETERS = (
     "Pq", "Pt", "Pdq", "Ra", "Rq", "Rz", "Rsk", "RSm", "Wq", "Sq", "Sa", "Sz", "Ssk", "Sdq", "Sal", "Str", "Std",
 )  # fmt: skip
-"""Roughness parameters on the first screen of a terminal."""
+"""Roughness parameters that the terminal prints without `--verbose`."""
 
 
 @dataclass(frozen=True, eq=False)
 class CharacterisationTable:
-    """Table of the values of one scan."""
+    """Table of the roughness parameters and other values of one scan."""
 
     scan: Characterisation
 

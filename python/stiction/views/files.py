@@ -64,10 +64,10 @@ CARD_FORMATS: dict[str, tuple[str, Callable[[JointTable, str], str]]] = {
     ".mac": ("Ansys", ansys_card),
     ".liggghts": ("LIGGGHTS", liggghts_card),
 }
-"""Description and text of each card of another program, by file name extension."""
+"""Name of the program and writer for each input card of another program, by file name extension."""
 
 JOINT_FORMATS = {".csv": ("a table", joint_csv), ".json": ("a table", joint_json)} | CARD_FORMATS
-"""Description and text of each format of a joint table, by file name extension."""
+"""Description and writer of each format of a joint table, by file name extension."""
 
 
 def write_result(result: Evaluation, path: Path) -> None:
@@ -91,14 +91,14 @@ def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAUL
 
 
 def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Raise the errors of `write_joint_table` that do not depend on the result."""
+    """Check the file of a joint table in advance, with the errors of `write_joint_table`."""
     _check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
     JointUnits.parse(units)
     check_creatable(path, ValueError)
 
 
 def is_card(path: Path) -> bool:
-    """Return whether the ending of a file belongs to the cards of other programs."""
+    """Return whether a file name has the extension of an input card of another program."""
     return path.suffix.lower() in CARD_FORMATS
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 CARD_WIDTH = 100  # maximum number of characters in a comment line of a card
 CURVE_DIGITS = 6
-"""Significant digits of pressures and closures in cards: other programs take the stiffness from their differences."""
+"""Significant digits of pressures and closures in cards. Other programs compute stiffnesses from differences."""
 _ASCII_REPLACEMENTS = {
     "μ": "mu", "τ": "tau", "α": "alpha", "ν": "nu", "±": "+-", "²": "^2", "µ": "u", "–": "-", "′": "'", "×": "x",
 }  # fmt: skip
@@ -171,7 +171,7 @@ def liggghts_card(table: JointTable, source: str) -> str:
 
 
 def _list_increasing_rows(table: JointTable) -> list[JointRow]:
-    """Return the rows whose closure exceeds that of all rows before, as tables of other programs require."""
+    """Return the rows whose closure exceeds that of all earlier rows, as tables of other programs require."""
     rows: list[JointRow] = []
     for row in table.rows:
         if row.estimates["closure"].value > (rows[-1].estimates["closure"].value if rows else 0.0):
@@ -180,7 +180,7 @@ def _list_increasing_rows(table: JointTable) -> list[JointRow]:
 
 
 def _number(estimate: Estimate) -> str:
-    """Return the value with as many digits as an estimate has; pressures and closures have more."""
+    """Format the value of an estimate for a card; pressures and closures get more digits than other values."""
     digits = CURVE_DIGITS if estimate.name in ("nominal_pressure", "closure") else MAX_SIGNIFICANT_DIGITS
     return f"{estimate.value:.{digits}g}"
 
@@ -210,11 +210,11 @@ _CARD_COLUMNS = (
     "nominal_pressure", "closure", "closure_stiffness", "tangential_stiffness_per_area",
     "friction_5", "friction_50", "friction_95",
 )  # fmt: skip
-"""Estimates in the comments of a card, whose lines must not exceed 256 characters for Abaqus."""
+"""Estimates that a card lists in comments; Abaqus limits lines to 256 characters, so that not all fit."""
 
 
 def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) -> list[str]:
-    """Return the main columns of the table as comment lines, with intervals.
+    """Return the main columns of a joint table as comment lines, with intervals.
 
     Of the estimates named in `given`, which the card itself contains, only the intervals are listed.
     """

@@ -52,7 +52,7 @@ class ShortenedList:
 
 
 Paragraph = Sequence[str | WrappedText | Table | ShortenedList]
-"""Items that follow one another without an empty line. A `str` is a line without indents."""
+"""Items that follow one another without an empty line. A `str` is one line that is not indented."""
 
 
 def terminal_width() -> int:

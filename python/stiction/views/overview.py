@@ -119,5 +119,5 @@ def _overview_cell(point: PointSummary, rule: str) -> str:
 
 
 def _is_marked(coefficient: SlidingRuleCoefficient) -> bool:
-    """Return whether an asterisk marks a coefficient in the table."""
+    """Return whether the table marks a coefficient with an asterisk."""
     return coefficient.status == STATUS_OK and coefficient.is_outside_asperity_model

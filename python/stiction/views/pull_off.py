@@ -47,6 +47,6 @@ def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
 
 
 def _text_with_unit(estimate: Estimate) -> str:
-    """Return a quantity with its interval, in the unit with the fewest zeros."""
+    """Return a quantity with its interval in the prefixed unit that needs the fewest zeros."""
     scaled = estimate.in_prefixed_unit()
     return "none" if math.isnan(estimate.value) else f"{scaled.text()} {scaled.unit}"

@@ -107,7 +107,7 @@ def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence:
 
 
 def percent_text(fraction: float) -> str:
-    """Return a fraction without an interval in percent, as in "10.9 %". It has the digits of values in tables."""
+    """Format a fraction as a percentage with three digits, as in "10.9 %"."""
     return "none" if math.isnan(fraction) else f"{format_significant(100 * fraction, 3)} %"
 
 

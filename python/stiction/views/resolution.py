@@ -82,7 +82,7 @@ def _coefficient_text(value: float) -> str:
 
 
 def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
-    """Return the note below the table of cutoffs."""
+    """Return the note below the table of cutoffs in the cutoff study."""
     count_text = study.member_names.with_count(resolution.members)
     text = f"The surfaces are low-pass filtered at the cutoff; means over {count_text}."
     if resolution.plastic_limit is not None:

@@ -205,7 +205,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 
 
 def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the quantities to write to a CSV file. Quantities with one value for each direction are left out."""
+    """Return the quantities to write to a CSV file. Quantities with a separate value for each direction are omitted."""
     return [
         name
         for name in quantity_names_shown_in("csv")

@@ -35,7 +35,7 @@ MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 # The terminal and the report state what finer scans would give if it spans this fraction of the interval.
 MIN_STATED_BRACKET_WIDTH = 0.05
 MIN_STATED_KAPPA_DEVIATION = 0.2
-"""Largest relative difference of A E* h'/F from its usual value for which the small-slope estimate applies."""
+"""Largest relative deviation of A E* h'/F from its usual value at which the small-slope estimate still applies."""
 
 DEFAULT_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
 """Usual value of A E* h'/F, which `gentle_friction` assumes."""

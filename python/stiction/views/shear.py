@@ -70,7 +70,7 @@ def curve_estimate(test: xarray.Dataset, name: str, index: int) -> Estimate:
 
 
 def headline_estimates(test: xarray.Dataset) -> dict[str, Estimate]:
-    """Return the peak coefficient, its displacement and dilation angle, the peak stress, and the value at the end."""
+    """Return the peak coefficient with its displacement, dilation angle and stress, and the coefficient at the end."""
     attributes = test.attrs
     return {
         name: Estimate(
@@ -89,7 +89,7 @@ def headline_estimates(test: xarray.Dataset) -> dict[str, Estimate]:
 
 
 def shear_values(test: xarray.Dataset) -> list[dict[str, Any]]:
-    """Return the JSON values of a shear test: those of the headline, and those at each displacement."""
+    """Return the JSON values of a shear test: its headline values, and the values at each displacement."""
     return [
         *(estimate.to_record() for estimate in headline_estimates(test).values()),
         *(
@@ -101,7 +101,7 @@ def shear_values(test: xarray.Dataset) -> list[dict[str, Any]]:
 
 
 def list_caveats(test: xarray.Dataset) -> list[str]:
-    """Return sentences on what limits a shear test."""
+    """Return the caveats about a shear test as sentences."""
     status, displacement = test["status"].values, test["displacement"].values
     caveats = []
     if (reason := _NO_PEAK_REASONS.get(str(test.attrs["peak_status"]))) is not None:
@@ -234,7 +234,7 @@ def _peak_lines(values: Mapping[str, Estimate]) -> list[str]:
 
 
 def _interval_text(attributes: Mapping[Any, Any]) -> str:
-    """Return a line on what the intervals include."""
+    """Return a line that lists the sources of uncertainty in the intervals."""
     inputs, strips = str(attributes["uncertain_inputs"]), int(attributes["strips"])
     sources = [inputs] * bool(inputs) + [f"scatter between {strips} strips of the faces"] * bool(strips)
     return f"95 % intervals: {', '.join(sources)}"

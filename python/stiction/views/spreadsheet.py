@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     import pandas
 
 FORMULA_START_CHARACTERS = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
-"""Characters at the start of a cell that make a spreadsheet program interpret it as a formula."""
+"""Characters that make a spreadsheet program interpret a cell as a formula if the cell starts with them."""
 
 
 def frame_to_csv(frame: pandas.DataFrame, *, float_format: str = "%.9g") -> str:

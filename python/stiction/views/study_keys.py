@@ -85,7 +85,7 @@ _KEY_TABLES: tuple[
     ("`[ensemble]`", f"{EnsembleSettings.__doc__}", (EnsembleSettings,), ()),
     ("`[figures]` of generated surfaces", f"{FigureSettings.__doc__}", (FigureSettings,), ()),
 )
-"""Tables of a study file: title, description, model classes, and base classes with shared keys."""
+"""Tables of keys, one per section of a study file: title, description, classes, and base classes with shared keys."""
 
 
 def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
@@ -124,7 +124,7 @@ def _models_with_key(
     table_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return the names of the models that have a key. A base class replaces its models if all of them have the key."""
+    """Return the names of the classes that have a key. A base class replaces its classes if all of them have it."""
     subclasses = {
         item: {table_class for table_class in table_classes if issubclass(table_class, item)} for item in base_classes
     }

@@ -79,7 +79,7 @@ _AXIS_LABELS = {
     "height": "height $z$ (µm)",
     "height_nm": "height $z$ (nm)",
 }
-"""Axis labels of quantities that results do not contain, or that figures show in another unit."""
+"""Axis labels of quantities that are missing in results, or that figures show in another unit."""
 
 
 def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "constrained") -> Figure:

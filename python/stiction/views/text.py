@@ -246,7 +246,7 @@ def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSumm
 
 
 def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collection[float]) -> list[PointSummary]:
-    """Select the points at the first cell, the first mu0 and the first tau0 for given loads, in the order of loads."""
+    """Select the points of the first cell, mu0 and tau0 at given loads, in the order of the loads."""
     first_coordinates = points[0].at.items()
     return sorted(
         (
@@ -266,7 +266,7 @@ def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
 
 
 def _list_varying_coordinates(points: Sequence[PointSummary]) -> list[str]:
-    """Return the coordinates in which points differ. The Hurst exponent replaces the fractal dimension."""
+    """Return the coordinates in which the points differ, with the Hurst exponent instead of the fractal dimension."""
     names = [name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at]
     return [name for name in names if len({point.at[name] for point in points}) > 1]
 

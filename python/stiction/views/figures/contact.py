@@ -150,7 +150,7 @@ def _draw_forces(
     magnification: float,
     max_arrow_length: float,
 ) -> None:
-    """Draw elastic forces on the upper body, and friction at opposing contacts, to the same scale.
+    """Draw the elastic forces on the upper body and the friction at opposing contacts, both at the same scale.
 
     Slopes are magnified by the same factor as heights.
     """

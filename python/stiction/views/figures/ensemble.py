@@ -46,7 +46,7 @@ COLOUR_RANGE_QUANTILES = (0.01, 0.95)
 """Quantiles of the friction coefficients at the ends of the colour scale, which excludes a few very high values."""
 
 FADING_PARAMETERS = (0.3, 1.2, 0.85)
-"""Relative interval widths at which the fading of a cell starts and reaches its maximum, and this maximum."""
+"""Relative interval widths at which the fading of a cell begins and ends, and the strongest fading."""
 
 CURVE_LABEL_SPACING = 2.4  # distance between curve labels, mm
 # maximum ratio of an axis limit to the extreme mean; wider bands are cut off at the axis limit
@@ -303,7 +303,7 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]
 
 
 _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\", "linewidth": 0}
-"""Style of cells in which the model is not valid. The lines are thin and far apart, so that the colours are visible."""
+"""Style of cells in which the model is not valid: lines so thin and far apart that the colours stay visible."""
 
 
 def _compute_fading(friction_with_limits: Floats) -> Floats:

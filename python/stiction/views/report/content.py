@@ -60,7 +60,7 @@ STATUS_LABELS = {
     friction.STATUS_BULK_SHEAR: "bulk shear: the coefficient is a lower limit",
     friction.STATUS_DOWNHILL: "slides downhill without a tangential load",
 }  # fmt: skip
-"""Texts for the statuses in the legend of the map; `STATUS_EXPLANATIONS` contains the reasons."""
+"""Labels of the statuses in the legend of a friction map; `STATUS_EXPLANATIONS` contains the reasons."""
 
 BEYOND_MODEL_TEXT = (
     f"beyond the model: over {format_percent(MAX_AFFECTED_FRACTION)} of the load beyond Hertz (overlap > radius / 10) "
@@ -69,7 +69,7 @@ BEYOND_MODEL_TEXT = (
 
 
 def common_facts(data: MeasuredReportData | GeneratedReportData) -> dict[str, Any]:
-    """Return the facts that the pages of generated and measured surfaces have in common."""
+    """Return the data for the script of a page that all reports share."""
     modulus, values = float(data.study.contact.effective_modulus), data.values
     return {
         "axes": None if values is None else _slider_settings(values.axes, data.study),
@@ -85,7 +85,7 @@ def common_facts(data: MeasuredReportData | GeneratedReportData) -> dict[str, An
 
 
 def _strength_limit(modulus: float) -> dict[str, Any]:
-    """Return the largest plausible tau0 (MPa), and a notice about larger values."""
+    """Return the largest plausible tau0 (MPa), and the notice that a page shows above this value."""
     ratio = friction.MAX_SHEAR_STRENGTH_RATIO
     text = f"τ0 is above {format_percent(ratio)} of the effective modulus, {format_with_unit(ratio * modulus, 'GPa')}."
     return {"limit": 1000 * ratio * modulus, "text": text}

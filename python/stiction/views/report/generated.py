@@ -110,7 +110,7 @@ def _value_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
 
 
 def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
-    """Return the numbers in the texts of caveats at the points whose assessments contain these caveats."""
+    """Return the numbers in the texts of caveats, at the points that have these caveats."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
         for check in filter(_has_number, caveats):
@@ -125,7 +125,7 @@ def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArra
 
 
 def _has_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
-    """Return whether the text of a caveat contains a number of the point."""
+    """Return whether the text of a caveat contains a number that depends on the point."""
     return isinstance(reason, LimitCheck) and "{}" in reason.text
 
 

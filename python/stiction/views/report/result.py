@@ -57,7 +57,7 @@ PLOT_PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
 """Title, description and additional HTML attributes of each plot."""
 
 MAIN_PLOTS = {True: ("friction", "compass"), False: ("over", "friction", "area", "stiffness")}
-"""Plots that are shown before "More" is opened, for measured bodies (True) and for generated bodies (False)."""
+"""Plots that a page shows before "More" is opened, for measured bodies (True) and for generated bodies (False)."""
 
 
 MAX_REPORT_VALUES = {True: 400_000, False: 1_000_000}

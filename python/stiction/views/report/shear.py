@@ -40,7 +40,7 @@ def shear_page(test: xarray.Dataset, *, name: str, head: list[str] | None = None
 
 
 def _describe_conditions(test: xarray.Dataset) -> list[str]:
-    """Return a line on the conditions of a test."""
+    """Return a line with the conditions of a test: normal stress, interface, hardness, E* and direction."""
     attributes = test.attrs
     conditions = [
         f"normal stress {format_with_unit(float(attributes['normal_stress_GPa']), 'GPa')} on the overlap at the start",

@@ -1,4 +1,4 @@
-"""Tables of numbers on a report page. Each number is stored with the number of decimals to print."""
+"""Tables of numbers on a report page. Each number is stored with the number of decimals that the page shows."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class NumberArray:
 
 
 def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDArray[np.int8]:
-    """Return the index of the format of each number, as `format_number` chooses the format of a single number."""
+    """Return the index of the format of each number, which `format_number` would choose for it."""
     sizes = np.where(np.isnan(values) | (values == 0), 1.0, np.abs(values))
     minima = MIN_ROUNDED_UP * np.array([item.minimum for item in reversed(formats)])
     return (len(minima) - np.searchsorted(minima, sizes, side="right")).astype(np.int8)
