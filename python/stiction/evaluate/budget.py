@@ -210,7 +210,7 @@ def _evaluate_uncertainty(
         return tables, {}
     percent_attributes = quantity_attributes("percentile")
     coordinates: dict[str, Any] = {"percentile": ("percentile", FRICTION_PERCENTILES, percent_attributes)}
-    if study.surfaces.both_readings and "cut_off" in dims:  # the first cutoff covers all cutoffs
+    if study.surfaces.both_readings and "cut_off" in dims:  # percentiles at the first cutoff enclose all others
         by_cutoff = np.moveaxis(percentiles, dims.index("cut_off"), 0)
         by_cutoff[0] = extend_percentiles(by_cutoff[0], by_cutoff[1:])
     tables |= {
@@ -304,7 +304,7 @@ class _CombinedQuantities:
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
-            # A quantity that does not depend on the sliding rule, mu0 or tau0 belongs to the first of them.
+            # A quantity without one of the dimensions is extended only for the first entry of this dimension.
             if any(index > 0 for dim, index in indices.items() if dim not in dims):
                 continue
             positions[name] = tuple(indices[dim] for dim in dims[:-1])
@@ -354,7 +354,8 @@ def _iterate_intervals(
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
-    central_values: dict[tuple[int, ...], Any] = {}  # quantities at all mu0 and tau0, by the other indices
+    # quantities at the central inputs for all mu0 and tau0, by the indices of the other dimensions
+    central_values: dict[tuple[int, ...], Any] = {}
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))
         point = {name: values[position] for name, values in values_by_name.items()}

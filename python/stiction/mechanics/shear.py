@@ -63,7 +63,7 @@ MAX_ROUND_OFF_GAP = 1e-9
 """Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
 
 NUM_CLOSURE_LOADS = 8  # number of loads at which the closure is computed
-MAX_CLOSURE_LOAD_RATIO = 50.0  # ratio of the normal load to the smallest of these loads
+MAX_CLOSURE_LOAD_RATIO = 50.0  # ratio of the largest to the smallest load at which the closure is computed
 
 _NUMBER_NAMES = (
     *LOAD_SUM_NAMES, "contact_area", "overlap_area", "contact_count", "load_fraction_at_hardness",

@@ -72,7 +72,7 @@ MAX_DIRECTIONS = 360  # maximum number of directions of motion for height maps
 # In the asperity model, the load curve of two profiles extends by this factor below and above the loads.
 ASPERITY_LOAD_MARGIN_FACTOR = 30.0
 NUM_ASPERITY_LOADS = 25
-# The same factor in the half-plane model
+# In the half-plane model, the load curve extends by this factor below and above the loads.
 HALF_PLANE_LOAD_MARGIN_FACTOR = 10.0
 NUM_HALF_PLANE_LOADS = 7
 MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads in the contact solutions of height maps

@@ -98,10 +98,10 @@ DEFAULT_SEED = 2016  # default seed of the random number generator
 StudyDifference = tuple[str, str, str]  # dotted key, with its TOML values in the first and the second study
 MAX_LISTED_DIFFERENCES = 4  # maximum number of differences in a message
 
-SurfaceSettings = GeneratedSurfaceSettings | MeasuredSurfaceSettings  # table `[surfaces]` of a study
+SurfaceSettings = GeneratedSurfaceSettings | MeasuredSurfaceSettings  # section `[surfaces]` of a study
 SURFACE_SETTINGS_CLASSES: tuple[type[SurfaceSettings], ...] = get_args(
     SurfaceSettings
-)  # all classes that can represent the table `[surfaces]`
+)  # all classes that can represent the section `[surfaces]`
 
 
 def _map_key_to_classes(key: str, *cases: type[SurfaceSettings]) -> tuple[str, dict[str, type[SurfaceSettings]]]:
@@ -382,7 +382,7 @@ class Study(SettingsSection):
             return parse_contact_settings(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaceSettings):
             raise make_key_error("load", "must have at least one load, got []")
-        # if the contact is None, only the error of the table `[contact]` is reported
+        # if the contact is None, only the error of the section `[contact]` is reported
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
         settings_class = select_friction_settings_class(type(surfaces), mechanics)

@@ -189,7 +189,7 @@ class SettingsSection(BaseModel):
 class SettingsSectionVariant(SettingsSection):
     """Base class for sections that have several variants. Each variant is a class with its own keys."""
 
-    place: ClassVar[str]  # phrase for this variant of the table in messages
+    place: ClassVar[str]  # phrase for this variant of the section in messages
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:

@@ -22,7 +22,7 @@ MIN_OUTLIER_DEVIATIONS = 6.0
 
 The robust standard deviation is 1.4826 times the median absolute deviation.
 """
-_MIN_OUTLIER_RATIO = MIN_OUTLIER_DEVIATIONS * 1.4826  # the same deviation as a multiple of the median deviation
+_MIN_OUTLIER_RATIO = MIN_OUTLIER_DEVIATIONS * 1.4826  # smallest deviation of an outlier, in median deviations
 MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; a larger group is a feature of the surface
 
 # Median deviation of rounding errors from their neighbours, as a fraction of the step to which heights are rounded.
@@ -206,7 +206,7 @@ def _find_typical_deviations(
     is_known, width = is_measured & np.isfinite(distances), _WINDOW_WIDTHS[distances.ndim]
     is_rough = near_rough_region = np.zeros(distances.shape, np.bool_)
     round_off = _ROUND_OFF_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
-    resolution = 1.01 * max(step, round_off)  # deviations of one step do not exceed it
+    resolution = 1.01 * max(step, round_off)  # a deviation of one rounding step does not exceed this limit
     if is_known.any() and np.quantile(distances[is_known], _MAX_FLAT_FRACTION) <= resolution:
         is_rough = is_known & (median_filter(np.where(is_known, distances, 0.0), size=width) > resolution)
         near_rough_region = maximum_filter(is_rough, size=width)

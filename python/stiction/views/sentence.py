@@ -30,9 +30,9 @@ from stiction.views.pull_off import pull_off_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# The sentence states how the load is defined if this choice changes the coefficient by more than this fraction.
+# The sentence states how the load is defined if the definition changes the coefficient by more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
-# The terminal and the report state what finer scans would give if it spans this fraction of the interval.
+# The terminal and the report state the range for finer scans if it spans at least this fraction of the interval.
 MIN_STATED_BRACKET_WIDTH = 0.05
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Largest relative deviation of A E* h'/F from its usual value at which the small-slope estimate still applies."""
@@ -49,7 +49,7 @@ def finer_scan_text(point: PointSummary) -> str:
     bounds_text = f"{low} (μ0 + τ0/{'H′' if point.has_junction_growth else 'H'})" + (
         f" to {high}" if low != high else ""
     )
-    bounds_text += ", unless small contacts are harder"  # by the indentation size effect
+    bounds_text += ", unless small contacts are harder"  # as they are by the indentation size effect
     return f"with H = {format_with_unit(point.hardness, 'GPa')} a finer scan would give {bounds_text}"
 
 

@@ -27,14 +27,14 @@ MIN_CODE_DEVIATION = 3.0
 MAX_SAMPLED_HEIGHTS = 65_536  # maximum number of heights from which medians and frequencies are estimated
 MIN_DIFFERENT_HEIGHTS = 20  # minimum number of different heights of a scan whose frequencies are compared
 NUM_NEIGHBOURS = 12  # number of next lower and next higher heights with which a frequency is compared
-# minimum frequency of a repeated height within the others: a multiple of the median frequency of its neighbours, and
-# a multiple of the standard deviation of this frequency
+# A height counts as repeated if its frequency is at least a m + b sqrt(m), where m is the median frequency of similar
+# heights, a the ratio and b the number of deviations.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
-MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4  # range of the fraction of such heights
-# maximum fraction of rows that equal the row before; in a map with more of them, a profile was probably extended
+MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4  # range of the fraction of points that have a repeated height
+# maximum fraction of rows that equal the row before; a map with a larger fraction is probably an extended profile
 MAX_REPEATED_ROWS = 0.9
-# minimum number of equal heights in a row that a profile may have by mistake, and maximum probability of as many by
-# rounding
+# minimum length of a run of equal heights in a profile that is reported, and maximum probability of such a run due
+# to rounding
 MIN_EQUAL_RUN, MAX_RUN_PROBABILITY = 8, 1e-4
 # Heights contradict a declared range if their range is this many times as large, or if it is this close to the
 # declared range divided by a power of the ratio of two units.

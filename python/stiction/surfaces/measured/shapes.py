@@ -362,7 +362,7 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
     first, second, third = positions[:3].tolist()
     step = second - first
     counts_points = step == 1 and first in (0, 1)
-    counts_by_name = bool(name) and step.is_integer() and first.is_integer()  # for example each tenth frame
+    counts_by_name = bool(name) and step.is_integer() and first.is_integer()  # for example every tenth frame
     if not (counts_points or counts_by_name) or not np.array_equal(positions, first + step * np.arange(positions.size)):
         return ()
     number = _column_numbers(table)[place]
