@@ -24,10 +24,20 @@ from stiction.evaluate.load_range import choose_loads_in_range
 from stiction.evaluate.member_means import find_axes_with_both_directions, include_interpolation_error
 from stiction.evaluate.member_values import member_values
 from stiction.mechanics.friction import STATUSES
-from stiction.mechanics.quantities import ONSET_QUANTITIES, select_quantity_names
+from stiction.mechanics.quantities import (
+    ONSET_QUANTITIES,
+    QUANTITIES,
+    RATIO_QUANTITIES,
+    STIFFNESS_PER_AREA_QUANTITIES,
+    quantity_names_shown_in,
+    select_quantity_names,
+)
 from stiction.solve.member_sums import MemberSums
 from stiction.study.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
 from stiction.study.members import load_bodies
+from stiction.study.study import parse_study
+from stiction.views.quantities import quantity_label
+from stiction.views.rows import summary_table, values_frame
 from support.rough_surfaces import rough_maps
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
@@ -114,6 +124,90 @@ def test_friction_of_generated_profiles_at_a_load_equals_the_friction_map():
     assert elastic_table["friction_coefficient"].dims == (
         "fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0", "statistic",
     )  # fmt: skip
+
+
+GENERATED_STUDY = """
+[surfaces]
+kind = "surface"
+fractal_dimension = [1.3]
+amplitude = ["5 nm"]
+extent = ["5 um", "5 um"]
+shape = [32, 32]
+directions = 6
+frequencies = 10
+
+[contact]
+mechanics = "{mechanics}"
+sliding = ["opposing", "all"]
+{lines}
+
+[friction]
+mu0 = [0.3]
+tau0 = ["50 MPa"]
+
+[ensemble]
+repetitions = 3
+"""
+LOADS = 'load = { start = "0.001 mN", stop = "1 mN", count = 4 }'
+GENERATED_STUDIES = {
+    "asperities": ("asperities", ""),
+    "yielding": ("half-space", f'{LOADS}\nhardness = "0.5 GPa"'),
+    "adhesive": ("half-space", f'{LOADS}\nwork_of_adhesion = "50 mJ/m^2"'),
+}
+LOADS_ON_CONTACTS = {"normal_load", "tangential_load"}  # at a mean load, they follow from the load and the coefficient
+RATIOS_OF_THE_NOMINAL_AREA = {"contact_area_fraction", "nominal_pressure", *STIFFNESS_PER_AREA_QUANTITIES}
+
+
+def run_generated_study(name):
+    mechanics, lines = GENERATED_STUDIES[name]
+    return run(parse_study(GENERATED_STUDY.replace("{mechanics}", mechanics).replace("{lines}", lines), name))
+
+
+@pytest.mark.filterwarnings("ignore:adhesion_range")
+@pytest.mark.parametrize("name", GENERATED_STUDIES)
+def test_ensembles_have_every_quantity_of_their_members_in_data_frames_and_csv_files(name):
+    result = run_generated_study(name)
+    quantities_of_members = {
+        str(each) for each in result.at(load_definition="elastic").data_vars if QUANTITIES[str(each)].shown
+    }
+    expected = quantities_of_members - LOADS_ON_CONTACTS - {"share_opposing"}
+    expected -= {"approach"} if name == "asperities" else set()  # the approach is prescribed
+    summary = result.summary()
+    frame, table = values_frame(summary.at), summary_table(summary)
+    assert expected <= {*frame["name"]}
+    for each in expected & {*quantity_names_shown_in("csv")}:
+        title = quantity_label(each, result.study)
+        assert any(str(column).startswith(title) for column in table), title
+    assert frame.loc[frame["name"] == "mean_pressure", "value"].notna().any()
+
+
+@pytest.mark.filterwarnings("ignore:adhesion_range")
+def test_ratios_are_all_evaluated_for_measured_and_for_generated_surfaces(
+    areal_study_and_dataset, profile_study_and_dataset
+):
+    measured = {
+        str(each) for study, dataset in (areal_study_and_dataset, profile_study_and_dataset)
+        for each in at_load(dataset, study.friction.load).data_vars
+    }  # fmt: skip
+    generated = {str(each) for name in GENERATED_STUDIES for each in run_generated_study(name).at().data_vars}
+    shown_ratios = {name for name in RATIO_QUANTITIES if QUANTITIES[name].shown}
+    assert shown_ratios - measured == {"share_overlapping"}  # maps were pressed with the half-space
+    assert shown_ratios - generated == RATIOS_OF_THE_NOMINAL_AREA
+
+
+def test_mean_pressure_of_an_ensemble_is_the_load_divided_by_the_mean_area():
+    values = run_generated_study("yielding").at()
+    area = values["contact_area"].sel(statistic="mean")
+    np.testing.assert_allclose(
+        values["mean_pressure"], (values["load"] / area).transpose(*values["mean_pressure"].dims)
+    )
+
+
+def test_ensembles_of_asperities_have_a_caveat_about_overlapping_contacts():
+    result = run_generated_study("asperities")
+    ratio = result.at()["share_overlapping"]
+    assert 0 <= float(ratio.min()) < float(ratio.max()) <= 1
+    assert "share_overlapping" in {each.name for point in result.summary().points for each in point.caveats}
 
 
 def test_selected_quantities_at_a_load_equal_those_of_a_complete_evaluation(areal_study_and_dataset):

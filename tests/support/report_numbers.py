@@ -77,7 +77,7 @@ class ReportEvaluator:
         """Return the text of a quantity that shows whether the model is valid, and whether it is beyond its limit."""
         return self(
             "(name, index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0); return ["
-            "printed(numberAt(numbers, `validity_${name}`, index, place)),"
+            "printed(numberAt(numbers, `mean_${name}`, index, place)),"
             " numbers.small[facts.tables[`beyond_${name}`] + index * place.size + place.node]]; }",
             name, self.coefficient_index(**place), *self.parameters(mu0, tau0),
         )  # fmt: skip

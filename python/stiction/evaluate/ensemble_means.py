@@ -17,8 +17,9 @@ from stiction.evaluate.member_means import find_axes_with_both_directions
 from stiction.evaluate.member_values import interpolate_member_sums, member_values
 from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionLaw
 from stiction.mechanics.quantities import (
-    COMMON_VALIDITY_QUANTITIES,
-    ONSET_QUANTITIES,
+    INTERPOLATED_QUANTITIES,
+    QUANTITIES,
+    RATIO_QUANTITIES,
     is_requested,
     quantity_attributes,
 )
@@ -41,8 +42,8 @@ def average_ensemble(
     import xarray
 
     head = result.head
-    validity_names = [name for name in COMMON_VALIDITY_QUANTITIES if is_requested(name, names)]
-    evaluate = partial(_evaluate_direction_groups, result, loads, mu0, tau0, includes_validity=bool(validity_names))
+    ratio_names = [name for name in RATIO_QUANTITIES if is_requested(name, names)]
+    evaluate = partial(_evaluate_direction_groups, result, loads, mu0, tau0, includes_ratios=bool(ratio_names))
     quantities = [name for name in _list_ensemble_quantities(head) if is_requested(name, names)]
     # Friction changes the normal load, so area and stiffness depend slightly on mu0 and tau0.
     if "direction" in head.dims:
@@ -70,7 +71,8 @@ def average_ensemble(
     variables |= {name: _add_statistic_dimension(means[name], name) for name in quantities}
     if result.study.contact.adheres and is_requested("pull_off", names):
         variables |= _average_unloaded_members(result, loads[:1], mu0, tau0)
-    variables |= {name: means["friction_coefficient"][name].variable for name in validity_names}
+    coefficients = means["friction_coefficient"]
+    variables |= {name: coefficients[name].variable for name in ratio_names if name in coefficients}
     variables |= {"members": ((), result.members.size, {"units": "1", "long_name": "members"})}
     dataset = xarray.Dataset(variables, coefficient_table.coords, coefficient_table.attrs).assign_coords(
         statistic=INTERVAL_STATISTICS
@@ -79,15 +81,15 @@ def average_ensemble(
 
 
 def _list_ensemble_quantities(head: xarray.Dataset) -> list[str]:
-    """List the quantities besides friction whose ensemble means a result provides."""
+    """List the quantities besides friction and ratios whose ensemble means a result provides."""
     has_stiffness = head.sizes[find_step_dimension(head)] >= MIN_STIFFNESS_STEPS
-    optional_names = [name for name in (*ONSET_QUANTITIES, "contact_load") if name in head]
-    return ["contact_area", "contact_count", *(["normal_stiffness"] if has_stiffness else []), *optional_names]
+    stored_names = [name for name in INTERPOLATED_QUANTITIES if QUANTITIES[name].shown and name in head.data_vars]
+    return [*stored_names, *(["normal_stiffness"] if has_stiffness else [])]
 
 
 def _evaluate_direction_groups(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, quantities: Sequence[str],
-    groups: NDArray[np.intp] | None = None, *, includes_validity: bool,
+    groups: NDArray[np.intp] | None = None, *, includes_ratios: bool,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
     """Evaluate quantities at given mean normal loads, after averaging over each group of directions.
 
@@ -104,7 +106,7 @@ def _evaluate_direction_groups(
 
     transform = None if groups is None else average_groups
     return evaluate_ensemble_quantities(
-        result, loads, mu0, tau0, quantities, transform, includes_validity=includes_validity
+        result, loads, mu0, tau0, quantities, transform, includes_ratios=includes_ratios
     )
 
 

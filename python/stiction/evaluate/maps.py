@@ -21,8 +21,8 @@ from stiction._units import short_repr
 from stiction.evaluate import intervals
 from stiction.evaluate.contact_area import iterate_pieces_with_true_areas
 from stiction.mechanics import friction
-from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, FrictionLaw, Validity
-from stiction.mechanics.quantities import COMMON_VALIDITY_QUANTITIES, QUANTITIES, SUM_QUANTITIES, quantity_attributes
+from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, FrictionLaw, compute_ratios
+from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES, VALIDITY_RATIO_OPERANDS, quantity_attributes
 from stiction.solve.executors import executor_or_thread_pool
 from stiction.solve.member_sums import MemberSums
 from stiction.study.study import find_step_dimension
@@ -44,10 +44,8 @@ _VARIABLES_BY_QUANTITY = {
 }
 """Contact sums that each derived quantity requires. All other quantities are stored directly."""
 
-_VALIDITY_SUM_NAMES = sorted(
-    {sum_name for name in COMMON_VALIDITY_QUANTITIES for sum_name in friction.list_validity_sums(name)}
-)
-"""Contact sums from which the quantities of `Validity` are computed."""
+_RATIO_SUM_NAMES = ("contact_area", "contact_load", *sorted(VALIDITY_RATIO_OPERANDS))
+"""Contact sums from which ratios are computed, such as the mean pressure and the validity indicators."""
 
 
 def _list_required_variables(quantity: str) -> tuple[str, ...]:
@@ -78,12 +76,12 @@ def friction_map(
     Returns
     -------
     xarray.Dataset
-        friction_coefficient, lower and upper (95 % interval from the repetitions; NaN for a single repetition), status
-        and the quantities of `Validity` (NaN for the half-space). The dimensions are fractal_dimension, amplitude, load
-        (mN), mu0 and tau0 (GPa), preceded by sliding and direction if the result has them. The status is "ok",
-        "no-contact", "self-locked" (mean(F_N) is not above 0 at the largest approach), "not-reached" (no approach
-        carries the load), "below-range" (the smallest approach carries more than the load) or "downhill" (the mean
-        tangential load is negative). The coefficient is NaN unless the status is "ok".
+        friction_coefficient, lower and upper (95 % interval from the repetitions; NaN for a single repetition), status,
+        mean_pressure and, for the asperity model, the quantities of `Validity`. The dimensions are fractal_dimension,
+        amplitude, load (mN), mu0 and tau0 (GPa), preceded by sliding and direction if the result has them. The status
+        is "ok", "no-contact", "self-locked" (mean(F_N) is not above 0 at the largest approach), "not-reached" (no
+        approach carries the load), "below-range" (the smallest approach carries more than the load) or "downhill" (the
+        mean tangential load is negative). The coefficient is NaN unless the status is "ok".
 
     Raises
     ------
@@ -243,12 +241,12 @@ def _evaluate_ensemble_quantity(
 
 def evaluate_ensemble_quantities(
     result: MemberSums, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, names: Sequence[str],
-    transform: DatasetTransformation | None = None, *, includes_validity: bool = True,
+    transform: DatasetTransformation | None = None, *, includes_ratios: bool = True,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
     """Apply `transform` to each piece of the result, and evaluate ensemble quantities at given mean normal loads.
 
-    The dataset of each quantity has the structure of `friction_map`. Without `includes_validity`, the quantities of
-    `Validity` are omitted. Each piece of the result is read twice.
+    The dataset of each quantity has the structure of `friction_map`. Without `includes_ratios`, the ratios of
+    contact sums are omitted. Each piece of the result is read twice.
     """
     load_values = np.atleast_1d(friction.validate_friction_parameter("loads", loads))
     if load_values.ndim != 1:
@@ -265,13 +263,13 @@ def evaluate_ensemble_quantities(
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
     quantities = _EnsembleQuantities(
-        dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_validity
+        dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_ratios
     )
     # The first pass finds the steps at which the mean loads are reached.
     # The second pass computes the intervals at these steps.
     averages, count = _average_sums(
         lambda: iterate_solved_pieces(result, quantities.required_variables(), transform),
-        names,
+        [*names, *quantities.other_sum_names],
         quantities.step_dimension,
     )
     if not count:
@@ -306,23 +304,22 @@ class _EnsembleQuantities:
 
     def __init__(
         self, head: xarray.Dataset, names: Sequence[str], loads: Floats, mu0: Floats, tau0: Floats,
-        includes_validity: bool,
+        includes_ratios: bool,
     ) -> None:  # fmt: skip
         self.head, self.names, self.loads, self.mu0, self.tau0 = head, names, loads, mu0, tau0
         self.step_dimension = find_step_dimension(head)
         self.dims = [*(motion for motion in MOTION_DIMENSIONS if motion in head.dims), *find_cell_dimensions(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
-        self.includes_validity = includes_validity
-        # The validity of the model can be assessed only if the dataset contains all contact sums.
-        self.assesses_validity = includes_validity and all(name in head for name in SUM_QUANTITIES)
+        self.ratio_sum_names = [name for name in _RATIO_SUM_NAMES if includes_ratios and name in head]
+        self.other_sum_names = [name for name in self.ratio_sum_names if name not in SUM_QUANTITIES]
 
     def required_variables(self) -> tuple[str, ...]:
         """Return the names of the variables that must be read from the result."""
         variables = [name for quantity in self.names for name in _list_required_variables(quantity)]
         if "normal_stiffness" in self.names and self.step_dimension == "load":
             variables.append("approach")  # the stiffness is a derivative with respect to the approach
-        return tuple(dict.fromkeys([*variables, *(SUM_QUANTITIES if self.assesses_validity else ())]))
+        return tuple(dict.fromkeys([*variables, *self.ratio_sum_names]))
 
     def compute_curves(
         self, cell: tuple[int, ...], sums: Sequence[ContactSums], selected_members: slice = slice(None)
@@ -332,7 +329,8 @@ class _EnsembleQuantities:
         `sums` is a result of `_compute_sums`. The first axis of each array runs over all pairs of mu0 and tau0.
         """
         contact_sums, *quantity_sums = (
-            each.apply(operator.itemgetter((*cell, slice(None), selected_members))) for each in sums
+            each.apply(operator.itemgetter((*cell, slice(None), selected_members)))
+            for each in sums[: 1 + len(self.names)]
         )
         law = FrictionLaw(self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis])
         normal = law.load("normal", contact_sums)
@@ -350,12 +348,10 @@ class _EnsembleQuantities:
         import xarray
 
         estimates = np.full((len(self.names), 3, *self.shape), np.nan)
-        validity = {
-            name: np.full(self.shape, np.nan) for name in (COMMON_VALIDITY_QUANTITIES if self.includes_validity else ())
-        }
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
-        def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> None:
+        def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
+            """Evaluate a cell, and return its ratios."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
@@ -368,17 +364,18 @@ class _EnsembleQuantities:
                 below=means.crossing.below, locked=is_locked,
             )  # fmt: skip
             status[cell] = _reshape_curves(cell_status, self.shape)
-            if self.assesses_validity:
-                sums_at_loads = {
-                    name: means.crossing.interpolate(np.broadcast_to(getattr(cell_averages, name), normal.shape))
-                    for name in _VALIDITY_SUM_NAMES
-                }
-                for name, validity_value in vars(Validity.from_sums(sums_at_loads)).items():
-                    validity[name][cell] = _reshape_curves(
-                        np.where(means.crossing.reached, validity_value, np.nan), self.shape
-                    )
+            if not self.ratio_sum_names:
+                return {}
+            other_averages = zip(self.other_sum_names, averages[1 + len(self.names) :], strict=True)
+            curves = {name: getattr(cell_averages, name) for name in self.ratio_sum_names if name in SUM_QUANTITIES}
+            curves |= {name: each.contact_area[cell][:, 0] for name, each in other_averages}
+            sums_at_loads = {
+                name: means.crossing.interpolate(np.broadcast_to(curve, normal.shape)) for name, curve in curves.items()
+            }
+            ratios = compute_ratios(sums_at_loads, self.loads)
+            return {name: _reshape_curves(each, self.shape) for name, each in ratios.items()}
 
-        list(pool.map(evaluate_cell, means_by_cell.keys(), means_by_cell.values()))
+        ratios_by_cell = list(pool.map(evaluate_cell, means_by_cell.keys(), means_by_cell.values()))
         coordinates: dict[str, Any] = {name: self.head[name].variable for name in self.dims}
         dimensions = (("load", self.loads), ("mu0", self.mu0), ("tau0", self.tau0))
         coordinates |= {name: (name, axis, quantity_attributes(name)) for name, axis in dimensions}
@@ -387,7 +384,10 @@ class _EnsembleQuantities:
         coordinates |= {motion: self.head[motion].variable for motion in scalar_motions}
         common_variables: dict[str, Any] = {
             "status": (dims, status, quantity_attributes("status")),
-            **{name: (dims, values, quantity_attributes(name)) for name, values in validity.items()},
+            **{
+                name: (dims, np.reshape([each[name] for each in ratios_by_cell], self.shape), quantity_attributes(name))
+                for name in ratios_by_cell[0]
+            },
         }
         datasets = {}
         for name, statistics in zip(self.names, estimates, strict=True):

@@ -21,9 +21,8 @@ from stiction.mechanics.friction import (
     STATUS_DTYPE,
     STATUSES,
     STATUSES_WITH_COEFFICIENT,
-    VALIDITY_RATIOS,
     FrictionLaw,
-    validity_ratio,
+    compute_ratios,
 )
 from stiction.mechanics.law import HertzCylinder
 from stiction.mechanics.mindlin import compliance_ratio
@@ -34,7 +33,6 @@ from stiction.mechanics.quantities import (
     INTERPOLATED_QUANTITIES,
     QUANTITIES,
     STIFFNESS_PER_AREA_FACTOR,
-    STIFFNESS_PER_AREA_QUANTITIES,
     VALIDITY_RATIO_OPERANDS,
     ZERO_LOAD_SUM_QUANTITIES,
     is_requested,
@@ -537,25 +535,12 @@ def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict
 def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
     """Add ratios of contact sums to the variables, and remove the sums that are needed only for these ratios."""
     dims, elastic = variables["normal_elastic"][:2]
-    ratios: dict[str, Any] = {}
     if nominal_area is not None and "pull_off" in variables:
         pull_off = variables["pull_off"]
         pressure = pull_off.values / float(nominal_area)
         variables["pull_off_pressure"] = (pull_off.dims, pressure, quantity_attributes("pull_off_pressure"))
-    if nominal_area is not None:
-        area = float(nominal_area)
-        ratios["contact_area_fraction"] = variables["contact_area"][1] / area
-        ratios["nominal_pressure"] = np.broadcast_to(elastic, elastic.shape) / area
-        for name in STIFFNESS_PER_AREA_QUANTITIES:
-            if (stiffness := QUANTITIES[name].numerator) in variables:
-                ratios[name] = STIFFNESS_PER_AREA_FACTOR * variables[stiffness][1] / area
-    with np.errstate(divide="ignore", invalid="ignore"):
-        carried_load = variables["contact_load"][1] if "contact_load" in variables else elastic
-        ratios["mean_pressure"] = carried_load / variables["contact_area"][1]
     sums = {name: each[1] for name, each in variables.items() if isinstance(each, tuple)}
-    for name, (numerator, _) in VALIDITY_RATIOS.items():
-        if numerator in sums and name not in sums:
-            ratios[name] = validity_ratio(name, sums)
+    ratios = compute_ratios(sums, elastic, None if nominal_area is None else float(nominal_area))
     shown_variables = {
         name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in VALIDITY_RATIO_OPERANDS
     }

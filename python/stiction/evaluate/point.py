@@ -183,11 +183,7 @@ def find_contact_status(point: xarray.Dataset, study: Study) -> str:
 
 def mean_contact_pressure(point: xarray.Dataset) -> float:
     """Return the mean contact pressure (GPa) at a point."""
-    if "mean_pressure" in point:
-        return mean_over_directions(point, "mean_pressure")
-    area = mean_over_directions(point, "contact_area")
-    load = mean_over_directions(point, "contact_load") if "contact_load" in point else float(point["load"])
-    return load / area if area > 0 else math.nan
+    return mean_over_directions(point, "mean_pressure")
 
 
 def list_sliding_rules_reported_first(study: Study) -> list[str]:

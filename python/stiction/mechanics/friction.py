@@ -20,7 +20,12 @@ from stiction._number_format import format_with_unit
 from stiction._repr import PlotReprMixin, TextReprMixin, axes_or_new_axes
 from stiction._units import short_repr
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS
-from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES
+from stiction.mechanics.quantities import (
+    QUANTITIES,
+    STIFFNESS_PER_AREA_FACTOR,
+    STIFFNESS_PER_AREA_QUANTITIES,
+    SUM_QUANTITIES,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -415,12 +420,6 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 """Numerator and denominator of each validity indicator, as names of sums."""
 
 
-def list_validity_sums(name: str) -> list[str]:
-    """List the sums from which a validity indicator is computed."""
-    numerator, denominator = VALIDITY_RATIOS[name]
-    return [numerator, *denominator]
-
-
 def validity_ratio(name: str, sums: Any) -> Floats:
     """Compute a validity indicator from contact sums. The result is NaN where numerator and denominator are zero.
 
@@ -429,6 +428,27 @@ def validity_ratio(name: str, sums: Any) -> Floats:
     numerator, denominator = VALIDITY_RATIOS[name]
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(_get_sum(sums, numerator) / sum(_get_sum(sums, item) for item in denominator))
+
+
+def compute_ratios(sums: Mapping[str, Floats], load: Floats, nominal_area: float | None = None) -> dict[str, Floats]:
+    """Compute all quantities that are ratios of contact sums at a normal load (mN), by name.
+
+    The sums are those of a member or means over an ensemble. Ratios to the nominal area (µm²) require that area.
+    """
+    ratios: dict[str, Floats] = {}
+    if nominal_area is not None:
+        ratios["contact_area_fraction"] = sums["contact_area"] / nominal_area
+        ratios["nominal_pressure"] = load / nominal_area
+        for name in STIFFNESS_PER_AREA_QUANTITIES:
+            if (stiffness := QUANTITIES[name].numerator) in sums:
+                ratios[name] = STIFFNESS_PER_AREA_FACTOR * sums[stiffness] / nominal_area
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios["mean_pressure"] = sums.get("contact_load", load) / sums["contact_area"]
+    return ratios | {
+        name: validity_ratio(name, sums)
+        for name, (numerator, _) in VALIDITY_RATIOS.items()
+        if numerator in sums and name not in sums
+    }
 
 
 def _get_sum(sums: Any, name: str) -> Any:

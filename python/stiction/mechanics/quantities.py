@@ -367,6 +367,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "relative_overlap": _validity_quantity(
         "overlap_load", "normal_elastic", percent=False, words="load-weighted mean of overlap / radius",
+        shown=_VERBOSE_VIEWS,
     ),
     "share_beyond_hertz": _validity_quantity(
         "load_beyond_hertz", "normal_elastic",
@@ -379,7 +380,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "share_crossed": _validity_quantity(
         "crossed_count", "crossed_count", "contact_count",
-        words="fraction of possible contacts rejected because their sphere centres had crossed",
+        words="fraction of possible contacts rejected because their sphere centres had crossed", shown=_VERBOSE_VIEWS,
     ),
     "share_overlapping": _validity_quantity(
         "load_overlapping", "normal_elastic", shown=_VERBOSE_VIEWS,
@@ -590,8 +591,8 @@ AREAL_VALIDITY_QUANTITIES = select_quantity_names(
 )
 """Fields of `SurfaceValidity` in addition to those of `Validity`."""
 
-QUANTITIES_AT_HARDNESS = select_quantity_names(lambda each: "half-space" in each.stored and each.kind == "statistic")
-"""Fractions of the load and of the area that belong to points at which the pressure equals the hardness."""
+RATIO_QUANTITIES = select_quantity_names(lambda each: each.kind in ("ratio", "validity") and each.along == _STEP_AXIS)
+"""Quantities at a load that are ratios of contact sums."""
 
 STIFFNESS_PER_AREA_QUANTITIES = select_quantity_names(
     lambda each: each.kind == "ratio" and each.unit == STIFFNESS_PER_AREA_UNIT

@@ -13,13 +13,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.evaluate.point import NEGLIGIBLE_LOAD_RATIO, list_sliding_rules_reported_first
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import (
-    AREAL_VALIDITY_QUANTITIES,
-    COMMON_VALIDITY_QUANTITIES,
-    QUANTITIES,
-    QUANTITIES_AT_HARDNESS,
-    quantity_names_shown_in,
-)
+from stiction.mechanics.quantities import QUANTITIES, quantity_names_shown_in
 from stiction.summary.assessment import (
     MAX_AFFECTED_FRACTION,
     MIN_MERGED_AREA_FRACTION,
@@ -200,12 +194,12 @@ class GeneratedReportValues:
         Values of mu0 and tau0.
     estimates : dict
         Estimates of ``friction``, ``area`` and, if it was computed, ``stiffness``.
-    validity : dict
-        Means of the quantities that show whether the contact model is valid, by name.
+    means : dict
+        Means of all other quantities that reports show, by name.
     status_codes : ndarray of int
         Indices into `GENERATED_STATUSES`.
     is_valid : ndarray of bool
-        True if there is a coefficient, and no quantity in `validity` exceeds its limit.
+        True if there is a coefficient, and no quantity in `means` exceeds its limit for a valid contact model.
     checked_numbers : dict
         Numbers that the assessment compares with limits, for the quoted sliding rule.
     caveat_sets : list of list of Caveat or LimitCheck
@@ -216,7 +210,7 @@ class GeneratedReportValues:
 
     axes: tuple[ParameterAxis, ParameterAxis]
     estimates: dict[str, Floats]
-    validity: dict[str, Floats]
+    means: dict[str, Floats]
     status_codes: NDArray[np.intp]
     is_valid: NDArray[np.bool_]
     checked_numbers: dict[str, Any]
@@ -230,7 +224,9 @@ class GeneratedReportValues:
 
 
 def get_validity_limit(name: str) -> float:
-    """Return the largest mean of a quantity for which the contact model is valid."""
+    """Return the largest mean of a quantity for which the contact model is valid, or infinity without a limit."""
+    if QUANTITIES[name].kind != "validity":
+        return math.inf
     return MAX_AFFECTED_FRACTION if QUANTITIES[name].percent else MAX_OVERLAP_RADIUS_RATIO
 
 
@@ -245,19 +241,18 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
     estimates = {"friction": points, "area": np.broadcast_to(_transpose(table["contact_area"]), points.shape)}
     if "normal_stiffness" in table and bool(table["normal_stiffness"].notnull().any()):
         estimates["stiffness"] = np.broadcast_to(_transpose(table["normal_stiffness"]), points.shape)
-    validity: dict[str, Floats] = {}
-    for name in (*COMMON_VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES, *QUANTITIES_AT_HARDNESS):
-        if name not in table:
+    means: dict[str, Floats] = {}
+    for name in quantity_names_shown_in("report"):
+        if name not in table or name in ("contact_area", "normal_stiffness"):
             continue
-        values = _transpose(table[name])
-        values = np.broadcast_to(values if values.ndim == len(shape) else values[..., 0], shape)
-        if np.isfinite(values).any() and (name not in QUANTITIES_AT_HARDNESS or np.nan_to_num(values).any()):
-            validity[name] = values
+        values = _broadcast_means(table[name], shape)
+        if np.isfinite(values).any() and (name != "load_share_at_hardness" or np.nan_to_num(values).any()):
+            means[name] = values
     statuses = np.broadcast_to(_transpose(table["status"]), shape)
-    checked_numbers = validity | _compute_checked_numbers(table, estimates, study, num_members)
+    checked_numbers = _compute_checked_numbers(table, estimates, study, num_members)
     rule_index = study.contact.sliding_rules().index(list_sliding_rules_reported_first(study)[0])
     checked_numbers = {name: values[:, :, rule_index] for name, values in checked_numbers.items()}
-    is_beyond_limit = {name: values > get_validity_limit(name) for name, values in validity.items()}
+    is_beyond_limit = {name: values > get_validity_limit(name) for name, values in means.items()}
     hatched_masks = [mask for name, mask in is_beyond_limit.items() if "hatch" in QUANTITIES[name].shown]
     status_codes = np.where(np.logical_or.reduce([np.zeros(shape, bool), *hatched_masks]), 1, 0)
     for code, (name, _) in enumerate(GENERATED_STATUSES):
@@ -266,7 +261,7 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
     return GeneratedReportValues(
         grid.axes,
         estimates,
-        validity,
+        means,
         status_codes,
         (status_codes == 0) & ~np.logical_or.reduce([np.zeros(shape, bool), *is_beyond_limit.values()]),
         checked_numbers,
@@ -289,24 +284,24 @@ def _compute_checked_numbers(
     table: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
 ) -> dict[str, Any]:
     """Compute, for every point, the numbers that the assessment of generated surfaces compares with limits."""
-    load, mu0, tau0 = (_transpose(table[name]) for name in ("load", "mu0", "tau0"))
-    contact_load = _transpose(table["contact_load"])[..., 0] if "contact_load" in table else load
+    mu0, tau0 = (_transpose(table[name]) for name in ("mu0", "tau0"))
     area = estimates["area"][..., 0]
     surfaces: Any = study.surfaces
     nominal_area = float(np.prod(surfaces.extents())) if study.is_areal else math.inf
-    with np.errstate(divide="ignore", invalid="ignore"):
-        pressure = np.where(area > 0, contact_load / area, np.nan)
     value, lower, upper = np.moveaxis(estimates["friction"], -1, 0)
     quantities = {
-        name: np.broadcast_to(_transpose(table[name])[..., 0], area.shape)
-        for name in list_contact_check_names(study)
-        if name in table and "statistic" in table[name].dims
+        name: _broadcast_means(table[name], area.shape) for name in list_contact_check_names(study) if name in table
     }
     return quantities | compute_checked_quantities(
-        value, lower, upper, mu0=mu0, tau0=tau0, pressure=pressure,
-        contact_count=np.broadcast_to(_transpose(table["contact_count"])[..., 0], area.shape),
+        value, lower, upper, mu0=mu0, tau0=tau0, pressure=_broadcast_means(table["mean_pressure"], area.shape),
+        contact_count=_broadcast_means(table["contact_count"], area.shape),
         members=num_members, is_merged=area / nominal_area > MIN_MERGED_AREA_FRACTION,
     )  # fmt: skip
+
+
+def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
+    """Return the means of a quantity, with or without intervals, at all points."""
+    return np.broadcast_to(_transpose(table.sel(statistic="mean") if "statistic" in table.dims else table), shape)
 
 
 def _transpose(table: xarray.DataArray) -> Floats:

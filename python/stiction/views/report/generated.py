@@ -19,6 +19,7 @@ from stiction.summary.report_data import GeneratedReportData
 from stiction.summary.report_values import GENERATED_STATUSES, GeneratedReportValues, get_validity_limit
 from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
 from stiction.views.point import coordinate_text, motion_direction_text
+from stiction.views.quantities import quantity_label
 from stiction.views.report.content import ReportContent
 from stiction.views.report.page import escape_html, format_count
 from stiction.views.report.tables import QUANTITY_DIGITS, EstimateArray, NumberArray, ReportArray
@@ -68,7 +69,7 @@ def _page_facts(data: GeneratedReportData) -> dict[str, Any]:
             for direction_index, angle in enumerate(data.directions)
         ],
         "start": {"cell": data.dimensions.size // 2, "load": loads.size // 2},
-        "validity": [],
+        "means": [],
         "statuses": [],
         "ranged": False,
         "curves": {},
@@ -84,7 +85,7 @@ def _value_facts(values: GeneratedReportValues, study: Study) -> dict[str, Any]:
             {"name": name, "hasValue": name in friction.STATUSES_WITH_COEFFICIENT, "isTrusted": is_trusted}
             for name, is_trusted in GENERATED_STATUSES
         ],
-        "validity": [_validity_record(name) for name in values.validity],
+        "means": [_quantity_record(name, study) for name in values.means],
         "judgements": [
             {"assessment": assessment, "caveats": [_caveat_or_check_record(caveat) for caveat in caveats]}
             for assessment, caveats in zip(values.assessments, values.caveat_sets, strict=True)
@@ -101,8 +102,12 @@ def _value_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
         formats = list_number_formats(_UNITS[name])
         arrays[name] = EstimateArray(values.estimates[name], digits=QUANTITY_DIGITS, formats=formats)
     arrays["width"] = NumberArray(_relative_half_widths(values.estimates["friction"]), _WIDTH_FORMATS)
-    for name, means in values.validity.items():
-        arrays[f"validity_{name}"] = NumberArray(means, _VALIDITY_FORMATS[QUANTITIES[name].percent])
+    for name, means in values.means.items():
+        quantity = QUANTITIES[name]
+        unit = "digits" if quantity.unit == "1" else quantity.unit
+        arrays[f"mean_{name}"] = NumberArray(
+            means, _MEAN_PERCENT_FORMATS if quantity.percent else list_number_formats(unit)
+        )
         arrays[f"beyond_{name}"] = (means > get_validity_limit(name)).astype(np.int8)
     arrays["status"] = values.status_codes.astype(np.int8)
     arrays["judgement"] = values.assessment_indices.astype(float)
@@ -133,15 +138,12 @@ _UNITS = {"area": QUANTITIES["contact_area"].unit, "stiffness": QUANTITIES["norm
 """Core units of the estimates other than friction."""
 
 _WIDTH_FORMATS = (NumberFormat(0.0, 0.01, "±{} %", 2),)
-_VALIDITY_FORMATS = {
-    True: (NumberFormat(0.0, 0.01, "{} %", 2),),
-    False: (NumberFormat(0.0, 1.0, "{}", 2),),
-}  # as in the table of `stiction at --verbose`, for percentages (True) and for other numbers (False)
+_MEAN_PERCENT_FORMATS = (NumberFormat(0.0, 0.01, "{} %", 2),)  # as in the table of `stiction at --verbose`
 
 
-def _validity_record(name: str) -> dict[str, Any]:
-    """Return the name and the label of a quantity that shows whether the contact model is valid."""
-    label = QUANTITIES[name].table_label
+def _quantity_record(name: str, study: Study) -> dict[str, Any]:
+    """Return the name and the label of a quantity."""
+    label = quantity_label(name, study)
     return {"name": name, "words": label[0].upper() + label[1:]}
 
 

@@ -228,8 +228,8 @@ function figuresOf(at, d, l) {
     const of = quantityAt(quantity, d, l);
     row(words, of.value, quoted(of));
   }
-  for (const {name, words} of facts.validity) {
-    const number = numberAt(numbers, `validity_${name}`, at.index, here);
+  for (const {name, words} of facts.means) {
+    const number = numberAt(numbers, `mean_${name}`, at.index, here);
     const isBeyond = Boolean(numbers.small[numbers.offsets[`beyond_${name}`] + at.index * here.size + here.node]);
     if (Number.isFinite(number.value)) row(words, number.value, printed(number), isBeyond);
   }
