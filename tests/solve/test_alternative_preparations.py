@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.ndimage import grey_dilation
 from stiction import Profile, Study, Surface, open_result, pair, tip_reconstructed
+from stiction.evaluate import budget
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty
 from stiction.solve import alternative_preparations
@@ -19,6 +21,7 @@ from stiction.solve.alternative_preparations import (
     TIP_CORRECTION,
     build_alternative_study,
 )
+from stiction.summary import evaluation
 from stiction.summary.assessment import Caveat
 from stiction.summary.report_grid import ReportGrid
 from stiction.summary.report_values import evaluate_measured_report
@@ -198,6 +201,22 @@ def test_combined_interval_covers_alternatives_at_every_load_and_strength(blunt_
     np.testing.assert_array_equal(combined[..., 0], own[..., 0])
     np.testing.assert_array_equal(combined[..., 1], np.minimum(own[..., 1], other[..., 1]))
     np.testing.assert_array_equal(combined[..., 2], np.maximum(own[..., 2], other[..., 2]))
+
+
+def test_alternative_is_evaluated_once_for_the_interval_and_the_caveats_of_a_summary(blunt_result, monkeypatch):
+    counts, expected = Counter(), (blunt_result.interval, blunt_result.caveats)
+
+    def count_and_evaluate(sums, *args, **kwargs):
+        counts[sums.path.name] += 1
+        return at_load(sums, *args, **kwargs)
+
+    for module in (budget, evaluation):
+        monkeypatch.setattr(module, "at_load", count_and_evaluate)
+    result = open_result(blunt_result.path)
+    assert (result.interval, result.caveats) == expected
+    assert counts == {"result": 1, "tip": 1}
+    result.summary(0.1, mu0=0.3)
+    assert counts == {"result": 2, "tip": 2}
 
 
 @pytest.mark.parametrize("is_evaluated", [True, False])

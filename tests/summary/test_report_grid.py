@@ -1,8 +1,11 @@
 """Tests of the values of mu0 and tau0 that a report shows, and of the result evaluated at them."""
 
+from collections import Counter
+
 import numpy as np
 import pytest
 from stiction import Result, Study, pair, run, self_affine_surface
+from stiction.evaluate.combined_intervals import CombinedIntervals
 from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO
 from stiction.study.study import parse_study
 from stiction.summary.assessment import CAUTION_LOAD_FRACTION_AT_EDGE
@@ -86,6 +89,29 @@ def test_report_values_of_measured_surfaces_equal_the_summary_at_the_inputs_of_t
             assert values.slopes[(*index[:4], mu0_index, tau0_index)] == pytest.approx(rule.slopes, rel=1e-9)
             assert ORDERED_STATUSES[values.status_codes[index]] == point.status
             assert values.num_solved[index] == point.members
+
+
+def test_interval_of_each_coefficient_is_computed_once_for_summary_budget_and_report(monkeypatch):
+    counts = Counter()
+    compute_samples = CombinedIntervals._sample_all_strengths
+
+    def count_and_compute(self, fixed, dwell_time=1.0, **for_tests):
+        if not for_tests:
+            counts[self.response.area, self.rule, self.response.load, self.mu0, self.tau0, *fixed.items()] += 1
+        return compute_samples(self, fixed, dwell_time, **for_tests)
+
+    monkeypatch.setattr(CombinedIntervals, "_sample_all_strengths", count_and_compute)
+    upper, lower = (
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(32, 32), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    )
+    result = pair(upper, lower, load="10 MPa", effective_modulus="80 GPa", mu0="0.2 +- 0.05", shifts=3, onset=0)
+    (point,) = result.summary().points
+    assert point.budget
+    evaluate_measured_report(ReportGrid(result))
+    assert ("all", *(point.at[name] for name in ("load", "mu0", "tau0"))) in {key[1:] for key in counts}
+    assert len(counts) > 10
+    assert set(counts.values()) == {1}
 
 
 def test_report_values_of_generated_surfaces_contain_an_assessment_of_each_point():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -86,16 +86,40 @@ def add_uncertainty(
     if not result.study.is_measured or at.attrs.get("load_definition") != "elastic":
         return at
     own = _add_own_uncertainty(at, result, budget=budget, tests=tests)
-    stored_alternatives = load_stored_alternatives(result)
-    if not stored_alternatives:
-        return own
-    names = [name for name in (*COMBINED_QUANTITIES, "contact_count") if name in at]
+    if budget:
+        alternatives = evaluate_alternatives(result, at)
+    else:
+        names = [name for name in (*COMBINED_QUANTITIES, "contact_count") if name in at]
+        alternatives = _evaluate_alternatives_uncached(result, at, names, budget=False, tests=tests)
+    return _cover_alternatives(own, alternatives) if alternatives else own
+
+
+def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[AlternativeName, xarray.Dataset]:
+    """Evaluate alternative preparations of the scans at the points of a dataset, with intervals and budget.
+
+    The values at the last points are cached.
+    """
+    cache = result.compute_once(_create_cache)
+    points = tuple(at[name].values.tobytes() for name in ("load", "mu0", "tau0"))
+    if points not in cache:
+        cache.clear()
+        cache[points] = _evaluate_alternatives_uncached(result, at)
+    return cache[points]
+
+
+def _create_cache(_: MemberSums) -> dict[Any, dict[AlternativeName, xarray.Dataset]]:
+    return {}
+
+
+def _evaluate_alternatives_uncached(
+    result: MemberSums, at: xarray.Dataset, names: Collection[str] | None = None, *,
+    budget: bool = True, tests: bool = True,
+) -> dict[AlternativeName, xarray.Dataset]:  # fmt: skip
     loads, mu0, tau0 = (at[name].values for name in ("load", "mu0", "tau0"))
-    alternatives = {
+    return {
         name: add_uncertainty(at_load(other, loads, mu0=mu0, tau0=tau0, names=names), other, budget=budget, tests=tests)
-        for name, other in stored_alternatives.items()
+        for name, other in load_stored_alternatives(result).items()
     }
-    return _cover_alternatives(own, alternatives)
 
 
 _Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and values of variables, by name

@@ -116,6 +116,7 @@ class InputSampler:
         self._cache: dict[Any, _InputSamples] = {}
         self._areas: dict[Any, AreasBeforeShear] = {}
         self._closures: tuple[Any, Floats] = (None, np.empty(0))
+        self.intervals: dict[Any, Interval] = {}  # sampled intervals of coefficients
 
     def draw(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
@@ -385,11 +386,21 @@ class CombinedIntervals:
         return self._compute_interval_of_samples(fixed)
 
     def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
-        """Return the limits of the 95 % interval, extended to include the samples with mu0 or tau0 at its bound."""
-        first, *others = (
-            compute_equal_tailed_interval(*each) for each in self._sample_all_strengths(fixed, dwell_time)
-        )
-        return first.extended_to(*others, *self._intervals_without_upper_limit)
+        """Return the limits of the 95 % interval, extended to include the samples with mu0 or tau0 at its bound.
+
+        The interval of a coefficient is computed only once, also if the coefficient is evaluated again among others.
+        """
+        response = self.response
+        # The round-off of the estimate depends on the coefficients that are evaluated together.
+        estimate = self.sampling_estimate.round(12).tobytes()
+        coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
+        key = coefficient, self.names, (*fixed.items(),), dwell_time
+        if key not in self._sampler.intervals:
+            first, *others = (
+                compute_equal_tailed_interval(*each) for each in self._sample_all_strengths(fixed, dwell_time)
+            )
+            self._sampler.intervals[key] = first.extended_to(*others, *self._intervals_without_upper_limit)
+        return self._sampler.intervals[key]
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:

@@ -25,7 +25,7 @@ from stiction.companions.height_scale import (
 from stiction.companions.onset import load_stored_onset, scale_onset
 from stiction.companions.resolution import evaluate_at_cutoffs
 from stiction.evaluate.at_load import at_load
-from stiction.evaluate.budget import add_uncertainty
+from stiction.evaluate.budget import add_uncertainty, evaluate_alternatives
 from stiction.evaluate.load_range import choose_default_loads, choose_loads_in_range
 from stiction.evaluate.maps import iterate_solved_pieces
 from stiction.evaluate.member_values import member_values
@@ -423,8 +423,8 @@ class Evaluation(MemberSums):
 
         check_instance("at", at, xarray.Dataset, "a dataset from Result.at")
         alternatives = {
-            name: summarize(other.at(at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values), other.study)
-            for name, other in self.alternatives.items()
+            name: summarize(values, self.alternatives[name].study)
+            for name, values in evaluate_alternatives(self, at).items()
         }
         return summarize(at, self.study, input_caveats=self.input_caveats, alternatives=alternatives)
 
