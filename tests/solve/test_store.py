@@ -821,6 +821,23 @@ def test_files_written_at_different_times_are_byte_identical(uninterrupted_datas
     assert first_file.getvalue() == second_file.getvalue()
 
 
+def find_dimensions_by_scale(file, name):
+    """Return the names of the dimension scales of a variable of an open netCDF file."""
+    if file[name].is_scale:
+        return [name]
+    return [axis[0].name.removeprefix("/") for axis in file[name].dims]
+
+
+def find_dimensions_by_number(file, name):
+    """Return the names of the dimensions of a variable of an open netCDF file, found by the numbers in attributes."""
+    names = {int(scale.attrs["_Netcdf4Dimid"]): key for key, scale in file.items() if scale.is_scale}
+    if file[name].is_scale:
+        return [names[int(file[name].attrs["_Netcdf4Dimid"])]]
+    numbers = [int(number) for number in file[name].attrs.get("_Netcdf4Coordinates", [])]
+    assert numbers[:1] == ([int(file[name].attrs["_Netcdf4Dimid"])] if numbers else [])
+    return [names[number] for number in numbers]
+
+
 def test_stored_block_has_the_same_content_as_a_file_written_by_xarray(uninterrupted_dataset):
     """Compare the variables, types and attributes of files that the store and xarray write."""
     dataset_part = uninterrupted_dataset.isel(repetition=slice(4, 8))
@@ -840,6 +857,11 @@ def test_stored_block_has_the_same_content_as_a_file_written_by_xarray(uninterru
             for name in store_variables:
                 assert store_variables[name].dtype == xarray_variables[name].dtype
                 assert store_variables[name].attrs.keys() == xarray_variables[name].attrs.keys()
+                for file in (store_variables, xarray_variables):
+                    assert find_dimensions_by_number(file, name) == find_dimensions_by_scale(file, name)
+                assert find_dimensions_by_scale(store_variables, name) == find_dimensions_by_scale(
+                    xarray_variables, name
+                )
     block = io.BytesIO()
     store.write_dataset(dataset_part, block)
     assert (
