@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats
+from stiction._checks import Floats, make_read_only
 from stiction._estimate import Interval
 from stiction.evaluate.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean
 from stiction.evaluate.response import AreasBeforeShear, ContactResponse, InputValues, ResponseValues
@@ -298,25 +299,24 @@ class CombinedIntervals:
 
     def predict_next_test(self) -> Interval:
         """Return the 95 % prediction interval for a test of one new member in one direction of motion."""
-        first, *others = (compute_equal_tailed_interval(*each) for each in self._sample_next_tests())
+        first, *others = (compute_equal_tailed_interval(*each) for each in self._next_tests)
         return first.extended_to(*others, (self.value, self.value), *self._intervals_without_upper_limit)
 
     def predict_percentiles(self) -> Floats:
         """Return `FRICTION_PERCENTILES` of single tests. The lowest and the highest enclose the coefficient itself."""
-        by_strength = [compute_quantiles(FRICTION_PERCENTILES / 100, *each) for each in self._sample_next_tests()]
+        by_strength = [compute_quantiles(FRICTION_PERCENTILES / 100, *each) for each in self._next_tests]
         value = np.where(FRICTION_PERCENTILES == 50.0, np.nan, self.value)
         return extend_percentiles(by_strength[0], [*by_strength[1:], value])
 
-    def _sample_next_tests(self) -> list[tuple[Floats, Floats]]:
-        """Return samples of the coefficient, and of its upper limit, of a test of one new member in one direction.
+    @cached_property
+    def _next_tests(self) -> list[tuple[Floats, Floats]]:
+        """Samples of the coefficient, and of its upper limit, of a test of one new member in one direction.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a part whose roughness drifts, so that the drift counts twice. With joint samples of
         mu0 and tau0, further arrays have mu0 or tau0 at its bound.
         """
-        from scipy.special import stdtrit
-
-        scores = stdtrit(self.freedom, generate_stratified_points(len(self.names) + 1)[:, -1])
+        scores = _compute_test_scores(self.freedom, len(self.names) + 1)
         scatter = math.sqrt(math.log1p(self.scatter**2))
         factor = np.exp(np.minimum(scores * scatter, MAX_LOG_COEFFICIENT_RATIO))
         fixed = {name: 0.5 for name in self.standard_errors if name not in self.drifts}
@@ -497,6 +497,14 @@ class CombinedIntervals:
         if hardness is not None:
             changes["hardness"] = hardness[indices] * inputs.hardness / central.hardness
         return replace(inputs, **changes)
+
+
+@lru_cache(maxsize=8)
+def _compute_test_scores(freedom: float, num_dimensions: int) -> Floats:
+    """Return samples of Student's t distribution, from the last coordinate of the stratified points."""
+    from scipy.special import stdtrit
+
+    return make_read_only(np.asarray(stdtrit(freedom, generate_stratified_points(num_dimensions)[:, -1])))
 
 
 def _compute_friction_angle_difference(ends: tuple[float, float]) -> float:
