@@ -1,6 +1,7 @@
 """Tests of imports: each layer imports from lower layers only, and imports are lazy."""
 
 import ast
+import functools
 import re
 import subprocess
 import sys
@@ -59,6 +60,7 @@ MODULES = {
 """Files of all modules, by their names in the package."""
 
 
+@functools.cache
 def imported_modules(module, *, only_top_level=False):
     """Return the modules of the package that a module imports, also inside functions and for type checkers."""
     tree = ast.parse(MODULES[module].read_text("utf-8"))
@@ -69,7 +71,7 @@ def imported_modules(module, *, only_top_level=False):
             found |= {name if (name := f"{base}.{each.name}") in MODULES else base for each in node.names}
         elif isinstance(node, ast.Import):
             found |= {each.name.removeprefix("stiction.") for each in node.names if each.name.startswith("stiction.")}
-    return found & set(MODULES)
+    return frozenset(found & set(MODULES))
 
 
 def layer_of(module):

@@ -59,15 +59,11 @@ def test_soft_elastic_bodies_lose_area_by_default(options, text):
 def test_interval_of_soft_bodies_agrees_with_brute_force():
     moduli = np.array([1.4, 1.7, 2.0, 2.3, 2.6])
     # coefficients of μ0 and of τ0 (1/MPa) at each modulus
+    results = [press(effective_modulus=f"{modulus} MPa", area_loss=0) for modulus in moduli]
     coefficients = np.array(
         [
-            [
-                mean_value(
-                    press(effective_modulus=f"{modulus} MPa", area_loss=0), "mean_friction", mu0=[mu0], tau0=[tau0]
-                )
-                for mu0, tau0 in ((0.1, 0.0), (0.0, 1e-4))
-            ]
-            for modulus in moduli
+            [mean_value(each, "mean_friction", mu0=[mu0], tau0=[tau0]) for mu0, tau0 in ((0.1, 0.0), (0.0, 1e-4))]
+            for each in results
         ]
     )
     coefficients /= 0.1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import replace
 
 import numpy as np
@@ -35,8 +36,8 @@ def press(hardness=HARDNESS, **options):
     return pair(*rough_pair(), **OPTIONS | {"load": f"{LOAD} MPa", "hardness": hardness} | options)
 
 
-def mean_value(result, name, load=None):
-    return float(result.at(load)[name].sel(statistic="mean").squeeze())
+def mean_value(result, name):
+    return float(result.at_study_loads[name].sel(statistic="mean").squeeze())
 
 
 @pytest.fixture(scope="module")
@@ -76,8 +77,8 @@ def test_adhesive_friction_is_proportional_to_the_true_area(result):
     assert adhesive_part > 1.05 * 0.05 * capped_area / load
 
 
-def test_elastic_areas_are_solved_for_the_first_members_only(monkeypatch):
-    all_members = press(yield_exponent=1.25).dataset["elastic_area"]
+def test_elastic_areas_are_solved_for_the_first_members_only(result, monkeypatch):
+    all_members = result.dataset["elastic_area"]
     assert np.isfinite(all_members).all()
     monkeypatch.setattr(member_solution, "NUM_ELASTIC_MAP_MEMBERS", 2)
     first_members = press(yield_exponent=1.25).dataset["elastic_area"]
@@ -169,12 +170,12 @@ def test_interval_of_the_closure_ends_at_the_closures_for_the_limits_of_an_input
     options = {"hardness": 1.0, "effective_modulus": 80.0, "load": "50 MPa", "cutoff": "none", "onset": 0, "mu0": 0.2}
     options |= {"yield_exponent": 1.15, "junction_growth": 0}
     ranged = pair(gap=upper, **options | {name: f"{limits[0]}..{limits[1]} GPa"}).at()
+    central = mean_value(pair(gap=upper, **options), "closure")
     lower, upper_limit = (
-        float(ranged["closure"].sel(statistic=each).squeeze()) / mean_value(pair(gap=upper, **options), "closure")
-        for each in ("lower", "upper")
+        float(ranged["closure"].sel(statistic=each).squeeze()) / central for each in ("lower", "upper")
     )
     direct = [mean_value(pair(gap=upper, **options | {name: limit}), "closure") for limit in limits]
-    expected = np.array(sorted(direct)) / mean_value(pair(gap=upper, **options), "closure")
+    expected = np.array(sorted(direct)) / central
     assert (lower, upper_limit) == pytest.approx(tuple(expected), abs=0.2 * np.ptp(expected))
 
 
@@ -221,17 +222,21 @@ def test_results_without_elastic_areas_use_the_area_with_limited_pressure(result
     assert function(load, hardness=0.5) > function(load) > function(load, hardness=2.0)
 
 
+@functools.cache
+def press_large_maps(rms, **changes):
+    """Return the result of large maps. The result at the central inputs is solved once for all changes."""
+    maps = rough_maps(5, hurst_exponent=0.7, rms=rms, points=128, spacing=0.05, shortest_wavelength=0.3)
+    return pair(*maps, **OPTIONS | {"load": f"{LOAD} MPa", "hardness": HARDNESS, "yield_exponent": 1.15} | changes)
+
+
 @pytest.mark.parametrize("rms", [0.005, 0.02, 0.05])
 @pytest.mark.parametrize(
     "changes", [{"hardness": 0.5}, {"hardness": 2.0}, {"effective_modulus": 60.0}, {"effective_modulus": 100.0}]
 )
 def test_stiffness_at_other_inputs_agrees_with_a_direct_solution(rms, changes):
-    maps = rough_maps(5, hurst_exponent=0.7, rms=rms, points=128, spacing=0.05, shortest_wavelength=0.3)
-    options = OPTIONS | {"load": f"{LOAD} MPa", "hardness": HARDNESS, "yield_exponent": 1.15}
-    result, direct_result = pair(*maps, **options), pair(*maps, **options | changes)
-    load, table = float(result.study.friction.load[0]), result.at_study_loads
+    result, direct_result = press_large_maps(rms), press_large_maps(rms, **changes)
     dims = ("cut_off", "sliding", "load", "mu0", "tau0")
-    _, intervals = next(_iterate_intervals(result, table, dims, NO_INPUTS, {}, {}))
+    _, intervals = next(_iterate_intervals(result, result.at_study_loads, dims, NO_INPUTS, {}, {}))
     inputs = replace(
         intervals.response.central,
         hardness=changes.get("hardness", HARDNESS),
@@ -241,7 +246,7 @@ def test_stiffness_at_other_inputs_agrees_with_a_direct_solution(rms, changes):
     for name, ratio, tolerance in (
         ("unloading_stiffness", unloading, 0.1), ("normal_stiffness", loading, 0.2),
     ):  # fmt: skip
-        expected = mean_value(direct_result, name, load) / mean_value(result, name, load)
+        expected = mean_value(direct_result, name) / mean_value(result, name)
         assert float(ratio) == pytest.approx(expected, rel=tolerance)
 
 
