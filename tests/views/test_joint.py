@@ -39,6 +39,12 @@ def table(result):
     return result.joint_table()
 
 
+@pytest.fixture(scope="module")
+def values(result, table):
+    """Return the values of the result at the loads of its joint table."""
+    return result.at([row.load for row in table.rows]).sel(sliding="all").squeeze()
+
+
 def closure_of(row):
     return row.estimates["closure"].value
 
@@ -50,14 +56,14 @@ def export_text(result, path, **options):
 
 
 @pytest.mark.parametrize("units", UNIT_SYSTEMS)
-def test_joint_table_contains_the_values_of_the_result_at_each_pressure(result, units):
+def test_joint_table_contains_the_values_of_the_result_at_each_pressure(result, values, units):
     length, pressure = UNIT_SYSTEMS[units]
     table = result.joint_table(units=units)
     loads = np.array([row.load for row in table.rows])
     steps = result.study.contact.loading_steps()
     assert [row.load for row in table.rows if row.is_computed] == pytest.approx(steps)
     assert (loads[1:] / loads[:-1]).max() < 1.16
-    at = result.at(loads).sel(sliding="all").squeeze()
+    assert loads.tolist() == values["load"].values.tolist()
     pressures = [row.pressure.value * pressure for row in table.rows]
     assert pressures == pytest.approx((loads / result.nominal_area).tolist())
     factors = {
@@ -68,13 +74,14 @@ def test_joint_table_contains_the_values_of_the_result_at_each_pressure(result, 
     kinds = {}
     for name, factor in factors.items():
         estimates = [row.estimates[name] for row in table.rows]
-        values = np.array([[each.value, each.lower, each.upper] for each in estimates])
-        np.testing.assert_allclose(values * factor, at[name].sel(statistic=["mean", "lower", "upper"]), rtol=1e-12)
+        in_table = np.array([[each.value, each.lower, each.upper] for each in estimates])
+        expected = values[name].sel(statistic=["mean", "lower", "upper"])
+        np.testing.assert_allclose(in_table * factor, expected, rtol=1e-12)
         (kinds[name],) = {each.kind for each in estimates}
     assert set(kinds.values()) == {"combined"}
     for percentile in (5, 50, 95):
         percentiles = [row.friction(percentile) for row in table.rows]
-        expected = at["friction_percentiles"].sel(percentile=percentile)
+        expected = values["friction_percentiles"].sel(percentile=percentile)
         np.testing.assert_allclose([each.value for each in percentiles], expected)
         assert {each.kind for each in percentiles} == {"prediction"}
 
