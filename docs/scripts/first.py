@@ -78,13 +78,13 @@ def draw_figure(curves, dark):
 
     x, lower, contact = solve_contact()
     is_contact = contact.pressure > 0
-    # Show the opposing contact that is nearest to another contact.
-    opposing_x, assisting_x = (
-        x[is_contact & is_selected & (np.abs(x - x.mean()) < MAX_MARKER_DISTANCE_FROM_MIDDLE)]
-        for is_selected in (contact.opposing, ~contact.opposing)
-    )
-    distances = np.abs(np.subtract.outer(opposing_x, assisting_x))
-    middle_x = opposing_x[np.unravel_index(distances.argmin(), distances.shape)[0]]
+    # Show the part of the profile in which the rarer of the two kinds of contact points is most frequent.
+    candidates = x[is_contact & (np.abs(x - x.mean()) < MAX_MARKER_DISTANCE_FROM_MIDDLE)]
+    rarer_counts = [
+        min(np.count_nonzero(is_near & contact.opposing), np.count_nonzero(is_near & ~contact.opposing))
+        for is_near in (is_contact & (np.abs(x - middle) < DRAWN_PROFILE_HALF_WIDTH) for middle in candidates)
+    ]
+    middle_x = candidates[int(np.argmax(rarer_counts))]
     left.fill_between(x, 1000 * lower, -1e4, color=LOWER_BODY_COLOUR, linewidth=0)
     left.fill_between(x, 1000 * (lower + contact.gap.clip(0)), 1e4, color=UPPER_BODY_COLOUR, linewidth=0)
     for is_selected, colour in ((contact.opposing, OPPOSING_COLOUR), (~contact.opposing, NOT_OPPOSING_COLOUR)):
