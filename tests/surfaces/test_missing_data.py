@@ -185,6 +185,18 @@ def test_outlier_detection_finds_groups_of_at_most_four_points(size, is_outlier)
     assert find_outliers(heights)[group].any() == is_outlier
 
 
+def test_outliers_of_a_map_do_not_depend_on_which_axis_has_the_rows():
+    """A map is evaluated in strips of rows, which differ between a map and its transpose."""
+    rng = np.random.default_rng(11)
+    heights = np.cumsum(np.cumsum(rng.normal(size=(40, 3000)), axis=0), axis=1)
+    rows, columns = rng.integers(0, 40, 60), rng.integers(0, 3000, 60)
+    heights[rows, columns] += 100 * np.ptp(heights)
+    heights[rng.integers(0, 40, 60), rng.integers(0, 3000, 60)] = np.nan
+    outliers = find_outliers(heights)
+    assert np.count_nonzero(outliers) >= 50
+    np.testing.assert_array_equal(outliers, find_outliers(np.ascontiguousarray(heights.T)).T)
+
+
 def test_interpolation_of_points_uses_only_measured_heights_of_other_points():
     plane = np.add.outer(np.arange(20.0), 2 * np.arange(30.0))
     points, missing, heights = np.zeros(plane.shape, bool), np.zeros(plane.shape, bool), plane.copy()

@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from stiction._text import printable_path, printable_text
-from stiction.cli.application import command, is_stderr_terminal, print_message, print_output, report_interruption
+from stiction.cli.application import (
+    command,
+    is_stderr_terminal,
+    print_message,
+    print_output,
+    report_interruption,
+    show_status,
+)
 from stiction.cli.options import (
     JsonOption,
     PartOption,
@@ -145,6 +152,7 @@ def pair(
     check_output_directory(output)
     check_all_replaceable(output, OUTPUT_FILE_SIGNATURES)
     measured_pair = MeasuredPair(validate_option_values(read_given_options(context)))
+    show_status("reading and checking the scans")
     for file in measured_pair.files:
         show_reader_import_status(Path(file.file))
     studies = measured_pair.studies

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
@@ -45,7 +46,7 @@ def find_height_step(heights: Floats) -> float:
     if not tolerance > 0:
         return 0.0
     differences = np.concatenate([_centred_second_differences(heights, axis) for axis in range(heights.ndim)])
-    numbers, counts = np.unique(np.rint(differences / tolerance), return_counts=True)
+    numbers, counts = _count_whole_numbers(np.rint(differences / tolerance))
     is_repeated = counts >= _MIN_REPETITIONS
     if counts[is_repeated].sum() <= _MIN_REPEATED_FRACTION * differences.size:
         return 0.0
@@ -64,6 +65,16 @@ def find_height_step(heights: Floats) -> float:
         and is_multiple[np.abs(multiples) > _MULTIPLE_TOLERANCE].mean() >= _MIN_FRACTION_OF_NONZERO_MULTIPLES
     )
     return step if is_rounded else 0.0
+
+
+def _count_whole_numbers(values: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the distinct values in ascending order and their counts, without sorting if they span a small range."""
+    lowest = values.min(initial=0)
+    if not values.max(initial=0) - lowest < values.size:
+        return np.unique(values, return_counts=True)
+    counts = np.bincount((values - lowest).astype(np.intp))
+    indices = np.flatnonzero(counts)
+    return indices + lowest, counts[indices]
 
 
 def _centred_second_differences(heights: Floats, axis: int) -> Floats:

@@ -42,6 +42,9 @@ _MIN_NEIGHBOUR_ESTIMATES = 3
 # These lines connect neighbouring points, and there are at least five of them.
 _MAX_COINCIDENT_LINES = 2
 _MAX_OUTLIER_PASSES = 8
+# Steps from a point to its neighbours, by the number of axes.
+_NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
+_MAX_STRIP_POINTS = 16_384  # maximum number of points of a map whose deviations are computed at a time
 _MAX_WINDOWS = 100_000  # maximum number of neighbourhoods whose medians are computed at a time
 # The scatter of edge points, and of rough regions beside flat regions, is estimated separately only if there are at
 # least this many points.
@@ -229,18 +232,32 @@ def _find_typical_deviations(
 def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Return deviations from means of neighbours, deviations from lines through neighbours, and a mask of edge points.
 
-    Deviations are NaN at points with too few measured neighbours.
+    Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips of rows, whose
+    intermediate arrays fit into the cache.
     """
-    neighbour_steps: list[tuple[int, ...]] = [(1,), (2,), (3,), (4,)]
-    if heights.ndim == 2:
-        neighbour_steps = [(0, 1), (1, 0), (1, 1), (1, -1)]
-    padding = 2 * max(map(max, neighbour_steps))
-    padded_heights = np.pad(remaining_heights, padding, constant_values=np.nan)
+    reach = 2 * max(map(max, _NEIGHBOUR_STEPS[heights.ndim]))
+    padded_heights = np.pad(remaining_heights, reach, constant_values=np.nan)
+    strip_length = heights.size if heights.ndim == 1 else max(_MAX_STRIP_POINTS // heights.shape[1], 1)
+    strips = [
+        _deviations_in_strip(
+            heights[start : start + strip_length], padded_heights[start : start + strip_length + 2 * reach], reach
+        )
+        for start in range(0, len(heights), strip_length)
+    ]
+    mean_deviations, line_deviations, at_edge = (np.concatenate(arrays) for arrays in zip(*strips, strict=True))
+    return mean_deviations, line_deviations, at_edge
+
+
+def _deviations_in_strip(
+    heights: Floats, padded_heights: Floats, reach: int
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Return the deviations of some rows, or of a profile, given all heights within `reach` points around them."""
+    neighbour_steps = _NEIGHBOUR_STEPS[heights.ndim]
 
     def shifted_heights(step: tuple[int, ...], multiple: int) -> Floats:
         index = zip(step, heights.shape, strict=True)
         return padded_heights[
-            tuple(slice(padding + multiple * offset, padding + multiple * offset + size) for offset, size in index)
+            tuple(slice(reach + multiple * offset, reach + multiple * offset + size) for offset, size in index)
         ]
 
     neighbour_means = [(shifted_heights(step, 1) + shifted_heights(step, -1)) / 2 for step in neighbour_steps]
