@@ -51,7 +51,7 @@ def script():
 
 @pytest.fixture(scope="module")
 def areas(script):
-    """Areas of each stored map."""
+    """Areas of each stored map, true and with the pressure cap."""
     return {
         name: script.find_map_areas(
             script.CASES[name], dict(zip(("pressure", "area", "elastic_area"), zip(*rows, strict=True), strict=True))

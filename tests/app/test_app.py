@@ -68,7 +68,7 @@ def driver(app, tmp_path_factory):
 @pytest.fixture
 def empty_page(driver, app):
     """Page of the app without inputs; after the test, the log of the browser must contain no unexpected error."""
-    driver.get(f"{app.origin}/app.css")  # This page has no scripts that could write to the storage again.
+    driver.get(f"{app.origin}/app.css")  # a page without scripts, which cannot write to the storage
     driver.execute_script("sessionStorage.clear()")
     driver.get(app.origin)
     driver.get_log("browser")

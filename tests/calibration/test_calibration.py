@@ -483,7 +483,7 @@ def test_prediction_issues_a_warning_if_result_and_tests_have_different_junction
     interface = calibrate(simulate_junction_growth_tests(9.0, 9.0), sliding="all")
     with pytest.warns(UserWarning, match="calibrated with junction growth 9, and the result has 0"):
         interface.predict(compute_plastic_pair(0), "20 MPa")
-    interface.predict(STEEL_BALL, 50.0)  # This prediction causes no warning, because the ball does not yield.
+    interface.predict(STEEL_BALL, 50.0)  # no warning, because the ball does not yield
 
 
 def test_calibration_of_tests_below_yield_reports_no_junction_growth() -> None:

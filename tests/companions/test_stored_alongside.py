@@ -19,7 +19,7 @@ COMPANION_LOADERS = {"picture.nc": load_contact_picture, "onset.nc": load_stored
 
 @pytest.fixture(scope="module")
 def result_and_datasets(tmp_path_factory):
-    """Return a stored result of two maps, and the datasets of the files stored alongside by file name."""
+    """Return a stored result of two maps, and the datasets stored alongside, keyed by file name."""
     folder = tmp_path_factory.mktemp("maps")
     contact_keys = 'load = ["2 mN"]\ndirection = [0, 180]'
     study = create_study_from_files(folder, spacing=write_maps(folder, shape=(32, 32)), members=2, contact=contact_keys)

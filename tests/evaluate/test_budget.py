@@ -30,9 +30,7 @@ MAX_SAMPLING_ERROR = 0.02  # largest error of an interval end due to random samp
 # Largest relative errors of friction that is interpolated between solutions, for a narrow and a wide range of E*.
 MAX_INTERPOLATION_ERROR, MAX_WIDE_INTERPOLATION_ERROR = 0.005, 0.008
 PAIR_OPTIONS = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
-THREE_POSITION_OPTIONS = PAIR_OPTIONS | {
-    "shifts": 3
-}  # This number is enough for comparisons of solutions at equal positions.
+THREE_POSITION_OPTIONS = PAIR_OPTIONS | {"shifts": 3}  # few positions, enough to compare solutions at equal positions
 
 
 LARGE_MAP_POINTS = 64  # number of points along a side of the maps in tests of interpolation between solutions
@@ -184,7 +182,7 @@ def test_percentiles_of_a_single_test_agree_with_random_samples() -> None:
     assert lower < expected[0] < expected[2] < upper
 
 
-@pytest.mark.parametrize("rms", [0.03, 0.003])  # These are a plastic and an elastic-plastic contact.
+@pytest.mark.parametrize("rms", [0.03, 0.003])  # a plastic and an elastic-plastic contact
 def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", junction_growth=0, effective_modulus="80 GPa", **PAIR_OPTIONS)
     aged_point = (
@@ -382,7 +380,7 @@ def test_interval_contains_the_friction_coefficient_for_truncated_distributions_
 
 
 def test_combined_interval_contains_the_confidence_interval_due_to_sampling_for_random_statistics(monkeypatch) -> None:
-    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # This saves the time for computing budgets.
+    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # no budgets, to save time
     # Replace values by random statistics. Some have a bracket wider than the interval of the inputs.
     random = np.random.default_rng(5)
     result = pair(

@@ -100,7 +100,7 @@ def test_fit_of_laws_recovers_exact_power_laws(dataset):
     exact_dataset = dataset.copy(deep=True)
     pressure = exact_dataset["load"].values / 100
     exact_dataset["contact_area"].values[...] = 100 * 1.5 * pressure
-    # This approach follows the stiffness law k = p / 0.02.
+    # an approach that follows the stiffness law k = p / 0.02
     exact_dataset["approach"].values[...] = 0.02 * np.log(pressure) + 1
     result = friction_table(exact_dataset)
     assert result["area_factor"].values == pytest.approx(1.5)
@@ -153,7 +153,7 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     assert float(rows[0]["mu_s"]) == pytest.approx(float(coefficient[0]))
     laws = list(csv.DictReader((tmp_path / "table" / "laws.csv").read_text().splitlines()))
     assert float(laws[0]["c of k/A0 = b p^c"]) == pytest.approx(float(expected["stiffness_exponent"][0, 0, 0]))
-    # A second command with another mu0 replaces the table.
+    # The same command with another mu0 replaces the table.
     check_stiction("table", *COMMAND_OPTIONS, "--mu0", "0.1", cwd=tmp_path)
     assert len((tmp_path / "table" / "table.csv").read_text().splitlines()) == 1 + 2 * 3
 

@@ -14,7 +14,7 @@ from stiction.evaluate.intervals import (
 )
 from stiction.solve.contact_statistics import compute_sample_quantiles
 
-NUM_TRIALS = 500  # With this number of trials, the measured coverage has a standard error of 1 %.
+NUM_TRIALS = 500  # 500 trials give a standard error of 1 % of the measured coverage.
 MAX_WIDTH_RATIO = 1.5  # largest ratio of the median width to the width for a known variance, for at least 32 values
 
 MIN_DEFINED_FRACTION = 0.85
@@ -29,7 +29,7 @@ MIN_COVERAGE = {
 }  # fmt: skip
 
 
-DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # The other cases run only in the stress suite.
+DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # cases outside the stress suite: number of values, correlation
 
 
 @pytest.mark.parametrize(
@@ -163,7 +163,7 @@ def test_sample_mean_ignores_missing_values():
     values = np.array([[1.0, 0.1, np.nan], [2.0, 0.0, 1.0], [3.0, 5.0, np.nan], [np.nan, 0.0, 2.0]])
     mean, lower, upper = average_independent_values(values)
     assert mean == pytest.approx([2.0, 1.275, 1.5])
-    half_width = 4.302652730 / 3**0.5  # This factor is Student's t for 2 degrees of freedom.
+    half_width = 4.302652730 / 3**0.5  # Student's t for 2 degrees of freedom
     assert (lower[0], upper[0]) == pytest.approx((2 * np.exp(-half_width / 2), 2 * np.exp(half_width / 2)))
     assert 0 < lower[1] < mean[1] < upper[1]
     assert np.isnan([lower[2], upper[2]]).all()
@@ -189,7 +189,7 @@ def test_intervals_of_means_at_loads_agree_with_a_jackknife_in_loops(repetitions
     steps, num_curves, load = np.arange(1.0, 13.0)[:, np.newaxis], 2, 4.3
     normal = steps * random.gamma(2.0, 0.5, (num_curves, 1, repetitions))
     values = np.sqrt(steps) * random.gamma(1.0, 1.0, (num_curves, 1, repetitions))
-    if dominates:  # All other repetitions are zero, so the interval is symmetric.
+    if dominates:  # All repetitions but one are zero, so the interval is symmetric.
         values[..., 1:] = 0.0
     means = MeansAtLoads(normal.mean(axis=2), [values.mean(axis=2), normal.mean(axis=2)], repetitions, np.array([load]))
     for members in (slice(0, 2), slice(2, None)):

@@ -189,7 +189,7 @@ def test_mean_over_positions_has_a_student_t_interval_on_the_logarithmic_scale()
     table = at_load(incomplete, [0.1]).isel(cut_off=0)
     values = np.delete(read_member_values(result)["friction_coefficient"].values[:, 0, 0, 0, 0, 0], 2)
     mean_friction, lower_end, upper_end = table["friction_coefficient"].values[0, 0, 0, 0, 0]
-    half_width = 3.182446305 * values.std(ddof=1) / 2  # This factor is Student's t for 3 degrees of freedom.
+    half_width = 3.182446305 * values.std(ddof=1) / 2  # Student's t for 3 degrees of freedom
     factor = np.exp(half_width / values.mean())
     assert (values >= 0).all()
     assert mean_friction == pytest.approx(values.mean())

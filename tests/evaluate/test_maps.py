@@ -14,7 +14,7 @@ SINGLE_MAPS = {"friction_coefficient": friction_map, "contact_area": area_map, "
 
 
 def create_result(normal, tangential, *, frictional=None, area=None, count=None):
-    """Return a result with one fractal dimension and amplitude; arrays have axes (repetition, approach)."""
+    """Return a result with one fractal dimension and one amplitude; arrays have the axes (repetition, approach)."""
     normal, tangential = np.atleast_2d(normal), np.atleast_2d(tangential)
     study = Study().with_changes(
         {
@@ -89,7 +89,7 @@ def test_friction_map_returns_a_status_instead_of_extrapolating():
             0.3,
             0.5,
             np.nan,
-        ),  # one repetition carries all load
+        ),  # only one of five repetitions carries a load
         ([[1.0, 2.0]] * 5, [[0.5, 1.0]] * 5, 1.5, 0.5, 0.0),  # equal repetitions
         ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),  # no friction
     ],
@@ -168,7 +168,7 @@ NUM_ENSEMBLES = 2000
 MIN_COVERAGE = {
     (0.3, 0.3): {5: 0.93, 10: 0.935, 24: 0.94, 100: 0.94},
     (0.8, 0.5): {5: 0.88, 10: 0.91, 24: 0.925, 100: 0.935},
-    (1.0, 1.0): {5: 0.81, 10: 0.845, 24: 0.885, 100: 0.915},  # Here 1 % of the repetitions dominate the mean.
+    (1.0, 1.0): {5: 0.81, 10: 0.845, 24: 0.885, 100: 0.915},  # 1 % of the repetitions dominate the mean
 }
 MAX_COVERAGE = 0.975
 

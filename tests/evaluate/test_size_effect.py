@@ -36,7 +36,7 @@ def test_size_effect_factor_is_the_ratio_of_two_hardnesses_of_nix_and_gao():
 
 
 def test_indentation_depth_has_the_slope_per_radius_of_the_contacts():
-    slope_of_vickers = np.sqrt(np.pi / 24.5)  # of the cone with the area 24.5 h² of a Vickers indentation
+    slope_of_vickers = np.sqrt(np.pi / 24.5)  # slope of a cone with the area 24.5 h² of a Vickers indentation
     radius, slope, count = 0.3, 0.1, 5
     depth = estimate_indentation_depth(count * np.pi * radius**2, count, slope)
     assert slope_of_vickers / (depth / slope_of_vickers) == pytest.approx(slope / radius, rel=1e-12)

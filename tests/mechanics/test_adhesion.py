@@ -231,7 +231,7 @@ def test_pull_off_force_of_a_sinusoid_in_full_contact_is_the_tension_that_opens_
     points, height = 512, 0.005
     x, full_contact_pressure = np.arange(points) / points, np.pi * height
     bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
-    # With this work of adhesion, the grid resolves the range of the attraction.
+    # The work of adhesion is so large that the grid resolves the range of the attraction.
     work = 2.001 * (tension * full_contact_pressure) ** 2 / points
     adhesive = {
         "work_of_adhesion": work,
@@ -278,7 +278,7 @@ def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tensio
         )
     loads = np.array([state.load for state in states])
     first_local_minimum = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
-    # This state is a local minimum of the energy, but not the global minimum.
+    # The energy has a local minimum here, which is not its global minimum.
     assert first_local_minimum > 0.9 * loads.min()
     largest_tension = adhesion_solver.mean_pressure_to_force(-loads.min())
     assert curve.pull_off == pytest.approx(largest_tension, rel=PULL_OFF_TOLERANCE)

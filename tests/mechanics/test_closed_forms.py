@@ -56,7 +56,7 @@ def test_jackson_green_law_of_the_core_equals_the_published_fit(ratio, radius, m
     critical_overlap, force, area = elastic_plastic.jackson_green(ratio, radius, modulus, strength, poisson)
     law = JacksonGreen(yield_strength=strength, poisson_ratio=poisson)
     actual = force_and_area(law, overlap=ratio * critical_overlap, radius=radius, effective_modulus=modulus)
-    if abs(ratio / 1.9 - 1) > 1e-9:  # At this ratio, round-off decides which branch applies.
+    if abs(ratio / 1.9 - 1) > 1e-9:  # At a ratio of 1.9, round-off decides which branch applies.
         # The tolerance is larger because the formula raises powers of ratios to further powers.
         assert actual == pytest.approx((force, area), rel=1e-10)
 

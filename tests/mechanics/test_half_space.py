@@ -177,7 +177,7 @@ def test_traction_under_a_sphere_equals_mindlin_solution(ratio):
     result = solver.at(ratio * bound.mean())
     is_sticking = (bound > 0) & (result.pressure.reshape(n, n) < bound)
     assert np.sqrt(is_sticking.sum() * spacing**2 / np.pi) == pytest.approx((1 - ratio) ** (1 / 3), abs=spacing)
-    # This is the displacement in the middle of a Hertzian pressure distribution with the given maximum.
+    # displacement in the middle of a Hertzian pressure distribution with the given maximum
     displacement_at_sliding = np.pi * mu0 / 2 / EFFECTIVE_MODULUS * radius
     assert result.approach == pytest.approx(
         displacement_at_sliding * (1 - (1 - ratio) ** (2 / 3)), rel=MINDLIN_TOLERANCE
@@ -483,7 +483,7 @@ def test_pressure_with_hardness_agrees_with_tamaas():
     exact = np.array(model.traction).reshape(n, n)
     curve = half_space(flat_like(lower), lower, [load], boundary="periodic", hardness=hardness, tolerance=1e-9)
     assert 0 < curve.load_share_at_hardness[0] < 1
-    # This tolerance includes the error of the reference.
+    # the tolerance includes the error of the reference
     assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness
 
 

@@ -81,7 +81,7 @@ def datasets_by_title(no_contact_pictures):
 
 @pytest.fixture(scope="module")
 def results_at_loads(datasets_by_title):
-    """Return the results of these studies at loads."""
+    """Return results at loads for studies of all kinds."""
     return {name: at_load(result, choose_loads(result)) for name, result in datasets_by_title.items()}
 
 

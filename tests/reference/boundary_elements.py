@@ -19,8 +19,8 @@ EXCESS_POINTS_PER_CONTACT = 0.38
 Measured on Westergaard's sinusoid: 0.38 +- 0.03 for contacts of 5 to 60 points at any load up to half contact.
 """
 
-RELATIVE_LOAD_STEP = 0.02  # The stiffness is a central difference over plus and minus this step of the load.
-NUM_WRAPPED_POINTS = 48  # This number of points is added on each side, to remove effects of the ends of the spline.
+RELATIVE_LOAD_STEP = 0.02  # half step of the central difference that gives the stiffness, relative to the load
+NUM_WRAPPED_POINTS = 48  # number of points added on each side, to remove effects of the ends of the spline
 
 
 def band_limited_profile(random, hurst_exponent, bandwidth, points_per_wave):
@@ -127,9 +127,7 @@ class PeriodicAsperities:
         force = np.where(is_active, load / is_active.sum(), 0.0)
         for iteration in range(400):
             half_width = np.sqrt(4 * np.maximum(force, 1e-3 * load / count) * radius / modulus)
-            matrix = interaction_matrix(
-                half_width, 0.5 * np.exp(-0.5)
-            )  # This is the mean of ln|s| over the Hertzian pressure.
+            matrix = interaction_matrix(half_width, 0.5 * np.exp(-0.5))  # mean of ln|s| over the Hertzian pressure
             active_indices = np.flatnonzero(is_active)
             system = np.ones((active_indices.size + 1, active_indices.size + 1))
             system[:-1, :-1] = matrix[np.ix_(active_indices, active_indices)]

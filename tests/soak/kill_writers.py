@@ -27,8 +27,8 @@ from stiction.solve import member_solution, store
 from stiction.solve.store import decode_members
 
 DEFAULT_NUM_KILLS = 200
-KILLS_PER_FOLDER = 20  # This number is small, so that many kills happen while a folder is new.
-MAX_CHECKED_REPETITIONS = 300  # At most this number of repetitions of a folder is computed again for comparison.
+KILLS_PER_FOLDER = 20  # so few that many kills happen while a folder is new
+MAX_CHECKED_REPETITIONS = 300  # maximum number of repetitions of a folder that are computed again for comparison
 EXECUTORS_BY_KIND = {"writers": ("threads", "scheduler"), "parts": ("parts",)}
 MAX_WAITING_SECONDS = 600.0
 

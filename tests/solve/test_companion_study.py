@@ -1,4 +1,4 @@
-"""Test studies in subfolders of a result.
+"""Test companion studies, which are stored in subfolders of a result.
 
 The time for missing members is announced, and members of another study are removed.
 """

@@ -188,7 +188,7 @@ def test_progress_of_a_member_rises_with_its_iterations(study):
     assert (np.diff(progress) > 0).all()
     assert progress[-1] < 2
     members.remove(range(1))
-    assert members.estimate_progress() == pytest.approx(0.75)  # The other member took as many iterations.
+    assert members.estimate_progress() == pytest.approx(0.75)  # both members took the same number of iterations
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
@@ -197,7 +197,7 @@ def test_progress_inside_a_member_is_printed_without_a_terminal(study, monkeypat
 
     def solve_slowly(*arguments):
         solution = solve(*arguments)
-        time.sleep(0.2)  # many times longer than the interval between two lines
+        time.sleep(0.2)  # many times longer than the interval between two lines of progress
         return solution
 
     monkeypatch.setattr(ContactSolver, "at", solve_slowly)

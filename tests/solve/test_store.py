@@ -353,7 +353,9 @@ def test_edited_study_file_without_blocks_is_continued_but_never_replaced(tmp_pa
     run(edited_study, store=tmp_path)
     assert (tmp_path / STUDY_FILE).read_text() == text
     assert (tmp_path / STUDY_FILE).is_symlink() == (kind == "link")
-    with pytest.raises(StoreError, match="written or edited by hand"):  # only the friction parameters differ
+    with pytest.raises(
+        StoreError, match="written or edited by hand"
+    ):  # the studies differ only in the friction parameters
         run(edited_study.with_changes({"friction.mu0": [0.3]}), store=tmp_path)
     assert (tmp_path / STUDY_FILE).read_text() == text
 
@@ -907,7 +909,7 @@ def test_interrupt_stops_the_run_and_preserves_finished_blocks(tmp_path):
         ) as process,
         contextlib.ExitStack() as cleanup,
     ):
-        cleanup.callback(process.kill)  # This has no effect if the process has ended.
+        cleanup.callback(process.kill)  # `kill` has no effect if the process has ended
         assert process.stdout.readline() == b"started\n"
         pending_lines = {b"ready\n", b"waiting\n"}  # Different threads print these lines, in any order.
         while pending_lines and (line := process.stdout.readline()):

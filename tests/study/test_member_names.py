@@ -1,4 +1,4 @@
-"""Tests of the names of members in texts for users."""
+"""Tests of the words for members in output."""
 
 import pytest
 from stiction import Study

@@ -1,4 +1,4 @@
-"""Test studies in the format of earlier versions, which had a table `[known]`."""
+"""Test studies in the format of earlier versions, which had a section `[known]`."""
 
 import tomllib
 from pathlib import Path
@@ -16,7 +16,7 @@ FILM = "MoS2 on bearing steel, dry air"
 
 
 def parse_old(known="", contact="", friction="mu0 = [0.2]"):
-    """Parse an old study with other lines in `[known]`, `[contact]` and `[friction]`."""
+    """Parse an old study in which some lines of `[known]`, `[contact]` and `[friction]` are replaced."""
     text = f"""{OLD_TEXT[: OLD_TEXT.index("[contact]")]}
 [contact]
 mechanics = "half-space"

@@ -44,7 +44,7 @@ def call_stiction(*arguments, cwd, columns=200, without_figures=False, without_r
         contextlib.chdir(cwd),
         contextlib.redirect_stdout(out),
         contextlib.redirect_stderr(err),
-        warnings.catch_warnings(),  # This restores the warning function that main() replaces.
+        warnings.catch_warnings(),  # restore the warning function that main() replaces
         mock.patch.object(sys, "argv", ["stiction", *map(str, arguments)]),
         mock.patch.dict(os.environ, {"COLUMNS": str(columns), "CI": "1"}),
     ):

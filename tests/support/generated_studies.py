@@ -48,7 +48,7 @@ def empty_dataset(study):
 
 
 def with_repetitions(number, study=TINY_STUDY):
-    """Return a copy of a study with another number of repetitions."""
+    """Return a copy of a study with a given number of repetitions."""
     return study.with_changes({"ensemble.repetitions": number})
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 
 class ReportEvaluator:
-    """Facts and tables of one report, to which the functions of `numbers.js` are applied."""
+    """Data of one report, to which the functions of `numbers.js` are applied."""
 
     def __init__(self, page):
         from py_mini_racer import MiniRacer

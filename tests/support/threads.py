@@ -20,7 +20,7 @@ def releases_interpreter_lock(call):
     thread = threading.Thread(target=wait_for_release)
     thread.start()
     started.wait()
-    # This long interval disables switching between threads, except when a lock is released.
+    # A long interval disables switching between threads, except when a lock is released.
     sys.setswitchinterval(10 * MAX_WAITING_TIME)
     end = time.monotonic() + MAX_WAITING_TIME
     try:

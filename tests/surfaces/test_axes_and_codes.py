@@ -1,4 +1,4 @@
-"""Axes that are not lengths, codes for missing points within heights, and maps in formats that declare their size."""
+"""Tests of axes that are not lengths, codes for missing points within heights, and maps with a declared size."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Files that contain several arrays, sheets or channels, and files without a signature."""
+"""Tests of files that contain several arrays, sheets or channels, and of files without a signature."""
 
 import io
 

@@ -1,4 +1,4 @@
-"""Tests of feature parameters.
+"""Tests of feature parameters of surfaces, such as the peak density, the mean peak curvature and S10z.
 
 Peaks, pits and Wolf pruning are compared with a slow program that merges hills, and with egg-box surfaces.
 """

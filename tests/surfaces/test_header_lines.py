@@ -1,4 +1,4 @@
-"""Spacings, factors and units in the words of a header: used as written, doubted by name, or rejected."""
+"""Tests of spacings, factors and units in header lines: they are applied, applied with a caveat, or rejected."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Step of rounded heights: found after levelling, and absent for unrounded heights and flat scans with spikes."""
+"""Tests of the rounding step of heights: found after levelling, and absent without rounding or in flat scans."""
 
 import numpy as np
 import pytest

@@ -146,7 +146,7 @@ class TestProfileHurstExponent:
         for heights, match in (
             ([1.0] * 100, "flat"),
             (np.arange(100.0), "straight line"),
-            # This profile is straight up to round-off.
+            # a profile that is straight up to round-off
             (np.where(np.arange(100) < 50, 0.7, np.nextafter(0.7, 1)), "straight line"),
             ([0.0, 1e60] * 50, "height"),
         ):

@@ -454,7 +454,7 @@ def test_words_in_a_line_of_data_are_rejected_with_an_error_that_states_the_line
 @pytest.mark.parametrize("first_line", [0, 20, 60])
 @pytest.mark.parametrize("cells", ["{z}", "{x},{z}"])
 def test_lines_of_repeated_words_are_not_read_as_header_or_footer(tmp_path, cells, first_line, count):
-    """Repeated words are neither a header nor a footer."""
+    """Words that are repeated from line to line belong to neither a header nor a footer."""
     path = tmp_path / "a.csv"
     lines = [cells.format(x=0.5 * index, z=z) for index, z in enumerate(LINE_HEIGHTS)]
     lines[first_line:first_line] = [

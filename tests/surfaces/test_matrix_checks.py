@@ -1,4 +1,4 @@
-"""Tables of numbers without column names that are not a matrix of heights."""
+"""Tests of tables without column names that do not contain a matrix of heights."""
 
 import numpy as np
 import pytest

@@ -299,7 +299,7 @@ def test_matrix_with_positions_in_a_row_or_column_is_rejected(write_file):
     )
     heights_with_equal_row = heights.copy()
     heights_with_equal_row[0] = 0.5
-    # These heights are tilted, like measured heights before levelling.
+    # heights that are tilted, like measured heights before levelling
     tilted_heights = heights * 1e-3 + 0.3 * x + 0.1 * y[:, np.newaxis]
     for matrix in (heights, heights_with_equal_row, tilted_heights, x + y[:, np.newaxis]):
         path = write_file(npy_bytes(matrix), "a.npy")

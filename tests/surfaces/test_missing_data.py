@@ -56,7 +56,7 @@ def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(
         "480 missing points masked, 12 % of all points; "
         "the largest gap has 480 points, at x 3 µm to 5 µm, y 2 µm to 4.4 µm"
     )
-    # This surface marks missing points by the height 1.
+    # a surface that marks missing points by the height 1
     marked_surface = Surface(np.where(missing, 1.0, np.arange(64.0) / 100), spacing=0.1)
     for transform in (flipped, lambda body: rotated(body, 270), lambda body: cropped(body, (1.0, 2.0), (5.0, 6.0))):
         assert np.array_equal(transform(scan).missing, np.abs(transform(marked_surface).heights) == 1)
@@ -134,7 +134,7 @@ def test_outlier_detection_finds_spikes_but_no_larger_features(hurst, tmp_path):
         # A point at an edge has too few neighbours.
         spike_indices = spike_indices[(spike_indices % 128 > 0) & (spike_indices % 128 < 127)]
         flat_heights[spike_indices] += 20 * mean_difference * (-1.0) ** np.arange(spike_indices.size)
-        # This feature has more points than a group of outliers may have.
+        # a feature with more points than a group of outliers may have
         flat_heights[2000:2006] += 20 * mean_difference
         result = find_outliers(heights)
         assert np.array_equal(np.flatnonzero(result), spike_indices)

@@ -145,7 +145,7 @@ class TestInstrumentLimit:
         assert (result.reason, result.wavelength, result.pixels) == ("pixels", 0.04, 0.04)
         subsampled_surface = Surface(
             surface.heights[::4, ::4], spacing=(0.08, 0.04)
-        )  # This subsampling also causes aliasing.
+        )  # subsampling also causes aliasing
         assert instrument_limit(subsampled_surface).reason == "pixels"
 
     @pytest.mark.parametrize("noise", [0.3e-3, 1e-3, 1e-2])
@@ -221,7 +221,7 @@ class TestInstrumentLimit:
         rough_profile = self_affine(3, hurst_exponent=0.8, rms=0.01, points=8192, spacing=0.1, longest_wavelength=100.0)
         frequency = np.fft.rfftfreq(8192, 0.1)
         transform = np.fft.rfft(rough_profile.heights)
-        transform[(frequency > 0.05) & (frequency < 0.12)] *= 30  # These wavelengths are 80 to 200 points long.
+        transform[(frequency > 0.05) & (frequency < 0.12)] *= 30  # wavelengths of 80 to 200 points
         assert instrument_limit(Profile(np.fft.irfft(transform, 8192), spacing=0.1)).reason == "pixels"
 
     def test_rounded_heights_have_an_instrument_limit_due_to_quantisation(self):

@@ -1,4 +1,4 @@
-"""Defects of a scan: found once for a pair, its alternatives and its caveats; spectra without outliers."""
+"""Tests of defects of a scan, which a pair, its alternatives and its caveats share, and of spectra without outliers."""
 
 import gc
 import pickle

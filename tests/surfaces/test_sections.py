@@ -38,7 +38,7 @@ class TestSectionsOfSinusoid:
             sinusoid(wavelength, 2.0, waves=round(15 / ratio), points=400), lc=800, ls=0
         )
         amplitude = 2.0 * (1 - math.exp(-math.pi * math.log(2) / math.pi / ratio**2))
-        tolerance = 1e-4  # This is the relative error at 400 points per wavelength.
+        tolerance = 1e-4  # relative error at 400 points per wavelength
         assert computed_parameters.Ra == pytest.approx(2 * amplitude / math.pi, rel=tolerance)
         assert computed_parameters.Rq == pytest.approx(amplitude / math.sqrt(2), rel=tolerance)
         assert computed_parameters.Rz == pytest.approx(2 * amplitude, rel=tolerance)

@@ -158,7 +158,7 @@ def test_mean_slope_of_isotropic_surfaces_equals_the_mean_slope_of_their_section
         .slope
         for index in range(40)
     ]
-    # These are wavelengths of both the profile and the surface. 64 points contain all of them except the longest.
+    # The profile and the surface have these wavelengths in common; 64 points contain all of them except the longest.
     expected = spectral_moments(section, periodic=True).slope
     assert np.mean(slopes) == pytest.approx(expected, rel=4 * np.std(slopes) / np.sqrt(40) / expected)
     # The sum is the number of harmonics; the harmonic at the Nyquist wavenumber counts half.

@@ -56,7 +56,7 @@ def test_summary_of_measured_surfaces_lists_friction_at_all_contacts_first():
     ):
         assert words in quotable_sentence(point)
     assert quotable_sentence(point).endswith(".")
-    # These ends are the smallest and largest values of members.
+    # the smallest and the largest value of members
     assert (point.rules[0].low, point.rules[0].high) == (0.04, 0.19)
     assert summarize_single_point(measured_result(all_contacts=0.1, half_width_ratio=1.2), measured_study()).lower == 0
     dataset = measured_result()

@@ -295,7 +295,7 @@ def test_text_and_figure_about_a_surface_show_results_of_the_library(surface, su
 
 def test_small_slope_estimate_of_one_scan_assumes_two_equal_surfaces():
     x = np.arange(4000) * 0.01
-    slope = 0.2  # This is the slope of one surface. The slope of the gap is larger by √2.
+    slope = 0.2  # slope of one surface; the slope of the gap is larger by √2
     heights = slope * np.sqrt(2) / (2 * np.pi) * np.sin(2 * np.pi * x)
     expected_friction = gentle_friction(0.4, rms_gradient=slope * np.sqrt(2), rms_slope=slope * np.sqrt(2))
 

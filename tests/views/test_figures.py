@@ -1,4 +1,4 @@
-"""Tests of the figures of results."""
+"""Tests of the figures of results: their panels, labels, colours and files."""
 
 import json
 from dataclasses import replace
@@ -510,7 +510,7 @@ def test_report_and_plot_draw_the_same_figure_over_the_cutoff(maps_at_two_cutoff
     assert drawn_lines[0] == drawn_lines[1]
     legends = [[text.get_text() for text in figure.legends[0].get_texts()] for figure in figures]
     assert legends[0] == legends[1]
-    # both show the combined interval
+    # both figures show the combined interval
     assert all("combined" in figure.legends[0].get_title().get_text() for figure in figures)
 
 

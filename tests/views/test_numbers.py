@@ -50,9 +50,9 @@ def create_arbitrary_sums(tangential_factor):
     data["tangential_adhesive"].values[:] = random_loads * random.uniform(0, 0.5, shape)
     for name in ("tangential_elastic", "tangential_frictional", "tangential_adhesive"):
         data[name].values[3, 1, 1:] = (
-            0  # only one repetition has a tangential force, and the mean of the others has no logarithm
+            0  # only one repetition has a tangential force, and the mean of all others is 0, which has no logarithm
         )
-    data["normal_elastic"].values[3, 0, :, 0] = 0.5  # The mean load reaches this value at the first approach.
+    data["normal_elastic"].values[3, 0, :, 0] = 0.5  # the mean load is 0.5 at the first approach
     data["contact_count"].values[:] = 3 * has_contact
     data["crossed_count"].values[:] = random.integers(0, 4, shape) * has_contact
     return data
@@ -301,7 +301,7 @@ def test_validity_in_reports_of_generated_profiles_is_printed_like_in_tables(gen
             text, is_beyond = report_evaluator.format_validity(name, mu0, tau0, **place, load=25)
             fraction = point.numbers[name]
             assert is_beyond == (fraction > MAX_AFFECTED_FRACTION)
-            if np.isfinite(fraction):  # other fractions are not shown
+            if np.isfinite(fraction):  # infinite and undefined fractions are not shown
                 assert text == f"{format_significant(100 * fraction)} %"
                 are_beyond.append(is_beyond)
     assert set(are_beyond) == {0, 1}

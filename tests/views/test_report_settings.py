@@ -1,4 +1,4 @@
-"""Comparison of numbers in a report with `Result.at` at random settings, in a browser, for six kinds of results."""
+"""Tests of numbers in reports, compared in a browser with `Result.at` at random settings of six kinds of results."""
 
 import numpy as np
 import pytest
