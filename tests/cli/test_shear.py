@@ -172,7 +172,7 @@ def test_test_that_is_interrupted_in_its_intervals_is_resumed_with_the_same_bits
         {"mu0": None, "interface": "MoS2 on bearing steel, dry air"},
     ],
 )
-def test_directory_with_another_test_is_rejected_unless_it_is_replaced(tmp_path, changed):
+def test_directory_with_another_shear_test_is_rejected_unless_the_test_is_replaced(tmp_path, changed):
     options = {"path": "0.5 mm", "steps": 2, "mu0": 0.6, "directory": tmp_path / "test"} | CONDITIONS
     shear_test(*create_faces(), **options)
     with pytest.raises(ValueError, match="contains another shear test; choose another directory"):
@@ -217,7 +217,7 @@ def test_shear_command_rejects_a_directory_with_another_test(folder):
 # ---- Caveats ---------------------------------------------------------------------------------------------------------
 
 
-def test_file_of_the_user_is_not_replaced(folder):
+def test_shear_command_does_not_replace_a_file_of_the_user(folder):
     (folder / "shear").mkdir()
     (folder / "shear/shear.csv").write_text("displacement (um),mu\n1,2\n")
     completed = call_stiction("shear", "upper.npy", "lower.npy", *OPTIONS, "--path", "0.5 mm", "--mu0", 0.6, cwd=folder)

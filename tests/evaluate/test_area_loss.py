@@ -34,7 +34,7 @@ def mean_value(result, name, **inputs):
     return values.sel(sliding="all").item() if "sliding" in values.dims else values.item()
 
 
-def test_area_loss_reduces_the_part_of_tau0():
+def test_area_loss_reduces_the_contribution_of_tau0():
     before, after = press_with_loss(0), press_with_loss(0.2)
     mu0_part = mean_value(before, "mean_friction", tau0=[0.0])
     parts = [mean_value(result, "mean_friction") - mu0_part for result in (before, after)]
@@ -56,7 +56,7 @@ def test_soft_elastic_bodies_lose_area_by_default(options, text):
     assert (loss and loss.text) == text
 
 
-def test_interval_of_soft_bodies_agrees_with_brute_force():
+def test_friction_interval_of_soft_bodies_agrees_with_a_brute_force_calculation():
     moduli = np.array([1.4, 1.7, 2.0, 2.3, 2.6])
     # coefficients of μ0 and of τ0 (1/MPa) at each modulus
     results = [press(effective_modulus=f"{modulus} MPa", area_loss=0) for modulus in moduli]
@@ -120,7 +120,7 @@ def test_friction_without_load_includes_the_area_loss():
     assert widths[1] > widths[0]
 
 
-def test_study_of_soft_bodies_without_the_key_has_a_caveat():
+def test_study_of_soft_bodies_without_area_loss_has_a_caveat():
     result = press_with_loss(0)
     study = result.study.with_changes({"contact.area_loss": None})
     texts, texts_with_loss = (

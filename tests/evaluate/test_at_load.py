@@ -224,7 +224,7 @@ def test_selected_quantities_at_a_load_equal_those_of_a_complete_evaluation(area
         assert selected_table[name].equals(complete_table[name]), name
 
 
-def test_stiffnesses_per_area_have_one_unit(areal_study_and_dataset):
+def test_stiffnesses_per_area_have_the_same_unit(areal_study_and_dataset):
     _, dataset = areal_study_and_dataset
     values = at_load(dataset, dataset["load"].values[:2]).squeeze()
     stiffness_per_area = values["normal_stiffness"] / values["nominal_area"] * 1e6  # GPa/µm to MPa/mm
@@ -249,7 +249,7 @@ def get_means(values, name):
     return values[name].sel(statistic="mean").values.ravel()
 
 
-def test_stiffness_of_closure_is_the_derivative_of_the_mean_closure(result_of_yielding_maps):
+def test_closure_stiffness_is_the_derivative_of_load_with_respect_to_mean_closure(result_of_yielding_maps):
     """Compare with direct solutions at computed loads, and with finite differences at all loads."""
     result = result_of_yielding_maps
     steps = result.study.contact.loading_steps()
@@ -287,7 +287,7 @@ def test_interpolated_stiffnesses_of_yielding_profiles_agree_with_direct_solutio
         np.testing.assert_allclose(get_means(interpolated, name), get_means(direct, name), rtol=tolerance, err_msg=name)
 
 
-def test_tangential_stiffness_per_area_is_that_of_the_onset_without_bending(result_of_yielding_maps):
+def test_tangential_stiffness_per_area_equals_stiffness_of_the_onset_without_bending(result_of_yielding_maps):
     """Subtract the mean tangential displacement from that of distant points, as for the closure."""
     result = result_of_yielding_maps
     contact = result.study.contact
@@ -308,7 +308,7 @@ def test_tangential_stiffness_per_area_is_that_of_the_onset_without_bending(resu
         assert stiffness == pytest.approx(1e6 / np.mean(compliances), rel=0.01)
 
 
-def test_tangential_stiffness_of_grooves_is_the_normal_stiffness_and_of_spheres_mindlins(
+def test_tangential_stiffness_equals_normal_stiffness_for_grooves_and_mindlin_stiffness_for_spheres(
     areal_study_and_dataset, profile_study_and_dataset, tmp_path
 ):
     _, spheres = profile_study_and_dataset
@@ -542,7 +542,7 @@ def test_budget_at_another_load_does_not_count_the_loads_of_the_study(areal_stud
     assert np.isfinite(widths).all(["cut_off", "mu0", "tau0"]).values.tolist() == [True, False, False]
 
 
-def test_interpolation_error_is_that_of_values_that_scatter_independently():
+def test_interpolation_error_equals_the_error_of_independently_scattered_values():
     """In the middle between two points, the error is sqrt(3/4) of the half width of the changes."""
     below = np.array([1.0, -1.0, 2.0, -2.0])
     means = include_interpolation_error(

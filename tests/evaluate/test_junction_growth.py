@@ -234,7 +234,7 @@ def solve_slip_lines(hardness, mu0, tau0, ratio):
 
 
 @pytest.mark.parametrize(("tau0", "limits"), [(0.025, (0.02, 0.03)), (0.05, (0.04, 0.06))])
-def test_interval_with_slip_lines_agrees_with_brute_force_if_all_contacts_yield(tau0, limits):
+def test_interval_with_slip_lines_agrees_with_a_brute_force_calculation_if_all_contacts_yield(tau0, limits):
     text = f"uniform {limits[0]} GPa .. {limits[1]} GPa"
     options = PLASTIC_OPTIONS | {"effective_modulus": 1e4, "hardness": "0.5 GPa ± 5 %", "mu0": 0.2, "tau0": text}
     result = pair(*rough_surfaces(0.01), **options, junction_growth="slip-line")

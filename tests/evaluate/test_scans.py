@@ -293,7 +293,7 @@ def test_drift_has_no_caveat_for_plastic_contacts_or_several_scans():
 
 
 @pytest.mark.parametrize("masked", [False, True])
-def test_drift_is_found_in_proportion_and_only_where_the_roughness_drifts(masked):
+def test_estimated_drift_is_proportional_to_the_drift_of_the_roughness_and_zero_without_drift(masked):
     def estimate_drifts(build_body, drift, count):
         return np.array([estimate_roughness_drift(build_body(seed, drift)) for seed in range(count)])
 

@@ -29,5 +29,5 @@ def test_area_of_plastic_contacts_is_the_load_over_the_hardness() -> None:
     assert yielded_area(1e-9, 4.0, 2.0, 1.25) == pytest.approx(2.0, rel=1e-9)
 
 
-def test_arguments_are_broadcast() -> None:
+def test_yielded_area_broadcasts_its_arguments() -> None:
     assert yielded_area(np.ones((3, 1)), np.ones(4), 1.0, np.full((2, 1, 1), 1.25)).shape == (2, 3, 4)

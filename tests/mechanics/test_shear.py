@@ -52,7 +52,7 @@ def integrate_work(test):
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("mu0", [0.0, 0.5])
-def test_sawtooth_has_tangent_of_friction_angle_plus_tooth_angle(boundary, mu0):
+def test_friction_of_a_sawtooth_is_the_tangent_of_friction_angle_plus_tooth_angle(boundary, mu0):
     test = shear(create_sawtooth(12800), path="20 um", steps=4, mu0=mu0, boundary=boundary)
     exact = math.tan(math.atan(mu0) + ANGLE)
     assert test.friction_coefficient[0] == pytest.approx(mu0, abs=1e-3)
@@ -61,7 +61,7 @@ def test_sawtooth_has_tangent_of_friction_angle_plus_tooth_angle(boundary, mu0):
     assert test.attrs["peak_dilation_angle_deg"] == pytest.approx(10, abs=0.1)
 
 
-def test_coarse_sawtooth_has_the_coefficients_of_rounded_tips():
+def test_friction_of_a_coarse_sawtooth_is_that_of_rounded_tips():
     test = shear(create_sawtooth(200), path="25 um", steps=5, mu0=0.5, boundary="periodic")
     assert test.friction_coefficient[[0, 1, 5]].values == pytest.approx([0.500, 0.727, 0.722], abs=1e-3)
     smooth = shear(create_sawtooth(200), path="5 um", steps=1, mu0=0, boundary="periodic")
@@ -134,7 +134,7 @@ def test_mirrored_faces_have_the_same_curve_in_the_opposite_direction():
     assert not np.allclose(forward.friction_coefficient, shear(face, direction=180, **options).friction_coefficient)
 
 
-def test_map_of_equal_rows_has_the_path_of_its_profile():
+def test_map_of_equal_rows_has_the_shear_curve_of_its_profile():
     """Compare coefficients: on a rigid-like map the rows touch at the same points as the profile."""
     profile = create_wavy_profile()
     coarse = Profile(profile.heights[::16], spacing=profile.spacing * 16)
@@ -193,7 +193,7 @@ def test_perfect_fit_without_friction_has_no_force_at_the_start():
     assert test.status[0] == "ok"
 
 
-def test_steps_are_at_most_the_grid_points_of_the_path():
+def test_number_of_steps_is_at_most_the_number_of_grid_points_on_the_path():
     test = shear(create_wavy_profile(), path="0.2 um", steps=10**11, mu0=0.3)
     np.testing.assert_allclose(np.diff(test.displacement), 100 / 2048)
 
@@ -230,7 +230,7 @@ def test_ranges_of_mu0_and_tau0_give_intervals_by_superposition():
     assert test.attrs["end_lower"] < test.attrs["end"] < test.attrs["end_upper"]
 
 
-def test_interval_is_open_if_more_than_a_fortieth_of_the_samples_lock():
+def test_interval_has_no_upper_limit_if_more_than_a_fortieth_of_the_samples_lock():
     # Teeth of 45 degrees lock for mu0 of 1 or more, a quarter of the range.
     x = np.arange(400) / 200
     teeth = Profile(100 * (0.5 - np.abs(x % 1 - 0.5)), spacing=0.5)
@@ -241,7 +241,7 @@ def test_interval_is_open_if_more_than_a_fortieth_of_the_samples_lock():
     assert test.attrs["peak_upper"] == np.inf
 
 
-def test_interval_of_the_hardness_has_the_peaks_at_its_limits():
+def test_interval_for_uncertain_hardness_ends_at_the_peaks_for_its_limits():
     options = {"path": "100 um", "steps": 4, "mu0": 0.6, "boundary": "periodic"}
     test = shear(create_rough_map(), hardness="50..400 MPa", **options)
     soft, hard = (shear(create_rough_map(), hardness=value, **options) for value in ("50 MPa", "400 MPa"))
@@ -255,7 +255,7 @@ def test_interval_of_the_hardness_has_the_peaks_at_its_limits():
     assert test.attrs["uncertain_inputs"] == "the hardness"
 
 
-def test_interval_of_two_moduli_is_within_the_coefficients_at_the_limits_of_both():
+def test_interval_for_two_uncertain_moduli_lies_between_the_coefficients_at_both_limits():
     options = {"path": "50 um", "steps": 1, "mu0": 0.6, "effective_modulus": None, "poisson": 0.25}
     test = shear(create_rough_map(), young="10..40 GPa", boundary="periodic", **options)
     low, high = (
@@ -266,7 +266,7 @@ def test_interval_of_two_moduli_is_within_the_coefficients_at_the_limits_of_both
     assert low < lower < float(test.friction_coefficient[1]) < upper < high
 
 
-def test_interval_of_many_displacements_equals_that_of_a_few():
+def test_intervals_at_many_displacements_equal_those_at_a_few():
     """Compare intervals with fewer samples, which limit the memory, with those of the usual number."""
     wavy = create_wavy_profile()
     face = Profile(wavy.heights[::8], spacing=8 * wavy.spacing)
@@ -277,7 +277,7 @@ def test_interval_of_many_displacements_equals_that_of_a_few():
     np.testing.assert_allclose(limits, few.friction_coefficient_interval.values, rtol=0.01)
 
 
-def test_two_ranges_widen_the_interval():
+def test_two_uncertain_inputs_widen_the_interval_of_a_shear_test():
     options = {"path": "100 um", "steps": 2, "boundary": "periodic"}
     widths = [
         shear(create_rough_map(), mu0=mu0, hardness=hardness, **options).attrs
@@ -287,7 +287,7 @@ def test_two_ranges_widen_the_interval():
     assert max(first, second) < both < first + second
 
 
-def test_upper_limit_is_open_if_the_faces_lock_at_a_limit_of_the_hardness():
+def test_interval_has_no_upper_limit_if_the_faces_lock_at_a_limit_of_the_hardness():
     face = create_rough_map()
     steep = Surface(6 * face.heights, spacing=face.spacing)
     options = {"path": "60 um", "steps": 2, "mu0": 2.0, "boundary": "periodic"}
@@ -297,7 +297,7 @@ def test_upper_limit_is_open_if_the_faces_lock_at_a_limit_of_the_hardness():
     assert test.attrs["peak_lower"] < test.attrs["peak"] < np.inf
 
 
-def test_materials_and_interface_are_those_of_pair():
+def test_shear_test_accepts_materials_and_interfaces_like_pair():
     face = create_rough_map()
     options = {"path": "100 um", "steps": 1, "load": "1 MPa", "level": "none"}
     by_name = shear_test(create_mate(face), face, mu0=0.5, upper_material="granite", **options)
@@ -336,7 +336,7 @@ def test_dilation_angle_has_no_interval_if_the_uncertain_input_does_not_change_i
 # ---- Strips ----------------------------------------------------------------------------------------------------------
 
 
-def test_scatter_between_strips_is_that_of_tests_on_each_strip():
+def test_scatter_between_strips_equals_scatter_of_tests_on_single_strips():
     face, options = create_rough_map(128), {"path": "150 um", "steps": 3, "mu0": 0.6, "hardness": "200 MPa"}
     test = shear(face, **options)
     strips = [
@@ -388,7 +388,7 @@ def test_shear_test_rejects_a_single_strip_with_measured_points():
         shear_test(create_mate(face), holed, strips=2, **options)
 
 
-def test_exact_inputs_have_no_interval():
+def test_shear_test_with_exact_inputs_has_no_interval():
     assert "friction_coefficient_interval" not in shear(create_rough_map(), path="100 um", steps=2, mu0=0.6)
 
 

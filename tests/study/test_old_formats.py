@@ -133,7 +133,7 @@ def test_old_study_with_an_invalid_range_is_rejected_with_the_name_of_the_new_en
         parse_old('tau0 = "20..80"', friction='mu0 = [0.2]\ntau0 = ["40 MPa"]')
 
 
-def test_table_of_uncertain_inputs_of_generated_surfaces_is_ignored():
+def test_section_of_uncertain_inputs_of_generated_surfaces_is_ignored():
     assert parse_study('[known]\nmu0 = "0.1..0.3"\n[ensemble]\nrepetitions = 7\n', "old").ensemble.repetitions == 7
 
 

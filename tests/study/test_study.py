@@ -85,7 +85,7 @@ class TestBuiltInStudies:
     def test_study_rejects_unknown_and_repeated_figures(self):
         with pytest.raises(StudyError, match=r"figures.draw"):
             Study().with_changes({"figures.draw": ["heights"]})
-        with pytest.raises(StudyError, match=r"figures.draw: must contain each figure once"):
+        with pytest.raises(StudyError, match=r"figures.draw: must list each figure at most once"):
             Study().with_changes({"figures.draw": ["area", "area"]})
 
     def test_default_study_is_the_study_of_figure_6_in_the_paper(self):

@@ -18,7 +18,7 @@ def caveats_with(point, text):
     return [(caveat.severity, caveat.text) for caveat in point.caveats if text in caveat.text]
 
 
-def test_contributions_add_up_to_the_coefficient():
+def test_friction_contributions_add_up_to_the_coefficient():
     point = summarize_point(measured_result(all_contacts=0.24, contact_area=6.0))
     assert point.contributions == pytest.approx((0.2, 0.05 * 6.0 / 10.0, 0.24 - 0.2 - 0.03))
     assert sum(point.contributions) == pytest.approx(point.value)

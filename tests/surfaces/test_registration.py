@@ -13,7 +13,7 @@ def cut_piece(surface, row, column, points=128):
     return Surface(surface.heights[row : row + points, column : column + points], spacing=surface.spacing)
 
 
-def test_shift_is_found_and_the_overlap_fits_to_round_off():
+def test_registration_finds_the_shift_and_the_overlap_fits_to_round_off():
     upper, lower, registration = register_faces(cut_piece(LARGE, 37, 28), cut_piece(LARGE, 30, 40))
     assert registration.shift == (350.0, -600.0)
     assert registration.rotation == 0
@@ -24,7 +24,7 @@ def test_shift_is_found_and_the_overlap_fits_to_round_off():
 
 
 @pytest.mark.parametrize("angle", [-2.2, 1.3])
-def test_rotation_tilt_and_noise_are_found(angle):
+def test_rotation_and_shift_are_found_despite_tilt_and_noise(angle):
     turned = rotated(LARGE, angle)
     first_row, first_column = ((np.array(turned.heights.shape) - 128) // 2).tolist()
     noise = np.random.default_rng(1).normal(0, 1.0, (128, 128)) + 0.5 * np.arange(128)

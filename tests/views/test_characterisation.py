@@ -180,7 +180,7 @@ class TestCharacterisationFigure:
             2 * np.pi / np.array([estimate.longest_wavelength, estimate.shortest_wavelength])
         )
 
-    def test_range_of_heights_determines_their_unit(self, profile):
+    def test_range_of_heights_determines_the_unit_in_the_figure(self, profile):
         for factor, unit in ((0.01, "nm"), (100.0, "µm")):
             scaled_profile = Profile(factor * profile.heights, spacing=factor * profile.spacing)
             labels = [ax.get_ylabel() for ax in characterisation_figure(scaled_profile).axes]

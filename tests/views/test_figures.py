@@ -125,7 +125,7 @@ def test_figures_and_table_and_json_and_report_contain_equal_combined_intervals(
         assert any(drawn_interval == interval for drawn_interval in drawn_intervals)
 
 
-def test_figures_are_written_in_every_format(generated_dataset, tmp_path):
+def test_figures_of_a_result_are_written_in_every_format(generated_dataset, tmp_path):
     study = parse_study_of_dataset(generated_dataset).with_changes(
         {"figures.draw": ["profiles"], "surfaces.points": 2000}
     )

@@ -114,7 +114,7 @@ def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_e
         ("um", [0.0421, 1.0, 2500.0]),
     ],
 )
-def test_report_script_prints_numbers_of_caveats_as_the_terminal(report_evaluator, shown, values):
+def test_report_script_prints_numbers_of_caveats_like_the_terminal(report_evaluator, shown, values):
     check = LimitCheck("name", 0.5, "{}", "check it", shown=shown)
     array = NumberArray(np.array(values), list_number_formats(shown))
     texts = report_evaluator(
@@ -124,7 +124,7 @@ def test_report_script_prints_numbers_of_caveats_as_the_terminal(report_evaluato
     assert texts == [check.to_caveat({"name": value}).text for value in values]
 
 
-def test_report_scripts_contain_no_number_of_digits():
+def test_report_scripts_define_no_number_of_digits():
     scripts = [
         (resources.files("stiction.views.report") / f"{name}.js").read_text("utf-8") for name in ("numbers", "result")
     ]

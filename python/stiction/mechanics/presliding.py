@@ -168,9 +168,9 @@ def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuG
 
 def _check_curve(displacement: Floats, load: Floats, min_points: int) -> None:
     if not np.isfinite(displacement).all():
-        raise ValueError("a fit requires displacements, but the curve of a free half-plane has none")
+        raise ValueError("a fit requires displacements, which are undefined for a free half-plane")
     if not displacement[0] > ROUND_OFF_DISPLACEMENT_RATIO * displacement[-1]:
-        raise ValueError("a fit requires displacements, but surfaces in full contact do not slip before sliding")
+        raise ValueError("a fit requires displacements, but surfaces in full contact do not move before they slide")
     if load.size < min_points:
         raise ValueError(
             f"a curve must have at least {min_points} loads for a fit, got {load.size}; specify more steps"

@@ -245,7 +245,7 @@ FigureName = Literal["profiles", "length-scales", "friction", "area", "onset"]
 def _require_distinct_figures(names: tuple[str, ...]) -> tuple[str, ...]:
     for name in names:
         if names.count(name) > 1:
-            raise ValueError(f"must contain each figure once, got {short_repr(name)} {names.count(name)} times")
+            raise ValueError(f"must list each figure at most once, got {short_repr(name)} {names.count(name)} times")
     return names
 
 

@@ -34,7 +34,7 @@ def _read(text: DecodedText) -> RawHeights:
         raise FormatError("lacks the counts and ranges of a Surfer grid below its first line")
     (columns, rows), (x0, x1), (y0, y1), _ = header
     if not all(count.is_integer() and 2 <= count <= MAX_DECLARED_COUNT for count in (columns, rows)):
-        raise FormatError(f"declares {rows:g} rows of {columns:g} heights, which must be whole numbers above 1")
+        raise FormatError(f"declares {rows:g} rows of {columns:g} heights; both numbers must be whole and above 1")
     if not (x1 > x0 and y1 > y0):
         raise FormatError("declares a range of x or y that does not increase")
     first, last = lines[-1] + 1, len(text) - 1
