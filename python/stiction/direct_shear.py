@@ -218,7 +218,7 @@ def shear_test(
     setup = _build_setup(box, contact, offsets, strips)
     if directory is None:
         return _compute(setup, SolutionRecord(), progress).assign_attrs(attributes)
-    folder, description = parse_path("directory", directory), _describe(setup)
+    folder, description = parse_path("directory", directory), _describe_inputs(setup)
     key, steps_key = hashlib.sha256(description.encode()).hexdigest()[:16], compute_steps_key(description)
     if (test := _open_stored_test(folder, key, replace=replace)) is not None:
         return test
@@ -347,7 +347,7 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _describe(setup: _TestSetup) -> str:
+def _describe_inputs(setup: _TestSetup) -> str:
     """Return text that identifies all inputs of a test: it differs if any input differs."""
     box = setup.box
     checksums = [

@@ -17,7 +17,7 @@ from support.command import assert_rejected, call_stiction, check_stiction
 ROOT = Path(__file__).parents[2]
 SCANS = ROOT / "examples/scans"
 UNIT_SYSTEMS = {"mm,N,MPa": (1e3, 1e-3), "m,N,Pa": (1e6, 1e-9), "um,mN,GPa": (1.0, 1.0)}  # µm and GPa per unit
-NUMBER = r"[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?"
+NUMBER_PATTERN = r"[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?"
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +128,7 @@ def read_card_numbers(card):
     text = " ".join(lines)
     valid_range = re.search(r"Valid from .*?\. Below", text)[0]
     text = re.sub(r"\b(5|50|95) %|INTER19[25]", "", f"{valid_range} {text[text.index('Table: ') :]}")
-    return re.findall(rf"(?<![\w.]){NUMBER}(?![\w.]*[A-Za-z])", text)
+    return re.findall(rf"(?<![\w.]){NUMBER_PATTERN}(?![\w.]*[A-Za-z])", text)
 
 
 @pytest.mark.parametrize("units", UNIT_SYSTEMS)

@@ -102,7 +102,7 @@ class CalibrationProblem:
     sliding : {"all", "opposing"}
     common : float
         Relative standard uncertainty of the gain, which all tests share.
-    known : (float or None, float or None)
+    fixed_strengths : (float or None, float or None)
         Fixed values of mu0 and tau0 (GPa); None if unknown.
     outliers : bool
         True if errors follow Student's t distribution instead of a normal distribution.
@@ -113,11 +113,11 @@ class CalibrationProblem:
         tests: Sequence[FrictionTest],
         sliding: SlidingRule,
         common: float,
-        known: tuple[float | None, float | None],
+        fixed_strengths: tuple[float | None, float | None],
         *,
         outliers: bool,
     ) -> None:
-        self.sliding, self.common, self.known, self.outliers = sliding, common, known, outliers
+        self.sliding, self.common, self.fixed_strengths, self.outliers = sliding, common, fixed_strengths, outliers
         tests_by_key = {(id(test.result), test.load, test.wait): test for test in tests}
         sums_by_key = {key: evaluate_test_sums(test, sliding) for key, test in tests_by_key.items()}
         self._friction = [sums_by_key[id(test.result), test.load, test.wait] for test in tests]
@@ -231,7 +231,7 @@ class CalibrationProblem:
             return np.zeros((0, len(self.slid))), np.zeros(0)
         mu0_coefficient, tau0_coefficient, right_side = (column[0] for column in central_coefficients)
         mu0, tau0 = _solve_nonnegative_least_squares(
-            np.stack([mu0_coefficient, tau0_coefficient, right_side], axis=1), self._test_weights, self.known
+            np.stack([mu0_coefficient, tau0_coefficient, right_side], axis=1), self._test_weights, self.fixed_strengths
         )
         residual_shifts = self._run_membership * (mu0_coefficient * mu0 + tau0_coefficient * tau0) / self.error
         # Errors of all tests, with or without sliding, if the standard deviation between runs is 1.
@@ -322,7 +322,7 @@ class CalibrationProblem:
         """
         from scipy.optimize import least_squares
 
-        free_indices = [index for index, value in enumerate(self.known) if value is None]
+        free_indices = [index for index, value in enumerate(self.fixed_strengths) if value is None]
         score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
         robust_factors, scale = np.ones(len(self.slid)), 1.0
 
@@ -342,7 +342,7 @@ class CalibrationProblem:
         column_norms = np.maximum(np.linalg.norm(central_equations[:, :2], axis=0), 1e-300)
 
         def to_strengths(x: Floats) -> Floats:
-            strength = np.array([0.0 if value is None else value for value in self.known])
+            strength = np.array([0.0 if value is None else value for value in self.fixed_strengths])
             strength[free_indices] = x[: len(free_indices)] / column_norms[free_indices]
             return strength
 
@@ -391,7 +391,9 @@ class CalibrationProblem:
         x = np.zeros(len(free_indices) + len(score_indices))
         for _ in range(1 if self.has_errors and not self.outliers else 4):
             linear_strengths = _solve_nonnegative_least_squares(
-                build_equation_rows(x[np.newaxis, len(free_indices) :])[0], np.ones(len(central_equations)), self.known
+                build_equation_rows(x[np.newaxis, len(free_indices) :])[0],
+                np.ones(len(central_equations)),
+                self.fixed_strengths,
             )
             x[: len(free_indices)] = np.array(linear_strengths)[free_indices] * column_norms[free_indices] + 1e-9
             while (
@@ -426,7 +428,8 @@ class CalibrationProblem:
         num_slid = int(self.slid.sum())
         # If A/F is equal in all tests, only one combination of mu0 and tau0 can be fitted.
         num_fitted = min(
-            sum(value is None for value in self.known), 1 if self.area_per_load_variation < MIN_AREA_VARIATION else 2
+            sum(value is None for value in self.fixed_strengths),
+            1 if self.area_per_load_variation < MIN_AREA_VARIATION else 2,
         )
         freedom = max(0, num_slid - num_fitted - max(0, len(self._offsets) - 1))
         probability = float(chi2.sf(chi_squared, freedom)) if self.has_errors and freedom else math.nan
@@ -493,11 +496,11 @@ class CalibrationProblem:
         first_area_factor = self._friction[0].area_factor
         area_factors = [equation.area_factor for equation in self._friction]
         names = {
-            area_factor.nuisance_name("hardness") if area_factor and "hardness" in area_factor.known else ""
+            area_factor.nuisance_name("hardness") if area_factor and "hardness" in area_factor.uncertain_inputs else ""
             for area_factor in area_factors
         }
         return (
-            first_area_factor.known["hardness"]
+            first_area_factor.uncertain_inputs["hardness"]
             if first_area_factor is not None and len(names) == 1 and all(names)
             else None
         )
@@ -533,16 +536,16 @@ class CalibrationProblem:
         else:
             rows = robust_triangle = triangular_factors
         deviance_range = MAX_GRID_DEVIANCE * (1.0 if self.slid.all() and not self.outliers else 4.0)
-        if self.known[1] is not None:
-            low = high = np.full(len(points), self.known[1])
-        elif self.known[0] is not None:
-            low, high = _find_tau0_range_at_fixed_mu0(self.known[0], robust_triangle, deviance_range)
+        if self.fixed_strengths[1] is not None:
+            low = high = np.full(len(points), self.fixed_strengths[1])
+        elif self.fixed_strengths[0] is not None:
+            low, high = _find_tau0_range_at_fixed_mu0(self.fixed_strengths[0], robust_triangle, deviance_range)
         else:
             low, high = _find_tau0_range_at_best_mu0(robust_triangle, deviance_range)
         limits = _GridLimits(robust_triangle, deviance_range, low, high)
         if self.has_growing_contacts:
             limits = self._find_grid_limits_with_growth(limits, scores, scale, spread, columns)
-        num_tau0_cells = 1 if self.known[1] is not None else NUM_TAU0_CELLS
+        num_tau0_cells = 1 if self.fixed_strengths[1] is not None else NUM_TAU0_CELLS
         tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
             limits.max_tau0 - limits.min_tau0, (np.arange(num_tau0_cells) + 0.5) / num_tau0_cells
         )
@@ -592,20 +595,20 @@ class CalibrationProblem:
         with np.errstate(divide="ignore", invalid="ignore"):
             log_volume = sum(
                 np.log(np.abs(column[:, self.slid]).mean(axis=1))
-                for column, value in zip((mu0_coefficient, tau0_coefficient_at_best), self.known, strict=True)
+                for column, value in zip((mu0_coefficient, tau0_coefficient_at_best), self.fixed_strengths, strict=True)
                 if value is None
             )
-        if self.known[1] is None:
+        if self.fixed_strengths[1] is None:
             log_volume = log_volume + np.log((limits.max_tau0 - limits.min_tau0) / num_tau0_cells)
         # prevents NaN if the interface seizes everywhere
         log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
-        log_mu0_step = np.log(mu0_step) if self.known[0] is None else np.zeros(mu0_step.shape)
+        log_mu0_step = np.log(mu0_step) if self.fixed_strengths[0] is None else np.zeros(mu0_step.shape)
         log_probability += (log_norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
         return _ProbabilityGrid(limits, np.where(np.isfinite(log_probability), log_probability, -np.inf))
 
     @property
     def _num_mu0_cells(self) -> int:
-        return 1 if self.known[0] is not None else NUM_MU0_CELLS
+        return 1 if self.fixed_strengths[0] is not None else NUM_MU0_CELLS
 
     def _find_grid_limits_with_growth(
         self, limits: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
@@ -621,14 +624,14 @@ class CalibrationProblem:
             return np.asarray(misfit * robust_factors.reshape(-1, *(1 for _ in mu0.shape[1:])))
 
         def find_best_mu0_at(tau0: Floats) -> tuple[Floats, Floats, Floats]:
-            if self.known[0] is not None:
-                start = np.full(tau0.shape, self.known[0])
+            if self.fixed_strengths[0] is not None:
+                start = np.full(tau0.shape, self.fixed_strengths[0])
                 return start, np.ones(tau0.shape), (residuals(start, tau0) ** 2).sum(axis=1)
             row = limits.triangular_factors[:, 0, :, np.newaxis]
             start = np.maximum((row[:, 2] - row[:, 1] * tau0) / row[:, 0], 0.0)
             return find_best_mu0(residuals, start, tau0)
 
-        if self.known[1] is None:
+        if self.fixed_strengths[1] is None:
             # Each test gives an upper bound on tau0.
             # The bound is computed with mu0 = 0 and with the area at the measured coefficient.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
@@ -644,7 +647,7 @@ class CalibrationProblem:
                 lambda tau0: find_best_mu0_at(tau0)[2], max_tau0.min(axis=1), limits.deviance_range
             )
             limits = replace(limits, min_tau0=low, max_tau0=high)
-        num_tau0_cells = 1 if self.known[1] is not None else NUM_TAU0_CELLS
+        num_tau0_cells = 1 if self.fixed_strengths[1] is not None else NUM_TAU0_CELLS
         tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
             limits.max_tau0 - limits.min_tau0, (np.arange(num_tau0_cells) + 0.5) / num_tau0_cells
         )
@@ -659,8 +662,8 @@ class CalibrationProblem:
         self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
     ) -> tuple[Floats, Floats]:
         """Return the lower limit and the cell width of the mu0 grid at each given tau0."""
-        if self.known[0] is not None:
-            return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
+        if self.fixed_strengths[0] is not None:
+            return np.full(tau0.shape, self.fixed_strengths[0]), np.zeros(tau0.shape)
         if limits.best_mu0 is None:
             triangular_factors = limits.triangular_factors[point]
             best = (triangular_factors[..., 0, 2] - triangular_factors[..., 0, 1] * tau0) / triangular_factors[

@@ -127,7 +127,7 @@ class AreaFactor:
     """Area factor, i.e. the ratio of true area to computed area, which depends on uncertain inputs."""
 
     # uncertain inputs by name: hardness, creep exponent, moduli, junction growth and area loss
-    known: Mapping[str, UncertainInput]
+    uncertain_inputs: Mapping[str, UncertainInput]
     surfaces: Hashable  # key of the surfaces; only tests with equal keys share the area loss
 
     def nuisance_name(self, name: str) -> Hashable:
@@ -135,17 +135,17 @@ class AreaFactor:
 
         Small contacts lose a larger fraction of their area than large ones, so other surfaces have another area loss.
         """
-        text = f"{name} {self.known[name].text}"
+        text = f"{name} {self.uncertain_inputs[name].text}"
         return (text, self.surfaces) if name == "area_loss" else text
 
     @property
     def nuisance_names(self) -> list[Hashable]:
         """Names of all nuisance parameters."""
-        return [self.nuisance_name(name) for name in self.known]
+        return [self.nuisance_name(name) for name in self.uncertain_inputs]
 
     def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
         """Convert cumulative probabilities of the nuisance parameters to input values."""
-        return {name: each.quantile(columns[self.nuisance_name(name)]) for name, each in self.known.items()}
+        return {name: each.quantile(columns[self.nuisance_name(name)]) for name, each in self.uncertain_inputs.items()}
 
     @property
     def junction_growth(self) -> UncertainInput | None:

@@ -92,11 +92,13 @@ class Interface(InterfaceStrength):
         area_samples = np.exp(test_sums.scatter * draw_scores(test_sums.surfaces))
         if (area_factor := test_sums.area_factor) is not None:
             samples = area_factor.input_values({name: ndtr(draw_scores(name)) for name in area_factor.nuisance_names})
-            if "hardness" in samples and area_factor.known["hardness"].describes_same_hardness(
+            if "hardness" in samples and area_factor.uncertain_inputs["hardness"].describes_same_hardness(
                 self.about.get(HARDNESS_HEADER_ENTRY, "")
             ):
                 samples["hardness"] = fit.hardness
-            if "junction_growth" in samples and self.has_equal_junction_growth(area_factor.known["junction_growth"]):
+            if "junction_growth" in samples and self.has_equal_junction_growth(
+                area_factor.uncertain_inputs["junction_growth"]
+            ):
                 samples["junction_growth"] = fit.junction_growth
         growth = None if area_factor is None else area_factor.junction_growth
         depends_on_growth = growth is not None or depends_on_junction_growth(
@@ -141,13 +143,13 @@ class Interface(InterfaceStrength):
 
     def _list_separate_nuisances(self, area_factor: AreaFactor) -> set[Hashable]:
         """Return the nuisance parameters of an area factor that the joint distribution does not contain."""
-        known = area_factor.known
+        uncertain_inputs = area_factor.uncertain_inputs
         joint_names = {
-            "hardness": "hardness" in known
-            and known["hardness"].describes_same_hardness(self.about.get(HARDNESS_HEADER_ENTRY, "")),
-            "junction_growth": self.has_equal_junction_growth(known.get("junction_growth")),
+            "hardness": "hardness" in uncertain_inputs
+            and uncertain_inputs["hardness"].describes_same_hardness(self.about.get(HARDNESS_HEADER_ENTRY, "")),
+            "junction_growth": self.has_equal_junction_growth(uncertain_inputs.get("junction_growth")),
         }
-        return {area_factor.nuisance_name(name) for name in known if not joint_names.get(name)}
+        return {area_factor.nuisance_name(name) for name in uncertain_inputs if not joint_names.get(name)}
 
 
 def read_interface(path: str | Path) -> Interface:

@@ -236,7 +236,7 @@ def _evaluate_piece(
     if requested_names is not None and "tangential_stiffness_per_area" in requested_names:
         requested_names.add("unloading_closure_stiffness")
     if load_definition == "elastic":
-        variables |= _compute_opposing_share(piece, member_dims, contact_sums)
+        variables |= _compute_opposing_fraction(piece, member_dims, contact_sums)
     variables |= _interpolate_quantities(piece, member_dims, load_crossings, requested_names)
     variables |= {name: piece.variables[name] for name in GAP_QUANTITIES if name in piece.variables}
     if "pull_off" in piece.variables:
@@ -340,7 +340,7 @@ def _grow_contacts(
     return replace(forces, normal=normal, tangential=tangential), status
 
 
-def _compute_opposing_share(
+def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
     """Return the fraction of the load on contacts that oppose the motion; {} without both sliding rules."""
@@ -353,8 +353,8 @@ def _compute_opposing_share(
     )
     with np.errstate(divide="ignore", invalid="ignore"):
         # The denominator is the sum of F |t·s|. To first order in the slopes, this sum equals the load.
-        share = opposing / total
-    return {"share_opposing": ((*member_dims, "direction", "load"), share, quantity_attributes("share_opposing"))}
+        fraction = opposing / total
+    return {"share_opposing": ((*member_dims, "direction", "load"), fraction, quantity_attributes("share_opposing"))}
 
 
 def _interpolate_quantities(

@@ -168,15 +168,15 @@ def _divide(test: xr.Dataset, name: str, divisor: str) -> Floats:
 def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, dilation: Floats) -> _Samples:
     """Return curves and summary values of samples. A peak is found among the displacements with status "ok"."""
     displacement, is_ok = test["displacement"].values, test["status"].values == STATUS_OK
-    found = {"friction_coefficient": coefficient, "shear_stress": stress, "dilation": dilation}
+    values = {"friction_coefficient": coefficient, "shear_stress": stress, "dilation": dilation}
     if is_ok[-1]:
-        found["end"] = coefficient[:, -1]
+        values["end"] = coefficient[:, -1]
     if test.attrs["peak_status"] == STATUS_OK:
         rows, peaks = np.arange(len(coefficient)), np.where(is_ok, coefficient, -np.inf).argmax(axis=1)
-        found["peak"], found["peak_displacement_um"] = coefficient[rows, peaks], displacement[peaks]
-        found["peak_dilation_angle_deg"] = compute_dilation_angles(displacement, dilation)[rows, peaks]
-        found["peak_shear_stress_GPa"] = np.where(is_ok, stress, -np.inf).max(axis=1)
-    return found
+        values["peak"], values["peak_displacement_um"] = coefficient[rows, peaks], displacement[peaks]
+        values["peak_dilation_angle_deg"] = compute_dilation_angles(displacement, dilation)[rows, peaks]
+        values["peak_shear_stress_GPa"] = np.where(is_ok, stress, -np.inf).max(axis=1)
+    return values
 
 
 def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _Samples:

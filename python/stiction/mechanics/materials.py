@@ -20,13 +20,13 @@ COATING_FORMULAS = (
 )  # fmt: skip
 """Formulas and abbreviations of common coatings."""
 
-_ELEMENTS = (
+_ELEMENT_SYMBOLS = (
     "HHeLiBeBCNOFNeNaMgAlSiPSClArKCaScTiVCrMnFeCoNiCuZnGaGeAsSeBrKrRbSrYZrNbMoTcRuRhPdAgCdInSnSbTeIXeCsBa"
     "LaCePrNdPmSmEuGdTbDyHoErTmYbLuHfTaWReOsIrPtAuHgTlPbBiPoAtRnFrRaAcThPaU"
 )
 """Symbols of the chemical elements, without separators."""
 
-_ELEMENT_PATTERN = "|".join(sorted(re.findall("[A-Z][a-z]?", _ELEMENTS), key=len, reverse=True))
+_ELEMENT_PATTERN = "|".join(sorted(re.findall("[A-Z][a-z]?", _ELEMENT_SYMBOLS), key=len, reverse=True))
 _FORMULA_PATTERN = re.compile(f"(?:(?:{_ELEMENT_PATTERN})[0-9]*)+")
 MaterialKind = Literal["metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"]
 
@@ -296,10 +296,10 @@ def is_coating_formula(name: str) -> bool:
     return _normalise_name(name) in {_normalise_name(formula) for formula in COATING_FORMULAS}
 
 
-def _is_formula_of_another_material(name: str, found: Material) -> bool:
+def _is_formula_of_another_material(name: str, other: Material) -> bool:
     """Return whether a name is spelled like a formula, as "TiN" is, although its letters are those of a material."""
     letters = "".join(character for character in name if character.isalnum())
-    exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(found))
+    exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(other))
     if letters in exact_names or letters in (letters.lower(), letters.upper()):
         return False
     words = re.findall(r"[^\W\d_]+", name)

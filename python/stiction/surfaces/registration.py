@@ -55,18 +55,18 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
 
     The upper face is rotated (maps only), shifted by whole grid points and tilted by the plane or line of the gap.
     """
-    before = _measure_rms_gap(*_overlap(upper, lower, (0,) * lower.heights.ndim))
+    before = _measure_rms_gap(*_cut_overlap(upper, lower, (0,) * lower.heights.ndim))
     rotation = _find_rotation(upper, lower) if isinstance(upper, Surface) else 0.0
-    turned = rotated(upper, rotation) if rotation else upper
-    offset = _find_offset(turned, lower)
-    upper_part, lower_part = _overlap(turned, lower, offset)
+    rotated_upper = rotated(upper, rotation) if rotation else upper
+    offset = _find_offset(rotated_upper, lower)
+    upper_part, lower_part = _cut_overlap(rotated_upper, lower, offset)
     gap = _compute_gap(upper_part, lower_part)
     upper_part = upper_part.changed(lower_part.heights + gap.heights, "registered")
     correlation = correlate_facing_slopes(upper_part, lower_part)
     middle_distances = [
         (step + (count - other) / 2) * spacing
         for step, count, other, spacing in zip(
-            offset, turned.heights.shape, lower.heights.shape, lower.spacings, strict=True
+            offset, rotated_upper.heights.shape, lower.heights.shape, lower.spacings, strict=True
         )
     ]
     registration = Registration(
@@ -81,7 +81,7 @@ def measure_fit(upper: Any, lower: Any) -> float:
     It is 0 for periodic textures, which fit at several shifts, and for faces with few points.
     """
     factor = _find_coarsening(upper, lower)
-    coarse_upper, coarse_lower = _coarsened(upper, factor), _coarsened(lower, factor)
+    coarse_upper, coarse_lower = _coarsen(upper, factor), _coarsen(lower, factor)
     if min(*coarse_upper.heights.shape, *coarse_lower.heights.shape) < _MIN_COARSE_POINTS[lower.heights.ndim]:
         return 0.0
     correlations = _correlate_slopes(coarse_upper, coarse_lower)
@@ -124,11 +124,11 @@ def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
     """Return the largest correlation of the slopes, and the offset of the upper face (points) at which it occurs."""
     correlations = _correlate_slopes(upper, lower)
     best = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
-    offset = tuple(_signed(int(index), count) for index, count in zip(best, correlations.shape, strict=True))
+    offset = tuple(_to_offset(int(index), count) for index, count in zip(best, correlations.shape, strict=True))
     return float(correlations[best]), offset
 
 
-def _signed(index: int, count: int) -> int:
+def _to_offset(index: int, count: int) -> int:
     """Convert an index of a discrete Fourier transform to an offset, which is negative in the upper half."""
     return index - count if index > count // 2 else index
 
@@ -139,7 +139,7 @@ def _find_coarsening(upper: Any, lower: Any) -> int:
     return math.ceil(longest / _MAX_COARSE_POINTS[lower.heights.ndim])
 
 
-def _coarsened(body: Any, factor: int) -> Any:
+def _coarsen(body: Any, factor: int) -> Any:
     """Return a coarser body, whose heights are means over blocks of `factor` points per axis."""
     if factor == 1:
         return body
@@ -184,7 +184,9 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
     power = np.sqrt(np.maximum(upper_power, 0) * np.maximum(lower_power, 0))
     correlations = np.divide(product, power, out=np.zeros(shape), where=power > 1e-12 * power.max(initial=0.0))
     overlaps = [
-        np.array([max(0, min(b, _signed(index, count) + a) - max(0, _signed(index, count))) for index in range(count)])
+        np.array(
+            [max(0, min(b, _to_offset(index, count) + a) - max(0, _to_offset(index, count))) for index in range(count)]
+        )
         for a, b, count in zip(*shapes, shape, strict=True)
     ]
     allowed = [overlap >= MIN_OVERLAP_FRACTION * min(a, b) for overlap, a, b in zip(overlaps, *shapes, strict=True)]
@@ -199,14 +201,14 @@ def _find_rotation(upper: Surface, lower: Surface) -> float:
     from scipy.optimize import minimize_scalar
 
     factor = _find_coarsening(upper, lower)
-    coarse_upper, coarse_lower = _coarsened(upper, factor), _coarsened(lower, factor)
+    coarse_upper, coarse_lower = _coarsen(upper, factor), _coarsen(lower, factor)
 
     def correlate(angle: float) -> float:
         return find_best_fit(rotated(coarse_upper, angle) if angle else coarse_upper, coarse_lower)[0]
 
     def measure_gap(angle: float) -> float:
-        turned = rotated(upper, angle)
-        return _measure_rms_gap(*_overlap(turned, lower, _find_offset(turned, lower)))
+        rotated_upper = rotated(upper, angle)
+        return _measure_rms_gap(*_cut_overlap(rotated_upper, lower, _find_offset(rotated_upper, lower)))
 
     angles = np.arange(-MAX_ROTATION, MAX_ROTATION + ROTATION_STEP / 2, ROTATION_STEP)
     best = float(angles[int(np.argmax([correlate(float(angle)) for angle in angles]))])
@@ -219,18 +221,18 @@ def _find_rotation(upper: Surface, lower: Surface) -> float:
 def _find_offset(upper: Any, lower: Any) -> tuple[int, ...]:
     """Return the offset of the upper face (points) at which the gap is smallest, near the best fit of the slopes."""
     factor = _find_coarsening(upper, lower)
-    _, offset = find_best_fit(_coarsened(upper, factor), _coarsened(lower, factor))
+    _, offset = find_best_fit(_coarsen(upper, factor), _coarsen(lower, factor))
     return _refine_offset(upper, lower, tuple(factor * step for step in offset), factor)
 
 
 def _refine_offset(upper: Any, lower: Any, offset: tuple[int, ...], factor: int) -> tuple[int, ...]:
     """Return the offset near `offset` at which the gap is smallest. The steps of the search are halved to a point."""
-    best, step = _measure_rms_gap(*_overlap(upper, lower, offset)), max(factor // 2, 1)
+    best, step = _measure_rms_gap(*_cut_overlap(upper, lower, offset)), max(factor // 2, 1)
     while True:
         moves = np.stack(np.meshgrid(*[(-step, 0, step)] * len(offset)), -1).reshape(-1, len(offset))
         candidates = [tuple(int(a + b) for a, b in zip(offset, move, strict=True)) for move in moves]
         gaps = [
-            _measure_rms_gap(*_overlap(upper, lower, candidate))
+            _measure_rms_gap(*_cut_overlap(upper, lower, candidate))
             if _has_min_overlap(upper, lower, candidate)
             else math.inf
             for candidate in candidates
@@ -251,7 +253,7 @@ def _has_min_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> bool:
     )
 
 
-def _overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, Any]:
+def _cut_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, Any]:
     """Return the overlapping parts of two bodies if the upper one is moved by an offset (points)."""
     upper_index, lower_index = [], []
     for step, count, other in zip(offset, upper.heights.shape, lower.heights.shape, strict=True):

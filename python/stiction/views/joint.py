@@ -74,9 +74,9 @@ def abaqus_card(table: JointTable, source: str) -> str:
     friction, stiffness = row.friction(50), row.estimates["tangential_stiffness_per_area"]
     has_stick_slope = math.isfinite(stiffness.value)
     lines = [
-        *_describe(table, source, "** "),
+        *_describe_source(table, source, "** "),
         *_comment_table(table, "** ", given=("closure", "friction_50")),
-        *_comment(
+        *_format_comment(
             "Pressure, closure. The slave surface needs TYPE=NODE TO SURFACE in CalculiX. Below the first pressure the "
             "curve is a straight line; above the last pressure it is not known. Unloading follows the same curve, "
             "although it is stiffer if contacts have yielded.", "** ",
@@ -84,28 +84,31 @@ def abaqus_card(table: JointTable, source: str) -> str:
         "*SURFACE INTERACTION, NAME=JOINT",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR",
         "0, 0",
-        *(f"{_number(each.pressure)}, {_number(each.estimates['closure'])}" for each in _list_increasing_rows(table)),
+        *(
+            f"{_format_value(each.pressure)}, {_format_value(each.estimates['closure'])}"
+            for each in _list_increasing_rows(table)
+        ),
     ]  # fmt: skip
     if not math.isfinite(friction.value):
         return "\n".join([*lines, "** No *FRICTION, because there is no median of mu_s: see the notes above."]) + "\n"
     lines += [
-        *_comment(
+        *_format_comment(
             f"CalculiX: the median of mu_s and the stick slope (tangential stiffness) at {_pressure_text(row)}, "
             "because *FRICTION holds one coefficient and one stick slope for all pressures. For a 5 % fractile of the "
-            f"sliding load, replace the coefficient by {_number(row.friction(5))}; for a 95 % fractile, by "
-            f"{_number(row.friction(95))}.", "** ",
+            f"sliding load, replace the coefficient by {_format_value(row.friction(5))}; for a 95 % fractile, by "
+            f"{_format_value(row.friction(95))}.", "** ",
         ),
-        *([] if has_stick_slope else _comment("No stick slope: see the notes above.", "** ")),
+        *([] if has_stick_slope else _format_comment("No stick slope: see the notes above.", "** ")),
         "*FRICTION",
-        _number(friction) + (f", {_number(stiffness)}" if has_stick_slope else ""),
-        *_comment(
+        _format_value(friction) + (f", {_format_value(stiffness)}" if has_stick_slope else ""),
+        *_format_comment(
             "Abaqus: replace *FRICTION and its line by the following lines, without the asterisks in front: the median "
             "of mu_s, no slip rate, and the pressure. For the tangential stiffness, add the parameter ELASTIC SLIP: "
             "mu_s times the pressure over the tangential stiffness, at one pressure.", "** ",
         ),
         "** *FRICTION",
     ]  # fmt: skip
-    lines += [f"** {_number(each.friction(50))}, , {_number(each.pressure)}" for each in table.rows]
+    lines += [f"** {_format_value(each.friction(50))}, , {_format_value(each.pressure)}" for each in table.rows]
     return "\n".join(lines) + "\n"
 
 
@@ -114,25 +117,25 @@ def ansys_card(table: JointTable, source: str) -> str:
     row, rows = table.reference, _list_increasing_rows(table)
     stiffness = row.estimates["tangential_stiffness_per_area"]
     lines = [
-        *_describe(table, source, "! "),
+        *_describe_source(table, source, "! "),
         *_comment_table(table, "! ", given=("closure", "friction_50")),
-        *_comment(
+        *_format_comment(
             "Material 1: closure and pressure of interface elements (INTER192 to INTER195). They have no friction: use "
             "either this material or contact elements with material 2. Unloading follows the same curve, although it "
             "is stiffer if contacts have yielded.", "! ",
         ),
         f"TB,GASKET,1,,{len(rows)},COMP",
-        *(f"TBPT,,{_number(each.estimates['closure'])},{_number(each.pressure)}" for each in rows),
+        *(f"TBPT,,{_format_value(each.estimates['closure'])},{_format_value(each.pressure)}" for each in rows),
     ]  # fmt: skip
     if math.isfinite(stiffness.value):
         lines += [
-            *_comment(f"Transverse shear stiffness; one value only, that at {_pressure_text(row)}.", "! "),
+            *_format_comment(f"Transverse shear stiffness; one value only, that at {_pressure_text(row)}.", "! "),
             "TB,GASKET,1,,,TSS",
-            f"TBDATA,1,{_number(stiffness)}",
+            f"TBDATA,1,{_format_value(stiffness)}",
         ]
     if math.isfinite(row.friction(50).value):
         lines += [
-            *_comment(
+            *_format_comment(
                 "Material 2: median of mu_s against pressure, for contact elements with the penalty method "
                 "(KEYOPT(2)=1). Set FKN and FKT of the contact to minus the normal and minus the tangential stiffness "
                 "at the pressure of your joint (table above): negative numbers are absolute, positive ones are "
@@ -141,7 +144,7 @@ def ansys_card(table: JointTable, source: str) -> str:
             "TB,FRIC,2,,,ISO",
         ]  # fmt: skip
         for each in table.rows:
-            lines += [f"TBFIELD,NPRES,{_number(each.pressure)}", f"TBDATA,1,{_number(each.friction(50))}"]
+            lines += [f"TBFIELD,NPRES,{_format_value(each.pressure)}", f"TBDATA,1,{_format_value(each.friction(50))}"]
     return "\n".join(lines) + "\n"
 
 
@@ -150,22 +153,22 @@ def liggghts_card(table: JointTable, source: str) -> str:
     row = table.reference
     stiffnesses = {"kn": row.estimates["closure_stiffness"], "kt": row.estimates["tangential_stiffness_per_area"]}
     lines = [
-        *_describe(table, source, "# "),
+        *_describe_source(table, source, "# "),
         *_comment_table(table, "# "),
-        *_comment(
+        *_format_comment(
             f"LIGGGHTS holds one value each, here at {_pressure_text(row)} and for one atom type. Its kn and kt (model "
             "hooke/stiffness) are forces over lengths: multiply the stiffnesses below by the area that a contact "
             "between two grains represents. A dependence on the pressure must be updated by your script, from the "
             "table above.", "# ",
         ),
         *(
-            f"variable {name}_per_area equal {_number(each)}"
+            f"variable {name}_per_area equal {_format_value(each)}"
             for name, each in stiffnesses.items()
             if math.isfinite(each.value)
         ),
     ]  # fmt: skip
     if math.isfinite(row.friction(50).value):
-        friction = _number(row.friction(50))
+        friction = _format_value(row.friction(50))
         lines.append(f"fix joint_friction all property/global coefficientFriction peratomtypepair 1 {friction}")
     return "\n".join(lines) + "\n"
 
@@ -179,22 +182,22 @@ def _list_increasing_rows(table: JointTable) -> list[JointRow]:
     return rows
 
 
-def _number(estimate: Estimate) -> str:
+def _format_value(estimate: Estimate) -> str:
     """Format the value of an estimate for a card; pressures and closures get more digits than other values."""
     digits = CURVE_DIGITS if estimate.name in ("nominal_pressure", "closure") else MAX_SIGNIFICANT_DIGITS
     return f"{estimate.value:.{digits}g}"
 
 
 def _pressure_text(row: JointRow) -> str:
-    return f"{_number(row.pressure)} {row.pressure.unit}"
+    return f"{_format_value(row.pressure)} {row.pressure.unit}"
 
 
-def _comment(text: str, prefix: str) -> list[str]:
+def _format_comment(text: str, prefix: str) -> list[str]:
     ascii_text = "".join(_ASCII_REPLACEMENTS.get(each, each) for each in text).encode("ascii", "replace").decode()
     return [f"{prefix}{line}" for line in textwrap.wrap(ascii_text, CARD_WIDTH, break_long_words=False)]
 
 
-def _describe(table: JointTable, source: str, prefix: str) -> list[str]:
+def _describe_source(table: JointTable, source: str, prefix: str) -> list[str]:
     """Return comment lines with the version, the pair, the units and the notes."""
     units = table.units
     texts = [
@@ -203,7 +206,7 @@ def _describe(table: JointTable, source: str, prefix: str) -> list[str]:
         *table.notes,
         f"Pair: {source}",
     ]
-    return [line for text in texts for line in _comment(text, prefix)]
+    return [line for text in texts for line in _format_comment(text, prefix)]
 
 
 _CARD_COLUMNS = (
@@ -225,12 +228,12 @@ def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) 
 
     names = [name for name in _CARD_COLUMNS if is_listed(name)]
     titles = "; ".join("interval of the " * (name in given) + JOINT_TITLES[name] for name in names)
-    lines = _comment(f"Table: {titles}. In brackets: 95 % intervals.", prefix)
+    lines = _format_comment(f"Table: {titles}. In brackets: 95 % intervals.", prefix)
     for row in table.rows:
         cells = []
         for name in names:
             estimate, digits = row.estimates[name], MAX_SIGNIFICANT_DIGITS
-            value = _number(estimate) if name == "nominal_pressure" else f"{estimate.value:.{digits}g}"
+            value = _format_value(estimate) if name == "nominal_pressure" else f"{estimate.value:.{digits}g}"
             interval = f"[{estimate.lower:.{digits}g}, {estimate.upper:.{digits}g}]" if estimate.has_interval else ""
             cells.append(interval if name in given else f"{value} {interval}".rstrip())
         lines.append(prefix + "; ".join(cells))

@@ -302,7 +302,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
     return {
         "at": point.at,
         # cutoffs of all scans of each body, µm
-        "cutoffs": None if point.cutoffs is None else _by_body(map(list, point.cutoffs)),
+        "cutoffs": None if point.cutoffs is None else _build_body_fields(map(list, point.cutoffs)),
         # False for a variant of the filter whose value is covered by the interval of another point
         "reported": not point.covered,
         "status": point.status,
@@ -328,7 +328,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         ],
         "after_dwell": [aged.to_record({"dwell_time": aged.seconds}) for aged in point.after_dwell],
         "rate_and_state": _rate_and_state_record(point),
-        "scans": _by_body(point.scans),
+        "scans": _build_body_fields(point.scans),
         "contact_status": point.contact_status,
         "pull_off": None if point.pull_off is None else pull_off_record(point.pull_off),
         "assessment": point.assessment,
@@ -350,6 +350,6 @@ def _rate_and_state_record(point: PointSummary) -> dict[str, Any] | None:
     return {"b": Estimate(point.ageing, name="b").to_record(), "D_c": point.contact_size.to_record()}
 
 
-def _by_body(values: Iterable[Any]) -> dict[str, Any]:
+def _build_body_fields(values: Iterable[Any]) -> dict[str, Any]:
     """Return values of the upper and of the lower body as JSON fields."""
     return {f"{side}_body": value for side, value in zip(SIDES, values, strict=True)}

@@ -294,12 +294,14 @@ def _select_rows(test: xarray.Dataset, *, verbose: bool) -> list[int]:
 def curve_rows(test: xarray.Dataset, indices: Iterable[int]) -> list[list[str]]:
     """Return a table of the displacements with the given indices, after a row of titles."""
     columns = [
-        _column(test, name, float(np.max(np.abs(test[name].values), initial=0.0, where=np.isfinite(test[name].values))))
+        _format_column(
+            test, name, float(np.max(np.abs(test[name].values), initial=0.0, where=np.isfinite(test[name].values)))
+        )
         for name in ("displacement", "dilation", "shear_stress")
     ]
     if test.attrs["normal_stiffness_GPa_per_um"] > 0:
         normal_stress = (test["normal_load"] / test["overlap_area"]).assign_attrs(units="GPa")
-        columns.append(_column({"normal_stress": normal_stress}, "normal_stress", float(normal_stress.max())))
+        columns.append(_format_column({"normal_stress": normal_stress}, "normal_stress", float(normal_stress.max())))
     (title, displacements), *others = columns
     rows = [[title.replace("displacement", "u"), "μ", "contact", *(title for title, _ in others)]]
     for index in indices:
@@ -314,7 +316,7 @@ def curve_rows(test: xarray.Dataset, indices: Iterable[int]) -> list[list[str]]:
     return rows
 
 
-def _column(test: Any, name: str, largest: float) -> tuple[str, list[str]]:
+def _format_column(test: Any, name: str, largest: float) -> tuple[str, list[str]]:
     """Return the title and the numbers of a column, all in the unit that suits the largest number."""
     factor, unit = choose_prefixed_unit(largest, test[name].attrs["units"])
     numbers = [format_significant(value / factor, 3) for value in test[name].values]

@@ -177,7 +177,7 @@ def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
         raise FormatError("contains a profile, which has one spacing, but two spacings are given")
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, coded = _convert_heights(raw, options)
-    dx, steps, spacing_caveats = _profile_spacing(raw, _position_unit(raw, options), given)
+    dx, steps, spacing_caveats = _profile_spacing(raw, _choose_position_unit(raw, options), given)
     caveats += _find_spacing_as_height(raw, given)
     if dx < 0:
         heights, dx = heights[::-1], -dx
@@ -199,7 +199,7 @@ def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
         (dy, dx), size_history = _spacings_from_size(raw.size, heights.shape, options.spacing)
         steps += size_history
     elif raw.spacing is not None:
-        length_unit = _resolve_unit("positions", raw.position_unit, _position_unit(raw, options))
+        length_unit = _resolve_unit("positions", raw.position_unit, _choose_position_unit(raw, options))
         dy, dx = (
             _validate_spacing_agreement(_to_micrometres(declared, length_unit), given)
             for declared, given in zip(raw.spacing, options.spacing, strict=True)
@@ -291,7 +291,7 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
     return unit
 
 
-def _position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
+def _choose_position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
     """Return the caller's position unit, or None if the caller gave a single unit and the file has a position unit."""
     has_own_unit = (
         options.one_unit and raw.position_unit is not None and parse_length_unit(raw.position_unit) is not None
@@ -307,7 +307,7 @@ def _to_micrometres(values: _Length, unit: str) -> _Length:
 
 def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str, list[FileCaveat], list[str]]:
     """Return heights in µm with NaN at missing points, the unit of the heights, caveats, and history entries."""
-    unit, caveats, steps = _height_unit(raw, options.height_unit)
+    unit, caveats, steps = _choose_height_unit(raw, options.height_unit)
     numbers = raw.heights
     for code in (*raw.codes, *options.codes):
         tolerance = MISSING_CODE_TOLERANCE * abs(code) if math.isfinite(code) else 0.0
@@ -341,7 +341,7 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
     return heights, unit, caveats, steps
 
 
-def _height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
+def _choose_height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
     """Return the height unit, caveats and history entries. A factor and a unit in the file override a given unit."""
     if raw.factor is None or given is None or raw.unit is None or parse_length_unit(raw.unit) is None:
         return _resolve_unit("heights", raw.unit, given), [], []

@@ -224,7 +224,7 @@ def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = Fa
     heights, declared = table.values[:, places[-1]], table.declared
     layout = "heights, a column" if len(places) == 1 else "positions and heights"
     raw = _to_raw_heights(
-        table, heights, _height_unit(table, places[-1]),
+        table, heights, _find_height_unit(table, places[-1]),
         source=replace(table.source, layout=table.source.layout or layout, column=_describe_column(table, places[-1])),
         stated=declared.spacing or (None if declared.spacings is None else declared.spacings[1]), size=None,
         bare_spacing=None if declared.bare_spacing is None else declared.bare_spacing[-1:],
@@ -270,7 +270,7 @@ def _describe_column(table: ColumnTable, place: int) -> str:
     return f"column {number}{name}"
 
 
-def _height_unit(table: ColumnTable, place: int) -> str | None:
+def _find_height_unit(table: ColumnTable, place: int) -> str | None:
     """Return the unit of a column of heights. Raises `FormatError` if the column name denotes another quantity."""
     unit = _column_units(table)[place]
     if unit is not None and parse_length_unit(unit) is None:
@@ -682,7 +682,7 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
         raise FormatError("has x and y in different units; write both in the same unit")
     source = replace(table.source, layout="points x, y, z on a grid", column=_describe_column(table, places[2]))
     raw = _to_raw_heights(
-        table, heights, _height_unit(table, places[2]), spacing=spacing,
+        table, heights, _find_height_unit(table, places[2]), spacing=spacing,
         position_unit=next(iter(lateral_units)) or table.declared.position_unit,
         history=(history_entry,), source=source,
     )  # fmt: skip

@@ -29,7 +29,7 @@ def shear_figure(test: xarray.Dataset) -> Figure:
         factor, unit = choose_prefixed_unit(float(test["displacement"][-1]), "um")
         displacement = test["displacement"].values / factor
         _draw_stress(panels[0], test, displacement)
-        dilation_factor, dilation_unit = choose_prefixed_unit(_largest(test["dilation"]), "um")
+        dilation_factor, dilation_unit = choose_prefixed_unit(_find_largest_value(test["dilation"]), "um")
         if "dilation_interval" in test:
             lower, upper = test["dilation_interval"].values / dilation_factor
             panels[1].fill_between(displacement, lower, upper, color=AREA_COLOUR, alpha=0.2, linewidth=0)
@@ -51,12 +51,12 @@ def shear_figure(test: xarray.Dataset) -> Figure:
         return figure
 
 
-def _largest(values: xarray.DataArray) -> float:
+def _find_largest_value(values: xarray.DataArray) -> float:
     return float(np.max(np.abs(values.values), initial=0.0, where=np.isfinite(values.values)))
 
 
 def _draw_stress(axes: Axes, test: xarray.Dataset, displacement: np.ndarray) -> None:
-    factor, unit = choose_prefixed_unit(_largest(test["shear_stress"]), "GPa")
+    factor, unit = choose_prefixed_unit(_find_largest_value(test["shear_stress"]), "GPa")
     if "shear_stress_interval" in test:
         lower, upper = test["shear_stress_interval"].values / factor
         axes.fill_between(displacement, lower, upper, color=OPPOSING_COLOUR, alpha=0.2, linewidth=0)

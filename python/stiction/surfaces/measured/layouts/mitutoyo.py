@@ -25,10 +25,10 @@ _CUT_OFF_PATTERN = re.compile(r"\s*[0-9.,]+\s*([^\W\d_]{1,3})\s*")
 
 
 def _is_mitutoyo_workbook(sheets: WorkbookSheets) -> bool:
-    return {"DATA", "Certificate"} <= sheets.keys() and _height_unit(sheets) is not None
+    return {"DATA", "Certificate"} <= sheets.keys() and _find_height_unit(sheets) is not None
 
 
-def _height_unit(sheets: WorkbookSheets) -> str | None:
+def _find_height_unit(sheets: WorkbookSheets) -> str | None:
     cells = (str(row[0]) for row in sheets["DATA"][:40] if row and isinstance(row[0], str))
     return next(
         (
@@ -64,7 +64,7 @@ def _read(sheets: WorkbookSheets) -> ColumnTable:
     lateral_unit = next((unit for match in cut_offs if (unit := parse_length_unit(match[1]))), None)
     if table.values.shape[1] != 2:
         return parse_sheet(rows)
-    return replace(table, units=(lateral_unit, _height_unit(sheets)), places=_PROFILE_COLUMNS)
+    return replace(table, units=(lateral_unit, _find_height_unit(sheets)), places=_PROFILE_COLUMNS)
 
 
 WORKBOOK_LAYOUT = WorkbookLayout("Mitutoyo workbook", _is_mitutoyo_workbook, _read)
