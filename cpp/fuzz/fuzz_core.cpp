@@ -111,7 +111,7 @@ void fuzz_contact(Source& source) {
     require(!(sums[k].contact_area < 0.0), "no negative area");
     const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], model);
     // `contacts` searches only up to this approach.
-    // This limit may change the index ranges, but must not change the contacts.
+    // A limit of the search may change the index ranges, but must not change the contacts.
     require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
       require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");

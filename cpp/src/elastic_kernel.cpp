@@ -88,7 +88,7 @@ constexpr std::size_t wavenumbers_per_block = 64;
 // Multiply columns k and m - k by `factors` and `mirrored_factors`, with θ = πk/m.
 // The factors are given for wavenumbers along y up to half of `size`.
 // Coefficient i of one column is combined with coefficient size - i of the other column.
-// Both coefficients have the same factors.
+// Coefficients i and size - i have the same factors.
 template <class Real>
 STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict second, const Real* factors,
                                         const Real* mirrored_factors, Real sine, Real cosine, std::size_t size) {

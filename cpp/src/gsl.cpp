@@ -11,7 +11,7 @@ namespace stiction::gsl {
 namespace {
 
 // By default, GSL aborts the process on an error. The error handler of GSL is therefore switched off at load time.
-// This call cannot throw, because it is a C function.
+// A C function cannot throw.
 // NOLINTNEXTLINE(bugprone-throwing-static-initialization)
 [[maybe_unused]] gsl_error_handler_t* const previous_handler = gsl_set_error_handler_off();
 

@@ -20,7 +20,7 @@ namespace {
 // Minimum number of points along an axis of the coarsest grid.
 constexpr std::size_t min_points_per_axis = 16;
 // Maximum number of points of a coarser grid whose kernels are cached.
-// The same limit applies to the storage of influence coefficients.
+// Influence coefficients are stored for grids up to the same number of points.
 constexpr std::size_t max_cached_points = std::size_t{1} << 20;
 // Solver tolerance on the coarser grids.
 // The tolerance can be large, because the discretisation error is even larger on these grids.
@@ -38,7 +38,7 @@ constexpr int max_exact_evaluations = 20;
 // The error of the compliance is the square of this difference, about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
 // Factor by which the accepted difference is reduced in problems that define only differences of displacements.
-// In such problems, the compliance is not an energy.
+// If only differences of displacements are defined, the compliance is not an energy.
 constexpr double difference_tolerance = 0.03;
 // Maximum number of contact points whose linear response is computed with a dense matrix.
 // Up to this number, the solution with the matrix is faster than the solution with transforms of the grid.
@@ -50,10 +50,10 @@ constexpr std::size_t max_dense_points = 1024;
 constexpr std::size_t max_matrix_ratio = 16;
 constexpr std::size_t max_selected_points = 2048;
 // Points are selected if their gap is below this multiple of the current approach.
-// Both are measured from the lowest gap.
+// The gap and the approach are measured from the lowest gap.
 constexpr double selection_approach_ratio = 1.1;
 // A deviation of displacements below this limit counts as round-off.
-// The limit is a fraction of the displacement that a single cell would have under the same pressure.
+// The limit is a fraction of the displacement of a single cell under the same pressure.
 constexpr double round_off = 1e-9;
 // The search for the load at a given approach is limited by three numbers:
 // - the largest number of loads that are tried, although more than six loads are rarely needed
@@ -169,7 +169,7 @@ bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
 // The starting pressure is scaled to the given mean [GPa].
 //
 // On a free area, pressures displace every point away from the other body.
-// So a point whose initial gap exceeds the approach cannot come into contact.
+// A point whose initial gap exceeds the approach therefore cannot come into contact.
 // If few points remain, they are selected, and displacements are computed only at them, with a dense matrix.
 // At all other points, the potential is replaced by its lower bound, the initial gap.
 // The displacements due to a pressure on the first point of the grid are given by `influence`.

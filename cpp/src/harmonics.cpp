@@ -30,7 +30,7 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
 
 // Base-2 logarithm of the largest number of turns that a phase may make along the grid.
 // If phases made more turns, fewer than 20 binary digits (1e-6) would remain for the fraction of a turn.
-// This logarithm is 44 if a long double has 64 binary digits, and 33 if a long double is a double.
+// The logarithm is 44 if a long double has 64 binary digits, and 33 if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 
 // Number of points per block. The group profiles of one block must fit into the second-level cache.

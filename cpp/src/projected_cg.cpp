@@ -394,7 +394,7 @@ double ProjectedCgSolver::approach_from_bounds() const {
 // Call the visitor for each run of constrained points.
 // The visitor receives the indices into `free_points_` of the neighbouring free points, and the number of constrained
 // points.
-// It also receives the segments of the run before and after the edge of the grid.
+// The visitor also receives the segments of the run before and after the edge of the grid.
 // A segment consists of its first point, its length, and its offset in the run.
 template <class Visit>
 void ProjectedCgSolver::for_each_constrained_run(Visit visit) const {

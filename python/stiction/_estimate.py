@@ -118,7 +118,7 @@ class Estimate:
         return replace(self, value=self.value / factor, lower=self.lower / factor, upper=self.upper / factor, unit=unit)
 
     def in_prefixed_unit(self, unit: str | None = None) -> Self:
-        """Return a copy in the prefixed unit in which the value has the fewest zeros.
+        """Return a copy in the prefixed unit, such as nm or mm, in which the value has the fewest zeros.
 
         Parameters
         ----------

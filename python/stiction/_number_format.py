@@ -108,7 +108,7 @@ def format_percent(fraction: float) -> str:
 
 
 def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
-    """Choose the prefixed unit in which a value has the fewest zeros. Return the conversion factor and the unit.
+    """Return the prefixed unit in which a value has the fewest zeros, after the conversion factor.
 
     Parameters
     ----------

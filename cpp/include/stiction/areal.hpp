@@ -93,7 +93,7 @@ inline constexpr double round_off_fraction = 0x1p-46;
 
 /// Relative tolerance within which a valley counts as level.
 /// A height difference between neighbouring points counts as zero if it is below this fraction of the gap range.
-/// This tolerance limits the accuracy with which a minimum is located to about 1e-8 of a grid spacing.
+/// The tolerance limits the accuracy with which a minimum is located to about 1e-8 of a grid spacing.
 inline constexpr double level_fraction = 0x1p-26;
 
 /// Find all contact candidates with a gap of at most `deepest` [µm] >= 0.

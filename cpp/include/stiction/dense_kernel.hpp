@@ -16,7 +16,7 @@ namespace stiction {
 class DenseKernel {
  public:
   /// `influence` contains the displacement [µm/GPa] of each grid point due to a pressure on the first grid point.
-  /// It must outlive this object. `points` contains the indices of the points on the grid, which are not checked.
+  /// `influence` must outlive this object. The indices of the points on the grid, `points`, are not checked.
   /// Throws std::invalid_argument for 2³¹ grid points or more, and if `influence` has another number of values.
   DenseKernel(Values influence, const Grid& grid, std::vector<std::size_t> points);
 

@@ -80,14 +80,14 @@ class HalfSpaceSolver {
   /// Create the solver. `gap` [µm] must outlive the solver.
   /// A gap of 0 everywhere defines a traction problem instead of a contact problem.
   /// `bound` [GPa] contains either a single value for all points or one value for each point.
-  /// If it contains a single value, this value may be infinite.
+  /// A single bound for all points may be infinite.
   /// Points with a bound of 0 carry no pressure and may overlap.
   /// Throws std::invalid_argument for wrong sizes and for a tolerance that is not positive.
   HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrids> grids, Values bound, double tolerance,
                   const ThreadPool& pool = ThreadPool());
 
   /// Return the length [µm] by which errors are divided.
-  /// This length is the larger of the root-mean-square deviations of the gap and of the displacements.
+  /// The length is the larger of the root-mean-square deviations of the gap and of the displacements.
   /// The displacements are those due to the mean pressure [GPa].
   double scale(double mean_pressure) const;
 

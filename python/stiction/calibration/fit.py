@@ -28,13 +28,13 @@ from stiction.study.input_distributions import UncertainInput, generate_sobol_po
 from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit
 
 # Both mu0 and tau0 are fitted only if A/F differs enough between the tests.
-# This number is the minimum relative standard deviation of A/F.
+# The limit is a relative standard deviation of A/F.
 MIN_AREA_VARIATION = 0.1
 # Number of nuisance points in each round of adaptation, and maximum number of nuisance points in the result.
 # A nuisance point is a set of values of the nuisance parameters.
 NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
 # Number of nuisance points of the result without nuisance parameters, and its upper limit.
-# The number is doubled for each nuisance parameter. The result may add further points.
+# The number of points is doubled for each nuisance parameter, and may grow further.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # normal scores of nuisance parameters are clipped to this absolute value
 MAX_PROPOSAL_ROUNDS = 8  # maximum number of rounds of adaptation
@@ -654,7 +654,7 @@ class CalibrationProblem:
         best, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
         # Residuals vary more slowly with mu0 below its best-fit value than above it.
-        # They vary at least as fast as without junction growth.
+        # Residuals vary at least as fast as without junction growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best, width_below=width_below, width_above=width_above)
 

@@ -309,7 +309,7 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
 
 
 def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
-    """Return the factors of `compute_yield_factors` for contacts with the given hardness (GPa)."""
+    """Return the ratio of the true area to the area with the pressure cap at a given hardness (GPa)."""
     contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):

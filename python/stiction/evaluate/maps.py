@@ -470,7 +470,7 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw)
 def _average_sums(
     solved_members: Callable[[], Iterator[xarray.Dataset]], names: Sequence[str], step_dimension: str
 ) -> tuple[list[ContactSums], int]:
-    """Average the sums of `_compute_sums` over the members, and count the members."""
+    """Average contact sums and the sums of quantities over the members, and count the members."""
     total_sums: list[ContactSums] = []
     count = 0
     for piece in solved_members():

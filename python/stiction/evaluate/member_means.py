@@ -45,7 +45,7 @@ class LoadNeighbors:
 def average_members(
     study: Study, members: xarray.Dataset, names: Collection[str] | None, neighbors: LoadNeighbors | None = None
 ) -> xarray.Dataset:
-    """Average the values of `evaluate_members` over the members, and compute the 95 % intervals.
+    """Average values over the members, and compute the 95 % intervals of the means.
 
     `names` lists quantities to evaluate besides friction; None stands for all. With `neighbors`, the intervals at loads
     between computed loads include the interpolation error.

@@ -148,7 +148,7 @@ class _SampledCurves:
 def _sample_test(
     test: xr.Dataset, samples: ShearInputSamples, variations: Sequence[tuple[ContactVariation, xr.Dataset]]
 ) -> _Samples:
-    """Return samples of `CURVES` and of `SUMMARY_NAMES`. Coefficients are infinite where the faces lock."""
+    """Return samples of the curves and summary values. Coefficients are infinite where the faces lock."""
     curves = _SampledCurves(test, samples, variations)
     law = FrictionLaw(samples.mu0[:, np.newaxis], samples.tau0[:, np.newaxis])
     sums = {name: curves.sample(partial(_divide, name=name, divisor="normal_load")) for name in LOAD_SUM_NAMES}

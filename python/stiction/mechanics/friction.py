@@ -130,7 +130,7 @@ class FrictionLaw:
         return np.asarray(elastic + frictional * fraction + adhesive * (area * fraction))
 
     def coefficient(self, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Compute the friction coefficient from contact sums, with arguments as for `load`."""
+        """Compute the friction coefficient from contact sums. Arguments are those of `load`."""
         tangential, normal = (self.load(name, sums, area, fraction) for name in ("tangential", "normal"))
         return np.asarray(tangential / normal)
 

@@ -233,7 +233,7 @@ class ContactSolution:
 
     @cached_property
     def unloading_closure_stiffness(self) -> float:
-        """Derivative dp/dc (GPa/µm) as `closure_stiffness`, if all contact points respond elastically."""
+        """Derivative dp/dc (GPa/µm) if all contact points respond elastically, as during unloading."""
         if self.below_hardness.all():
             return self.closure_stiffness
         return self._compute_closure_stiffness(self._all_points)
@@ -442,7 +442,7 @@ class ContactSolver:
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
             # Missing points receive a gap that never closes.
-            # This gap increases the standard deviation of all gaps, so the tolerance of the solver is rescaled.
+            # The gap of missing points raises the standard deviation of all gaps, so the solver tolerance is rescaled.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)

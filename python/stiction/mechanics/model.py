@@ -241,7 +241,7 @@ def check_modulus_is_given(keywords: Mapping[str, object], *bodies: Profile | Su
 
 
 def reject_missing_modulus(*sources: str) -> None:
-    """Raise a `ValueError` if any source is a file. For measured surfaces, the modulus must be given."""
+    """Raise a `ValueError` if a surface was read from a file, because the modulus must then be given."""
     for source in filter(None, sources):
         raise ValueError(
             f"effective_modulus (GPa) must be given, because a body was {source}; the default "

@@ -74,7 +74,7 @@ class ResultQuantity:
     column_unit: str = ""  # unit in spreadsheets, if it differs from `unit`
     column_factor: float = 1.0
     # True if the value is roughly proportional to the load.
-    # The ratio of such a value to the load is interpolated linearly in the logarithm of the load.
+    # The ratio of the value to the load is interpolated linearly in the logarithm of the load.
     proportional: bool = False
     proportional_with_adhesion: bool = True  # False if adhesive contacts have a value without a load, like a stiffness
     weighted: bool = False  # True if the mean over an ensemble is weighted by the load
@@ -584,12 +584,12 @@ STATISTIC_QUANTITIES = select_quantity_names(lambda each: "measured" in each.sto
 COMMON_VALIDITY_QUANTITIES = select_quantity_names(
     lambda each: each.kind == "validity" and {each.numerator, *each.denominator} <= {*SUM_QUANTITIES}
 )
-"""Fields of `Validity`."""
+"""Validity indicators of the model that profiles and maps have in common: the fields of `Validity`."""
 
 AREAL_VALIDITY_QUANTITIES = select_quantity_names(
     lambda each: each.kind == "validity" and bool({each.numerator, *each.denominator} - {*SUM_QUANTITIES})
 )
-"""Fields of `SurfaceValidity` in addition to those of `Validity`."""
+"""Further validity indicators of the model, which only maps have."""
 
 RATIO_QUANTITIES = select_quantity_names(lambda each: each.kind in ("ratio", "validity") and each.along == _STEP_AXIS)
 """Quantities at a load that are ratios of contact sums."""

@@ -36,7 +36,7 @@ MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of times the contact problem is 
 # maximum displacement of the edge in one step, as a multiple of the standard deviation of the gap
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
 # Smallest change of the moment per unit slope for which the tilt is defined.
-# The change is divided by (mean pressure) · (side length)² / (standard deviation of the gap).
+# The change of the moment is divided by (mean pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
 # tolerance of displacements in the search from the tilt of rigid surfaces, relative to the largest displacement
 INDENTATION_TOLERANCE = 1e-6

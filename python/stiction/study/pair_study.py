@@ -415,7 +415,7 @@ class MeasuredPair:
             for load, per_area in self._given_loads
         }
         # Zero load is replaced by a small fraction of the attraction on a grid cell.
-        # This attraction is a lower bound on the pull-off force.
+        # The attraction on a grid cell is a lower bound on the pull-off force.
         if 0.0 in forces:
             forces = {
                 force or float(f"{ZERO_LOAD_REPLACEMENT * self._max_cell_adhesion_force:.3g}") for force in forces

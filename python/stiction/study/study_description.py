@@ -38,7 +38,7 @@ def describe_study(study: Study) -> StudyDescription:
 
 
 def get_pair_name(study: Study) -> str:
-    """Return the file names of a pair, as in "a on b", or "gap a". A file whose name contains "gap" has no prefix."""
+    """Return the file names of a pair, as in "a on b", or the file name of a gap with the word "gap"."""
     upper, lower = (getattr(study.surfaces, side).name for side in SIDES)
     if study.is_gap:
         return upper if "gap" in upper.lower() else f"gap {upper}"

@@ -62,7 +62,7 @@ class JointUnits:
 
     @classmethod
     def parse(cls, text: str) -> JointUnits:
-        """Parse one of the choices of `UnitSystem`."""
+        """Parse a unit system such as "mm,N,MPa"."""
         check_choice("units", text, UnitSystem)
         return cls(*text.split(","))
 

@@ -170,7 +170,7 @@ def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.int
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
 # Largest mean of overlap / radius for which the contact model is valid.
-# The limit for quantities that are fractions of the load is `MAX_AFFECTED_FRACTION`.
+# Quantities that are fractions of the load have the limit `MAX_AFFECTED_FRACTION` instead.
 MAX_OVERLAP_RADIUS_RATIO = 0.1
 
 GENERATED_STATUSES = (

@@ -16,7 +16,7 @@ RoundForm = Literal["circle", "sphere", "cylinder"]
 PointCoordinates = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
 _FormModel = Callable[[Floats, PointCoordinates], Floats]
 # Lower limit of the squared cosine of the slope angle.
-# This limit keeps the heights finite beyond the equator of the form.
+# The lower limit keeps the heights finite beyond the equator of the form.
 _MIN_COSINE_SQUARED = 1e-6
 _FIT_TOLERANCE = 1e-12  # relative change below which the fit has converged
 

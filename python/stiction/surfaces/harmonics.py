@@ -12,7 +12,7 @@ from stiction._checks import Floats
 # If the distance is smaller, the spectrum between the harmonics cannot be assessed.
 MIN_HARMONIC_DISTANCE = 10
 # Smallest bin in which a first harmonic may lie.
-# The limit is above 2, because a Hann window spreads a spectral line to two bins on each side.
+# A Hann window spreads a spectral line to two bins on each side, so the smallest bin is above 2.
 _MIN_FIRST_HARMONIC_BIN = 2.5
 _MAX_COMPARED_HARMONICS = 8  # maximum number of harmonics that are compared with the spectrum between the harmonics
 # Minimum number of significant harmonics above the first.

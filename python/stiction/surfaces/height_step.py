@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 
 # Second differences count as equal if they differ by less than this fraction of the height range.
-# It exceeds the round-off of levelling and of single-precision heights.
+# The fraction exceeds the round-off of levelling and of single-precision heights.
 _TOLERANCE_RATIO = 1e-6
 _MIN_REPETITIONS = 5  # minimum number of equal second differences that may be due to rounding
 _MIN_REPEATED_FRACTION = 0.5  # minimum fraction of second differences that are repeated

@@ -26,7 +26,7 @@ MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 _TREND_ROUND_OFF = 1e-13  # round-off of a subtracted straight line, relative to the largest height
 # Number of lowest harmonics that are excluded if a Hann window is applied.
-# These harmonics are affected by the mean and by longer wavelengths.
+# The lowest harmonics are affected by the mean and by longer wavelengths.
 _NUM_EXCLUDED_HARMONICS = 2
 
 _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with one degree of freedom
@@ -36,7 +36,7 @@ _MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum; each p
 # Every measured spectrum deviates from a power law by at least this much.
 _RELATIVE_MODEL_ERROR = 0.1
 # An additional piece of the spectrum must increase the log-likelihood by at least this amount.
-# Such a piece has three parameters, and can begin at any of about 50 bins.
+# An additional piece has three parameters, and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
 # Largest accepted deviance per bin. Random scatter about a power law causes a deviance of about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.
@@ -154,12 +154,12 @@ class HurstEstimate(TableReprMixin):
 
     @property
     def interval_classical(self) -> tuple[float, float]:
-        """95 % interval of `fractal_dimension_classical`."""
+        """95 % interval of the fractal dimension D = 2 - H."""
         return 2 - self.upper, 2 - self.lower
 
     @property
     def interval_paper(self) -> tuple[float, float]:
-        """95 % interval of `fractal_dimension_paper`."""
+        """95 % interval of the fractal dimension D = (4 - H) / 2."""
         return (4 - self.upper) / 2, (4 - self.lower) / 2
 
     @property

@@ -51,7 +51,7 @@ def extract_heights(name: str, other: Any, *, unit: str | None = None) -> Extrac
 
 
 def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats) -> xarray.DataArray:
-    """Convert heights and positions (µm) to a DataArray with units. This is the inverse of `extract_heights`."""
+    """Convert heights and positions (µm) to a DataArray with units. The inverse is `extract_heights`."""
     import xarray
 
     coordinate_attributes = {"units": "um", "long_name": "position"}

@@ -112,7 +112,7 @@ class JoinedSpectrum(TextReprMixin):
             weight = self.contribution[scan_index, is_compared]
             if is_compared.any() and (weight < 1).any():
                 # The combined density includes the density of the scan itself.
-                # This contribution is removed before the comparison.
+                # The contribution of the scan is removed before the comparison.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)

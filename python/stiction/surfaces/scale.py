@@ -63,7 +63,7 @@ _NOISE_WAVELENGTH_RATIO = 0.7
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 _MAX_EQUAL_NOISE_RATIO = 2.0  # two noise densities along different axes count as equal up to this ratio
 # Noise may be hidden in a spectrum whose density is at least this fraction of the noise density.
-# The limit is below 1 to allow for scatter.
+# The fraction is below 1 to allow for scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
 # If there are fewer lines with independent noise, no noise is assumed to be hidden along the other axis.
 _MIN_INDEPENDENT_LINES = 8.0

@@ -131,7 +131,7 @@ def quantity_label(name: str, study: Study) -> str:
 
 
 def _format_row(row: QuantityRow, *, is_sentence: bool) -> list[str]:
-    """Return the label, the unit and the values, in the unit in which the largest value has the fewest zeros.
+    """Return label, unit and values of a row, in the unit in which the largest value has the fewest zeros.
 
     A missing interval is stated only in tables.
     """

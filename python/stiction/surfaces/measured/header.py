@@ -377,7 +377,7 @@ def is_computed_height(name: str) -> bool:
 
 
 def parse_column_headings(header: Sequence[str], width: int, dialect: Dialect) -> ColumnHeadings:
-    """Parse the names and units of `width` columns from the lines above them."""
+    """Parse the names and units of columns from the lines above the numbers."""
     lines = [line for line in map(normalise_line, header) if not _is_declaration(line)]
     if not lines:
         return ColumnHeadings()

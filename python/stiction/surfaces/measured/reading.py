@@ -1,4 +1,4 @@
-"""Reading of measured profiles and surfaces. Selects a reader for a file and interprets the content."""
+"""Reading of measured profiles and surfaces: choice of the reader, and interpretation of the content."""
 
 from __future__ import annotations
 

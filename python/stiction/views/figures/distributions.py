@@ -97,7 +97,7 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
 
 
 def _draw_polar_circles(axes: Any, highest: float) -> None:
-    """Draw the circles of a polar plot at round values, with labels between two spokes."""
+    """Draw the circles of a polar plot at round values, and label them between two spokes."""
     min_ring_spacing = (highest or 1.0) / MAX_COMPASS_RINGS
     power_of_ten = 10.0 ** np.floor(np.log10(min_ring_spacing))
     ring_spacing = float(
