@@ -71,7 +71,7 @@ _PERCENT_FORMATS = (
     NumberFormat(0.0, 0.01, "less than 0.001 %", 2),
 )
 
-MIN_ROUNDED_UP = 0.9995
+MIN_ROUNDED_TO_ONE = 0.9995
 """Smallest number that is 1 after rounding to three digits: 0.99996 mN is printed as 1 mN."""
 
 
@@ -124,7 +124,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 def _choose_by_size(value: float, items: Sequence[_Item]) -> _Item:
     """Choose the first item whose first entry does not exceed the rounded absolute value; 0 and NaN count as 1."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
-    return next(item for item in items if size >= MIN_ROUNDED_UP * item[0])
+    return next(item for item in items if size >= MIN_ROUNDED_TO_ONE * item[0])
 
 
 def format_time(seconds: float) -> str:

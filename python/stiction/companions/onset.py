@@ -293,19 +293,20 @@ def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
 
 # ---- Files stored with a result -------------------------------------------------------------------------------------
 
-_UNBOUNDED = (-math.inf, math.inf)  # The stiffness of a closed gap and the ends of some intervals are infinite.
+_INFINITE_BOUNDS = (-math.inf, math.inf)  # The stiffness of a closed gap and the ends of some intervals are infinite.
 
 _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
     "fraction": VariableSpec(dims=("fraction",)),
     "statistic": VariableSpec(dims=("statistic",), dtype=str),
     **{
         name: VariableSpec(
-            dims=("statistic",), bounds=_UNBOUNDED, may_be_nan=True, is_required=name != _ONSET_SCALAR_NAMES[-1]
+            dims=("statistic",), bounds=_INFINITE_BOUNDS, may_be_nan=True, is_required=name != _ONSET_SCALAR_NAMES[-1]
         )
         for name in _ONSET_SCALAR_NAMES
     },
     **{
-        name: VariableSpec(dims=("fraction", "statistic"), bounds=_UNBOUNDED, may_be_nan=True) for name in _CURVE_TITLES
+        name: VariableSpec(dims=("fraction", "statistic"), bounds=_INFINITE_BOUNDS, may_be_nan=True)
+        for name in _CURVE_TITLES
     },
     **{name: VariableSpec(dims=(name,), is_required=False, ascending_dim=name) for name in ("slip_y", "slip_x")},
     **{

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 MAX_BUDGETED_COEFFICIENTS = 100
 """Maximum number of coefficients, at the loads of the study, for which uncertainty budgets are computed."""
 
-COVERED_NAMES = (
+INTERVALS_COVERING_ALTERNATIVES = (
     "friction_combined",
     "friction_at_cutoff",
     "friction_prediction",
@@ -423,7 +423,7 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
     the alternatives.
     """
     variables = {}
-    names = (*(name for name in COVERED_NAMES if name != "remaining_interval"), *COMBINED_QUANTITIES)
+    names = (*(name for name in INTERVALS_COVERING_ALTERNATIVES if name != "remaining_interval"), *COMBINED_QUANTITIES)
     for name in (each for each in names if each in own):
         dims = own[name].dims
         others = [other[name].transpose(*dims).values for other in alternatives.values()]

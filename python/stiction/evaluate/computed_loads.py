@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from stiction.solve.member_sums import MemberSums
 
-_ROUND_OFF = 1e-6  # relative round-off of a load that is the mean over members
+_MEAN_LOAD_ROUND_OFF = 1e-6  # relative round-off of a load that is the mean over members
 
 NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLVED)
 """Statuses of points whose load was not computed. All other statuses are properties of the contact."""
@@ -65,6 +65,6 @@ def find_loads_outside_range(result: MemberSums, values: xarray.Dataset) -> list
     return [
         float(load)
         for load in np.atleast_1d(values["load"].values)
-        if not lowest * (1 - _ROUND_OFF) <= load <= highest * (1 + _ROUND_OFF)
+        if not lowest * (1 - _MEAN_LOAD_ROUND_OFF) <= load <= highest * (1 + _MEAN_LOAD_ROUND_OFF)
         and not is_unloaded(values.sel(load=load))
     ]

@@ -406,7 +406,7 @@ For a pair of profiles that yields at 2 to 70 % of its contacts, interpolated un
 (rms) and at most 3 %.
 """
 
-_DISPLACEMENTS = {
+_STIFFNESSES_BY_DISPLACEMENT = {
     "closure": ("closure_stiffness", "unloading_closure_stiffness"),
     "approach": ("normal_stiffness", "unloading_stiffness"),
 }
@@ -424,7 +424,7 @@ def _interpolate_by_stiffness(
     power law with a smooth exponent, which yielding does not disturb. The weights follow from the yielding.
     """
     steps = piece["load"].values
-    for name, stiffness_names in _DISPLACEMENTS.items():
+    for name, stiffness_names in _STIFFNESSES_BY_DISPLACEMENT.items():
         if any(each not in piece.variables for each in (name, stiffness_names[0])):
             continue
         per_area = STIFFNESS_PER_AREA_FACTOR / float(piece["nominal_area"]) if name == "closure" else 1.0

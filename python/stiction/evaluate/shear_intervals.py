@@ -33,7 +33,7 @@ INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Inputs that change the contacts. The test is repeated at the limits of these inputs."""
 
-CURVES = ("friction_coefficient", "shear_stress", "dilation")
+CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 """Quantities that have an interval at each displacement."""
 
 SUMMARY_NAMES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
@@ -193,7 +193,7 @@ def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _S
     values = _summarize_samples(test, coefficient, stress, dilation)
     if not np.isfinite(coefficient[:, test["status"].values == STATUS_OK]).all():
         # A strip without a coefficient may have its peak there.
-        values = {name: each for name, each in values.items() if name in CURVES}
+        values = {name: each for name, each in values.items() if name in CURVE_NAMES}
     return {name: np.asarray(each.std(axis=0, ddof=1)) / math.sqrt(len(strips)) for name, each in values.items()}
 
 
@@ -213,14 +213,14 @@ def add_shear_intervals(
         sampled = [_sample_test(test, each, variations) for each in samples]
         probabilities = samples[0].probabilities
     elif errors:
-        curves = (np.asarray(test[name].values)[np.newaxis] for name in CURVES)
+        curves = (np.asarray(test[name].values)[np.newaxis] for name in CURVE_NAMES)
         sampled, probabilities = [_summarize_samples(test, *curves)], _draw_points(1, test.sizes["displacement"])[:, 0]
     else:
         return test
     scores = _student_scores(probabilities, len(strips))
     limits = {}
     for name in sampled[0]:
-        value = test[name].values if name in CURVES else np.asarray(test.attrs[name])
+        value = test[name].values if name in CURVE_NAMES else np.asarray(test.attrs[name])
         error = np.broadcast_to(errors.get(name, np.nan), value.shape)
         if samples:
             error = np.nan_to_num(error)  # the interval contains the scatter between strips where it is known
@@ -274,6 +274,6 @@ def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
             ("end", "displacement"), np.where(is_ok | (name != "friction_coefficient"), limits[name].T, np.nan),
             test[name].attrs | {"long_name": f"95 % interval of the {test[name].attrs['long_name']}"},
         )
-        for name in CURVES
+        for name in CURVE_NAMES
     }  # fmt: skip
     return test.assign_coords(end=["lower", "upper"]).assign(variables).assign_attrs(attributes)

@@ -69,7 +69,7 @@ class EquilibriumNotFoundError(NoSolutionError):
 
 
 @dataclass
-class _Iteration:
+class _IterationState:
     """State between two iterations towards an equilibrium, from which the iteration can be resumed."""
 
     attraction: Floats
@@ -96,7 +96,7 @@ class _Iteration:
         return result | {f"best_{name}": value for name, value in best_state.items()}
 
     @classmethod
-    def from_step_result(cls, result: StepResult) -> _Iteration:
+    def from_step_result(cls, result: StepResult) -> _IterationState:
         """Return the state that `to_step_result` converted."""
         values = {field.name: _to_array_or_number(result[field.name]) for field in fields(cls) if field.name in result}
         if "best_pressure" in result:
@@ -214,16 +214,16 @@ class AdhesionSolver:
         result = self.record.run_step(solve, EquilibriumNotFoundError)
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
-    def _start_iteration(self, near: AdhesionState | None) -> _Iteration:
+    def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
         """Return the state before the first iteration, or the state in which an earlier computation was interrupted."""
         if (state := self.record.read_state()) is not None:
-            return _Iteration.from_step_result(state)
+            return _IterationState.from_step_result(state)
         if near is None:
-            return _Iteration(np.zeros_like(self.problem.gap))
-        return _Iteration(near.attraction, near.pressure)
+            return _IterationState(np.zeros_like(self.problem.gap))
+        return _IterationState(near.attraction, near.pressure)
 
     def _iterate_to_equilibrium(
-        self, state: _Iteration, contact_load: Callable[[float], float], longest: float
+        self, state: _IterationState, contact_load: Callable[[float], float], longest: float
     ) -> Iterator[tuple[AdhesionState, float]]:
         """Yield each contact and its relative change of the attraction, until the bodies separate. Update `state`.
 

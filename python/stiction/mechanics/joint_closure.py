@@ -12,7 +12,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-MAX_EXTRAPOLATION = 10.0  # maximum ratio of the maximum closure to the largest computed closure
+MAX_CLOSURE_EXTRAPOLATION = 10.0  # maximum ratio of the maximum closure to the largest computed closure
 
 
 @dataclass(frozen=True)
@@ -50,6 +50,6 @@ def fit_bandis_law(pressure: Floats, closure: Floats) -> BandisLaw:
 
     optimum = least_squares(compute_deviations, np.log([pressure[0] / closure[0], 1.2 * closure[-1]]))
     stiffness, maximum = np.exp(optimum.x)
-    if maximum > MAX_EXTRAPOLATION * closure[-1]:
+    if maximum > MAX_CLOSURE_EXTRAPOLATION * closure[-1]:
         return BandisLaw(math.nan, math.nan, math.nan)
     return BandisLaw(float(stiffness), float(maximum), math.expm1(float(np.abs(optimum.fun).max())))

@@ -65,13 +65,13 @@ MAX_ROUND_OFF_GAP = 1e-9
 NUM_CLOSURE_LOADS = 8  # number of loads at which the closure is computed
 MAX_CLOSURE_LOAD_RATIO = 50.0  # ratio of the largest to the smallest load at which the closure is computed
 
-_NUMBER_NAMES = (
+_STEP_NUMBER_NAMES = (
     *LOAD_SUM_NAMES, "contact_area", "overlap_area", "contact_count", "load_fraction_at_hardness",
     "load_fraction_at_edges", "height",
     "elastic_energy",
 )  # fmt: skip
-_COPIED_NAMES = tuple(name for name in _NUMBER_NAMES if name not in ("contact_area", "height"))
-_ATTRIBUTES: dict[str, dict[str, str]] = {
+_DATASET_NUMBER_NAMES = tuple(name for name in _STEP_NUMBER_NAMES if name not in ("contact_area", "height"))
+_VARIABLE_ATTRIBUTES: dict[str, dict[str, str]] = {
     "displacement": {"units": "um", "long_name": "displacement of the upper face along the path"},
     "friction_coefficient": {"units": "1", "long_name": "tangential load over normal load, against the motion"},
     "shear_stress": {"units": "GPa", "long_name": "tangential load over the overlap of the faces"},
@@ -313,7 +313,7 @@ class ShearBox:
         rows: list[StepResult] = []
         if self.stiffness and first is not None and not math.isfinite(float(first["height"])):
             # Without the height at the start, the load is unknown.
-            missing_values = dict.fromkeys((*_NUMBER_NAMES, "elastic_load"), math.nan)
+            missing_values = dict.fromkeys((*_STEP_NUMBER_NAMES, "elastic_load"), math.nan)
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
         def compare_load(elastic_load: float) -> tuple[float, float]:
@@ -332,7 +332,9 @@ class ShearBox:
             status = _find_root(compare_load, guess, self.load, max_load)
         except NoSolutionError:
             status = STATUS_NOT_SOLVED
-        row = rows[-1] if rows and status == STATUS_OK else dict.fromkeys((*_NUMBER_NAMES, "elastic_load"), math.nan)
+        row = (
+            rows[-1] if rows and status == STATUS_OK else dict.fromkeys((*_STEP_NUMBER_NAMES, "elastic_load"), math.nan)
+        )
         return row | {"overlap_area": overlap_area, "status": status}
 
     def _make_row(
@@ -404,7 +406,7 @@ class ShearBox:
         """Return the solved steps as a dataset over the displacement."""
         import xarray as xr
 
-        columns = {name: np.array([float(row[name]) for row in rows]) for name in _NUMBER_NAMES}
+        columns = {name: np.array([float(row[name]) for row in rows]) for name in _STEP_NUMBER_NAMES}
         normal, tangential = (self.law.load(load, columns) for load in ("normal", "tangential"))
         tangential = np.where(np.abs(tangential) > self.tolerance * normal, tangential, 0.0)  # drop solver errors
         coefficient, status = tangential / normal, np.array([str(row["status"]) for row in rows], STATUS_DTYPE)
@@ -415,12 +417,12 @@ class ShearBox:
             "dilation": columns["height"] - columns["height"][0],
             "contact_area_fraction": columns["contact_area"] / columns["overlap_area"],
             "normal_load": normal,
-            **{name: columns[name] for name in _COPIED_NAMES},
+            **{name: columns[name] for name in _DATASET_NUMBER_NAMES},
         }
-        displacement = "displacement", self.displacements(offsets), _ATTRIBUTES["displacement"]
+        displacement = "displacement", self.displacements(offsets), _VARIABLE_ATTRIBUTES["displacement"]
         dataset = xr.Dataset(
             {
-                name: ("displacement", values, _ATTRIBUTES.get(name) or quantity_attributes(name))
+                name: ("displacement", values, _VARIABLE_ATTRIBUTES.get(name) or quantity_attributes(name))
                 for name, values in variables.items()
             }
             | {"status": ("displacement", status)},

@@ -73,7 +73,7 @@ def compute_slopes(body: Profile | Surface) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class ContactList:
-    """Table of the contacts between two bodies at one load, with the pressure distribution. Lengths are in µm."""
+    """List of the contacts between two bodies at one load, with the pressure distribution. Lengths are in µm."""
 
     x: Floats  # centre of each contact along x, weighted by the pressure
     y: Floats  # centre of each contact along y, weighted by the pressure; always 0 for profiles

@@ -337,7 +337,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
         return "all", "opposing"
 
 
-class MeasuredLinesContactSettings(MeasuredSurfaceContactSettings):
+class MeasuredLineContactSettings(MeasuredSurfaceContactSettings):
     """Keys of the section `[contact]` for measured profiles and lines of maps, which slide in both directions."""
 
     place: ClassVar[str] = "measured lines"
@@ -558,7 +558,7 @@ class GeneratedMapAsperitySettings(GeneratedSurfaceAsperitySettings):
     curvature: CurvatureSetting = "signed"
 
 
-class MeasuredLineAsperitySettings(AsperityModelSettings, MeasuredLinesContactSettings):
+class MeasuredLineAsperitySettings(AsperityModelSettings, MeasuredLineContactSettings):
     """Section `[contact]` of the asperity model for measured lines."""
 
     place: ClassVar[str] = "asperities of measured lines"
@@ -586,7 +586,7 @@ class GeneratedMapHalfSpaceSettings(HalfSpaceSettings, GeneratedSurfaceLoadSetti
     place: ClassVar[str] = "the half-space of generated areas"
 
 
-class MeasuredLineHalfSpaceSettings(HalfSpaceSettings, MeasuredLinesContactSettings):
+class MeasuredLineHalfSpaceSettings(HalfSpaceSettings, MeasuredLineContactSettings):
     """Section `[contact]` of the half-plane model for measured lines."""
 
     place: ClassVar[str] = "the half-space of measured lines"

@@ -99,7 +99,7 @@ def measure_fit(upper: Any, lower: Any) -> float:
     return highest if np.nanmax(others, initial=0.0) < MAX_SECOND_FIT_RATIO * highest else 0.0
 
 
-MIN_FITS = {Profile: 0.9, Surface: 0.5}
+MIN_FIT_CORRELATIONS = {Profile: 0.9, Surface: 0.5}
 """Correlation of the slopes of two faces (see `measure_fit`) above which the faces fit.
 
 The largest correlation of 3600 pairs of unrelated profiles was 0.86, and of 1350 pairs of unrelated maps 0.40.
@@ -110,7 +110,7 @@ def do_faces_fit(upper: Any, lower: Any) -> bool:
     """Return whether two facing bodies fit into each other at one position. Their spacings must be equal."""
     if upper.is_flat or lower.is_flat or not np.allclose(upper.spacings, lower.spacings):
         return False
-    return measure_fit(upper, lower) > MIN_FITS[type(lower)]
+    return measure_fit(upper, lower) > MIN_FIT_CORRELATIONS[type(lower)]
 
 
 def correlate_facing_slopes(upper: Any, lower: Any) -> float:

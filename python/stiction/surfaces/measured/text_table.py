@@ -30,7 +30,7 @@ from stiction.surfaces.measured.split import (
     find_numeric_line_runs,
     parse_number_block,
 )
-from stiction.surfaces.measured.word_columns import FoundWordColumn, describe_words, replace_word_columns
+from stiction.surfaces.measured.word_columns import LocatedWordColumn, describe_words, replace_word_columns
 
 MAX_HISTORY_STEP_LENGTH = 1000  # maximum number of characters of a history entry in a header
 
@@ -91,7 +91,7 @@ def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
 
 
 def _to_table(
-    text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[FoundWordColumn] = ()
+    text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[LocatedWordColumn] = ()
 ) -> ColumnTable:
     """Convert a block to a table with its footer and its header. The header begins at line `header_start`."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
@@ -236,7 +236,7 @@ def _find_runs_of_equal_width(
 
 
 def _to_channels(
-    text: DecodedText, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[FoundWordColumn] = ()
+    text: DecodedText, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[LocatedWordColumn] = ()
 ) -> HeightChannels:
     """Convert blocks with the same number of columns to channels. Each channel has a separate header."""
     header_starts = [0, *(last + 1 for _, last in runs)]

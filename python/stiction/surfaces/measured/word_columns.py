@@ -23,7 +23,7 @@ MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
 
 
 @dataclass(frozen=True)
-class FoundWordColumn:
+class LocatedWordColumn:
     """Column of words in a text, and the numbers of the lines that contain a word for missing points."""
 
     place: int
@@ -31,7 +31,7 @@ class FoundWordColumn:
     missing_lines: tuple[int, ...]  # line numbers, counted from 0
 
 
-def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[FoundWordColumn, ...]]:
+def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[LocatedWordColumn, ...]]:
     """Replace the words in columns without numbers by ``nan``. Return the new text and the replaced columns."""
     runs = find_numeric_line_runs(text)
     if not (text.words or _may_mix_words_and_numbers(text, runs)):
@@ -62,7 +62,7 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[FoundWor
             for index, cell in enumerate(cells)
         )
     columns = (
-        FoundWordColumn(place, counts, tuple(table.missing_lines.get(place, ())))
+        LocatedWordColumn(place, counts, tuple(table.missing_lines.get(place, ())))
         for place, counts in sorted(table.words.items())
     )
     return replace(text, data="\n".join(replaced_lines).encode()), tuple(columns)
