@@ -330,7 +330,7 @@ def estimate_yield_wavelengths(
 
 @dataclass(frozen=True, eq=False)
 class ResolutionLimits:
-    """Values at several cutoffs, one load, mu0 and tau0, and the limits that apply to finer scans.
+    """Values of a cutoff study at one load, mu0 and tau0, and the limits that apply to finer scans.
 
     Attributes
     ----------
@@ -359,7 +359,7 @@ class ResolutionLimits:
 
 
 def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLimits:
-    """Return values at several cutoffs, one load, mu0 and tau0, with the limits that apply to finer scans."""
+    """Return the values of a cutoff study at one load, mu0 and tau0, with the limits that apply to finer scans."""
     roughness = find_resolved_roughness(study)
     shortest_cutoff = float(np.min(points["cut_off"].values)) if "cut_off" in points.coords else 0.0
     limits = ResolutionLimits(

@@ -174,7 +174,7 @@ class ResponseValues:
     plastic_friction: Floats
 
     def select(self, *indices: int) -> ResponseValues:
-        """Return the quantities at one position of the broadcast shape."""
+        """Return the quantities for one of the input samples, selected by its index."""
         shape = np.shape(self.friction_coefficient)
         return ResponseValues(**{name: np.broadcast_to(each, shape)[indices] for name, each in vars(self).items()})
 

@@ -169,7 +169,7 @@ class ShearBox:
 
     @property
     def _strip_axis(self) -> int:
-        """Axis that strips along the motion divide."""
+        """Axis of a face along which the faces are cut into strips; the strips run along the motion."""
         return int(np.argmin(np.abs(self._motion)))
 
     def cut_strips(self, offsets: NDArray[np.int64], count: int | None = None) -> list[ShearBox]:
