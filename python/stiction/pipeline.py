@@ -1,4 +1,4 @@
-"""Complete a result folder by adding missing blocks and, for a measured pair, companion files.
+"""Completion of a result folder: missing blocks and, for a measured pair, companion files.
 
 Companion files contain the contacts of a typical member and the onset of sliding. The
 cutoff study and the alternative preparations of the scans are companion studies, each in a subfolder.

@@ -1,4 +1,4 @@
-"""Start and stop the app: run the server in a private directory, and open the page in a browser."""
+"""Start and end of the app: a server in a private directory, and its page in a browser."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Run a study from the command line: output directory, workers, and messages on the terminal."""
+"""Runs of a study from the command line: output directory, workers, and messages on the terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compute contact sums and statistics for members at all loads, and individual contacts at one load."""
+"""Contact sums and statistics of members at all loads, and individual contacts at one load."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Run a study with an executor, which computes each block of members in a separate task."""
+"""Run of a study with an executor, which computes each block of members in a separate task."""
 
 from __future__ import annotations
 

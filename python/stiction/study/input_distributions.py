@@ -1,4 +1,4 @@
-"""Parse and sample uncertain inputs, which are numbers, ranges, or values with a standard uncertainty.
+"""Distributions of uncertain inputs: numbers, ranges, and values with a standard uncertainty.
 
 Distributions are propagated by sampling (JCGM 101, 2008). The range of a hardness, a modulus or a strength represents a
 log-normal distribution with 95 % of its probability within the range. The range of a coefficient, or a value with a

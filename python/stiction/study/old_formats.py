@@ -1,4 +1,4 @@
-"""Convert studies that earlier versions wrote.
+"""Conversion of studies that earlier versions wrote.
 
 Earlier studies had the central values of uncertain inputs in `[contact]` and `[friction]`, and their ranges in a table
 `[known]`. The ranges of materials were looked up by name.

@@ -1,4 +1,4 @@
-"""Convert the options of a measured pair to a study of this pair."""
+"""Conversion of the options of a measured pair to a study of this pair."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Assess a coefficient of friction: list caveats with their remedies, and decide whether the value may be quoted."""
+"""Assessment of a coefficient of friction: caveats with their remedies, and whether the value may be quoted."""
 
 from __future__ import annotations
 
