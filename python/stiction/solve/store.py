@@ -765,11 +765,11 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
 
 
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
-    """Write a dataset to a netCDF file with the same content as a file of xarray.
+    """Write a dataset to a netCDF file in the same way as xarray, but without using xarray's locks.
 
-    This function calls h5py directly, because h5netcdf takes several times longer, and because the locks of xarray
-    would require a Dask scheduler in Dask workers. A dimension of a netCDF file is a dimension scale of HDF5.
+    The locks of xarray would require a Dask scheduler in Dask workers.
     """
+    import h5netcdf
     import h5py
     from xarray.conventions import cf_encoder, encode_dataset_coordinates
 
@@ -777,39 +777,18 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
     for variable in variables.values():
         variable.encoding = {"_FillValue": None}
     variables, attributes = cf_encoder(variables, attributes)
-    dimension_ids = {dim: np.int32(index) for index, dim in enumerate(dataset.sizes)}
-    with h5py.File(file, "w", track_order=True) as output:
-        output.attrs["_NCProperties"] = np.bytes_(f"version=2,hdf5={h5py.version.hdf5_version},h5py={h5py.__version__}")
-        _set_attributes(output, attributes)
-        for dim, size in dataset.sizes.items():
-            if dim not in variables:
-                output.create_dataset(str(dim), (size,), ">f4", track_order=True)
-        for name, variable in variables.items():
+    with h5netcdf.File(file, "w") as output:
+        output.dimensions = {str(dim): size for dim, size in dataset.sizes.items()}
+        for name, value in attributes.items():
+            output.attrs[str(name)] = value
+        # Coordinates first: creating one later would detach all variables with its dimension and attach them again.
+        for name, variable in sorted(variables.items(), key=lambda item: item[0] not in dataset.sizes):
             values = variable.values
             dtype = h5py.string_dtype() if values.dtype.kind in "UO" else values.dtype
             encoded_values = values.astype(object) if values.dtype.kind == "U" else values
-            output.create_dataset(str(name), dtype=dtype, data=encoded_values, track_order=True)
-        scales = {dim: output[str(dim)] for dim in dimension_ids}
-        for dim, scale in scales.items():
-            no_variable_label = f"This is a netCDF dimension but not a netCDF variable.{dataset.sizes[dim]:10}"
-            scale.make_scale(str(dim) if dim in variables else no_variable_label)
-            scale.attrs["_Netcdf4Dimid"] = dimension_ids[dim]
-        for name, variable in variables.items():
-            output_variable = output[str(name)]
-            if variable.dims:
-                output_variable.attrs["_Netcdf4Coordinates"] = np.array([dimension_ids[dim] for dim in variable.dims])
-                if name not in scales:
-                    output_variable.attrs["_Netcdf4Dimid"] = dimension_ids[variable.dims[0]]
-                    for axis, dim in enumerate(variable.dims):
-                        output_variable.dims[axis].attach_scale(scales[dim])
-            _set_attributes(output_variable, variable.attrs)
-
-
-def _set_attributes(target: h5py.File | h5py.Dataset, attributes: Mapping[Any, Any]) -> None:
-    """Set attributes of a netCDF file or variable. A single number becomes an array with one element."""
-    for name, value in attributes.items():
-        is_number = np.isscalar(value) and not isinstance(value, (str, bytes))
-        target.attrs[str(name)] = np.atleast_1d(value) if is_number else value
+            netcdf_variable = output.create_variable(str(name), variable.dims, dtype, data=encoded_values)
+            for attribute, value in variable.attrs.items():
+                netcdf_variable.attrs[attribute] = value
 
 
 def append_checksum(file: io.BytesIO) -> None:
