@@ -62,8 +62,8 @@ class ResultQuantity:
     kind: QuantityKind
     along: tuple[QuantityAxis, ...] = ()
     dtype: type = float
-    # Name of the numerator of a validity indicator, of the stiffness in a stiffness per area, or of the sum under load
-    # that corresponds to a sum at zero load.
+    # Name of the numerator of a validity indicator, or of the stiffness in a stiffness per area.
+    # For a sum at zero load, name of the sum under load.
     numerator: str = ""
     denominator: tuple[str, ...] = ()  # names of the quantities whose sum is the denominator of a validity indicator
     bounds: tuple[float, float] = (-math.inf, math.inf)  # limits for the ends of an interval

@@ -76,8 +76,8 @@ def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float
         bounds += [(None, None), exponents]
 
     def minimize_loss(parameters: Sequence[float], level_bounds: tuple[float, float | None]) -> OptimizeResult:
-        # The method L-BFGS-B of SciPy 1.17 solves its small systems of equations on several threads, which
-        # busy-wait for a tenth of a second afterwards.
+        # TNC is used instead of L-BFGS-B, which solves its small systems of equations on several threads (SciPy 1.17).
+        # The threads of L-BFGS-B busy-wait for a tenth of a second afterwards.
         return minimize(
             loss, parameters, jac=True, bounds=[*bounds, level_bounds], method="TNC", tol=_FIT_TOLERANCE,
             options={"maxfun": _MAX_FIT_EVALUATIONS},

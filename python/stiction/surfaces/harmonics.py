@@ -24,8 +24,8 @@ _MAX_TESTED_PEAKS = 6  # maximum number of peaks that are tested as the first ha
 _MIN_HARMONIC_RATIO = 10.0
 _PEAK_HALF_WIDTH = 2.5  # half width of the peak of a harmonic in a Hann-windowed spectrum, in bins
 _STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
-# In a window as wide as the distance between two harmonics, this quantile of the spectral density belongs to the
-# background, because the peaks of the harmonics (also of aliased ones) lie above it.
+# Quantile of the spectral density that estimates the background in a window as wide as the harmonic distance.
+# The peaks of the harmonics, also of aliased ones, lie above this quantile.
 _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 

@@ -14,8 +14,9 @@ _MIN_REPETITIONS = 5  # minimum number of equal second differences that may be d
 _MIN_REPEATED_FRACTION = 0.5  # minimum fraction of second differences that are repeated
 # minimum fraction of second differences that are multiples of the step, and the accepted deviation in steps
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
-# Minimum fraction of multiples among second differences that are not 0. If a map was clipped at most points, nearly all
-# second differences are 0, which is a multiple of any step. If heights are not rounded, 10 % are multiples by chance.
+# Minimum fraction of multiples among second differences that are not 0.
+# In a map that was clipped at most points, nearly all second differences are 0, which is a multiple of any step.
+# If heights are not rounded, 10 % of the second differences are multiples by chance.
 _MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5
 # Maximum ratio of the step to the height range. With fewer than four levels, a scan may be flat with equal spikes.
 _MAX_STEP_RATIO = 1 / 3 + 1e-6

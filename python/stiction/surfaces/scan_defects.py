@@ -39,13 +39,13 @@ MIN_SPIKE_TO_FLANK_RATIO = 2.0
 The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and ground profiles.
 """
 _NUM_FLANK_POINTS = 4  # number of points on each side of a spike within which its height is measured
-# Minimum ratio of the largest step between two points to the height of a wide spike. The ratio is 0.4 for a groove with
-# a Gaussian cross section whose depth falls to 1/e over two points.
+# Minimum ratio of the largest step between two points to the height of a wide spike.
+# The ratio is 0.4 for a groove with a Gaussian cross section whose depth falls to 1/e over two points.
 _MIN_STEP_RATIO = 0.7
 _MIN_DEEP_SPIKE_RATIO = 2.0  # minimum height of wide spikes and of dips of a profile, as a multiple of the rms height
 
-# Smallest ratio of the height range without outliers to the height range with outliers. If the ratio is smaller, the
-# scan is flat except for outliers.
+# Smallest ratio of the height range without outliers to the height range with outliers.
+# If the ratio is smaller, the scan is flat except for outliers.
 MIN_ROUGHNESS_RATIO = 1e-6
 
 MIN_LAY_RATIO = 2.0

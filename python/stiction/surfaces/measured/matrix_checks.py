@@ -20,13 +20,14 @@ MAX_NODES_PER_GRID_POINT = 2  # maximum number of nodes per point of a grid whos
 MAX_POINT_COLUMNS = 12  # maximum number of columns of a list of points with colours, intensities and normals
 MIN_POINT_ROWS = 12  # minimum number of rows in which the columns of a list of points are compared
 MAX_STATISTIC_LINES = 6  # maximum number of outer rows or columns that contain statistics of a matrix
-# Largest deviation of a statistic from its computed value, relative to the standard deviation of the heights. Printed
-# means of a line of heights deviate less, heights of a surface deviate more.
+# Largest deviation of a statistic from its computed value, relative to the standard deviation of the heights.
+# Printed statistics of heights deviate less, and heights of a surface deviate more.
 MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per line of a profile that is written in lines
 MIN_WRAPPED_LINES = 5  # minimum number of lines of a profile that is written in lines
-# A profile continues from line to line if the mean square difference between the end of a line and the start of the
-# next is at most this multiple of that between neighbours in a line, or this fraction of that in a column.
+# A wrapped profile has similar heights at the end of a line and at the start of the next line.
+# Their mean square difference is limited by a multiple of that between neighbours in a line (first factor).
+# It may also reach a fraction of that between neighbours in a column (second factor).
 MAX_WRAP_DIFFERENCE, MAX_WRAP_DIFFERENCE_OVER_COLUMN = 1.7, 0.25
 MAX_DEVIATION_IN_LINES = 8.0  # heights above this limit, in median deviations, are ignored in a wrapped profile
 MIN_COLUMN_DIFFERENCE = 2.0  # minimum mean square difference between neighbours in a column, relative to a line

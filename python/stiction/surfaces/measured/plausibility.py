@@ -27,8 +27,8 @@ MIN_CODE_DEVIATION = 3.0
 MAX_SAMPLED_HEIGHTS = 65_536  # maximum number of heights from which medians and frequencies are estimated
 MIN_DIFFERENT_HEIGHTS = 20  # minimum number of different heights of a scan whose frequencies are compared
 NUM_NEIGHBOURS = 12  # number of next lower and next higher heights with which a frequency is compared
-# A height counts as repeated if its frequency is at least a m + b sqrt(m), where m is the median frequency of similar
-# heights, a the ratio and b the number of deviations.
+# A height counts as repeated if its frequency is at least ratio · m + deviations · sqrt(m).
+# In this formula, m is the median frequency of similar heights.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4  # range of the fraction of points that have a repeated height
 # maximum fraction of rows that equal the row before; a map with a larger fraction is probably an extended profile
@@ -36,8 +36,8 @@ MAX_REPEATED_ROWS = 0.9
 # minimum length of a run of equal heights in a profile that is reported, and maximum probability of such a run due
 # to rounding
 MIN_EQUAL_RUN, MAX_RUN_PROBABILITY = 8, 1e-4
-# Heights contradict a declared range if their range is this many times as large, or if it is this close to the
-# declared range divided by a power of the ratio of two units.
+# Heights contradict a declared range if their range is larger by the first factor.
+# They also contradict it if their range is smaller by a power of the ratio of two units, within the deviation.
 MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
 MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
 # Minimum spacing (one ångström), maximum spacing (one centimetre) and maximum extent (one metre), in µm.
