@@ -305,8 +305,8 @@ def _compute(setup: _TestSetup, record: SolutionRecord, progress: Callable[[int,
     rows, test = solve(0)
     pressure = box.solve_peak_pressure(test, offsets, rows, record)
     closure, area = box.solve_closure(record), float(test["overlap_area"][0])
-    others = [solve(index)[1] for index in range(1, len(boxes))]
-    variations, strips = others[: len(setup.variations)], others[len(setup.variations) :]
+    other_tests = [solve(index)[1] for index in range(1, len(boxes))]
+    variations, strips = other_tests[: len(setup.variations)], other_tests[len(setup.variations) :]
     test = add_shear_intervals(test, setup.samples, list(zip(setup.variations, variations, strict=True)), strips)
     test = test if pressure is None else test.assign(peak_pressure=pressure)
     hardness = inputs.entries.get("hardness")

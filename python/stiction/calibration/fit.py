@@ -423,8 +423,8 @@ class CalibrationProblem:
         """Compute the joint distribution of mu0 and tau0, and the quality of the fit."""
         from scipy.stats import chi2, linregress
 
-        best = self.best_fit
-        chi_squared = float((best.residuals**2).sum() + (best.scores**2).sum())
+        best_fit = self.best_fit
+        chi_squared = float((best_fit.residuals**2).sum() + (best_fit.scores**2).sum())
         num_slid = int(self.slid.sum())
         # If A/F is equal in all tests, only one combination of mu0 and tau0 can be fitted.
         num_fitted = min(
@@ -436,10 +436,10 @@ class CalibrationProblem:
         is_scaled = freedom > 0 and (
             not self.has_errors or (probability < ERROR_SCALING_P_VALUE_LIMIT and not self.outliers)
         )
-        scale = best.scale * math.sqrt(chi_squared / freedom) if is_scaled else 1.0
+        scale = best_fit.scale * math.sqrt(chi_squared / freedom) if is_scaled else 1.0
         loads = np.log(self.load[self.slid])
         trend_probability = (
-            float(linregress(loads, best.residuals).pvalue) if num_slid > 2 and np.ptp(loads) > 0 else math.nan
+            float(linregress(loads, best_fit.residuals).pvalue) if num_slid > 2 and np.ptp(loads) > 0 else math.nan
         )
         mu0, tau0, scores = self._draw_samples(max(scale, 1e-9), freedom if is_scaled else None)
         scores_by_name = {
@@ -651,12 +651,12 @@ class CalibrationProblem:
         tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
             limits.max_tau0 - limits.min_tau0, (np.arange(num_tau0_cells) + 0.5) / num_tau0_cells
         )
-        best, slope, _ = find_best_mu0_at(tau0)
+        best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
         # Residuals vary more slowly with mu0 below its best-fit value than above it.
         # Residuals vary at least as fast as without junction growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
-        return replace(limits, best_mu0=best, width_below=width_below, width_above=width_above)
+        return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 
     def _choose_mu0_grid_at_tau0(
         self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
@@ -666,7 +666,7 @@ class CalibrationProblem:
             return np.full(tau0.shape, self.fixed_strengths[0]), np.zeros(tau0.shape)
         if limits.best_mu0 is None:
             triangular_factors = limits.triangular_factors[point]
-            best = (triangular_factors[..., 0, 2] - triangular_factors[..., 0, 1] * tau0) / triangular_factors[
+            best_mu0 = (triangular_factors[..., 0, 2] - triangular_factors[..., 0, 1] * tau0) / triangular_factors[
                 ..., 0, 0
             ]
             width_below = width_above = math.sqrt(limits.deviance_range) / triangular_factors[..., 0, 0]
@@ -675,10 +675,10 @@ class CalibrationProblem:
             slope = np.gradient(limits.best_mu0, axis=1) if count > 1 else np.zeros(limits.best_mu0.shape)
             width = (limits.max_tau0 - limits.min_tau0)[point] / count
             cell_offset = (tau0 - limits.min_tau0[point]) / np.where(width > 0, width, 1.0) - row - 0.5
-            best = limits.best_mu0[point, row] + slope[point, row] * np.where(width > 0, cell_offset, 0.0)
+            best_mu0 = limits.best_mu0[point, row] + slope[point, row] * np.where(width > 0, cell_offset, 0.0)
             width_below, width_above = limits.width_below[point, row], limits.width_above[point, row]
-        low = np.maximum(best - width_below, 0.0)
-        high = np.maximum(best + width_above, low + width_above)
+        low = np.maximum(best_mu0 - width_below, 0.0)
+        high = np.maximum(best_mu0 + width_above, low + width_above)
         return low, (high - low) / NUM_MU0_CELLS
 
     # ---- Nuisance parameters ----------------------------------------------------------------------------------------

@@ -172,8 +172,10 @@ class _BallAreaFactor(AreaFactor):
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
         """Return the area factor of a ball, or None if its moduli are exact and shear leaves its area unchanged."""
         loss: InputValue = ball.area_loss
-        known = ball.moduli.inputs | ({} if loss.is_exact else {"area_loss": loss.estimate})
-        return cls(known, ("ball", ball.radius), ball.moduli, float(loss)) if known or loss else None
+        uncertain_inputs = ball.moduli.inputs | ({} if loss.is_exact else {"area_loss": loss.estimate})
+        return (
+            cls(uncertain_inputs, ("ball", ball.radius), ball.moduli, float(loss)) if uncertain_inputs or loss else None
+        )
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
         """Return the ratio of the area at the onset to that for the central moduli, and a friction fraction of 1."""
@@ -203,9 +205,9 @@ class _AreaFactorFromResult(AreaFactor):
             raise ValueError("wait requires a result that was computed with the options wait and creep")
         if not uncertain_inputs and creep is None and not {"junction_growth", "area_loss"} & inputs.entries.keys():
             return None
-        known = uncertain_inputs | ({} if creep is None else {"creep": creep})
+        inputs_of_factor = uncertain_inputs | ({} if creep is None else {"creep": creep})
         area = sums.compute_once(build_area_functions)[0]
-        return cls(known, sums.head.attrs["study"], area, load, inputs, wait)
+        return cls(inputs_of_factor, sums.head.attrs["study"], area, load, inputs, wait)
 
     @property
     def junction_growth(self) -> UncertainInput | None:

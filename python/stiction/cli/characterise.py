@@ -376,7 +376,9 @@ def _parse_band(text: str | None) -> tuple[float, float] | None:
     limit_texts = text.split(",")
     if len(limit_texts) != 2:
         raise ValueError(f'--band must be two wavelengths, such as "1 um,100 um", got {short_repr(text)}')
-    shortest, longest = (parse_quantity("band", limit_text.strip(), "length") for limit_text in limit_texts)
-    if not shortest < longest:
+    shortest_wavelength, longest_wavelength = (
+        parse_quantity("band", limit_text.strip(), "length") for limit_text in limit_texts
+    )
+    if not shortest_wavelength < longest_wavelength:
         raise ValueError(f"--band must start with the shortest wavelength, got {short_repr(text)}")
-    return shortest, longest
+    return shortest_wavelength, longest_wavelength

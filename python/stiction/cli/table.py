@@ -90,7 +90,7 @@ def table_command(
     wavelength_limits = parse_quantities("wavelengths", wavelengths, "length")
     if len(wavelength_limits) != 2:
         raise ValueError(f'--wavelengths must be two lengths, such as "0.3 um,2.5 um", got {short_repr(wavelengths)}')
-    shortest, longest = map(float, wavelength_limits)
+    shortest_wavelength, longest_wavelength = map(float, wavelength_limits)
     friction_parameters: dict[str, Any] = {
         "mu0": parse_coefficients("mu0", mu0 or "0.2,0.4,0.6"),
         "tau0": parse_quantities("tau0", tau0 or "0 MPa", "pressure"),
@@ -108,8 +108,8 @@ def table_command(
         hardness=_choose_hardness(hardness, elasticity),
         extent=float(parse_quantity("extent", extent, "length")),
         points=points,
-        longest_wavelength=longest,
-        shortest_wavelength=shortest,
+        longest_wavelength=longest_wavelength,
+        shortest_wavelength=shortest_wavelength,
         repetitions=repetitions,
         seed=seed,
     )

@@ -220,9 +220,9 @@ def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
     multiplied = {"displacement": factor, "displacement_at_sliding": factor, "energy_lost": factor**2}
     variables = {name: onset[name].copy(data=each * onset[name].values) for name, each in multiplied.items()}
     variables |= {"sliding_load": sliding_load, "tangential_load": tangential_load}
-    scaled = onset.assign(variables)
+    scaled_onset = onset.assign(variables)
     forces = {name: factor * float(onset.attrs[name]) for name in _MODEL_FORCES if name in onset.attrs}
-    return scaled.assign_attrs({_LOAD_INTERVAL_KIND: coefficient.kind, **forces})
+    return scaled_onset.assign_attrs({_LOAD_INTERVAL_KIND: coefficient.kind, **forces})
 
 
 _LOAD_INTERVAL_KIND = "load_interval_kind"

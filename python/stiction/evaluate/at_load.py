@@ -91,8 +91,12 @@ def at_load(
         neighbors = None
         if load_definition == "elastic" and (bracket := _find_bracketing_loads(result, unique_loads)) is not None:
             computed_loads, (below, above), position = bracket
-            others = evaluate_members(result, computed_loads, *strengths, "elastic", member_kind, names)
-            neighbors = LoadNeighbors(others.isel(load=below), others.isel(load=above), position)
+            values_at_computed_loads = evaluate_members(
+                result, computed_loads, *strengths, "elastic", member_kind, names
+            )
+            neighbors = LoadNeighbors(
+                values_at_computed_loads.isel(load=below), values_at_computed_loads.isel(load=above), position
+            )
         point = average_members(study, members, names, neighbors)
         if is_measured:
             gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))

@@ -426,16 +426,16 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
     names = (*(name for name in INTERVALS_COVERING_ALTERNATIVES if name != "remaining_interval"), *COMBINED_QUANTITIES)
     for name in (each for each in names if each in own):
         dims = own[name].dims
-        others = [other[name].transpose(*dims).values for other in alternatives.values()]
-        variables[name] = (dims, _extend_estimates(own[name].values, others), own[name].attrs)
+        alternative_values = [other[name].transpose(*dims).values for other in alternatives.values()]
+        variables[name] = (dims, _extend_estimates(own[name].values, alternative_values), own[name].attrs)
     if "friction_percentiles" in own:
         dims = own["friction_percentiles"].dims
         percentiles = [each["friction_percentiles"].transpose(*dims).values for each in (own, *alternatives.values())]
         covering = extend_percentiles(percentiles[0], percentiles[1:])
         variables["friction_percentiles"] = (dims, covering, own["friction_percentiles"].attrs)
-    covered = own.assign(variables).assign_attrs(alternatives=list(alternatives))
+    covering_dataset = own.assign(variables).assign_attrs(alternatives=list(alternatives))
     if "remaining_interval" not in own:
-        return covered
+        return covering_dataset
     dims = own["remaining_interval"].dims[1:]
     labels_by_input = {
         str(name): str(label)
@@ -460,11 +460,15 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
         ]
     )
     labels = [ALTERNATIVE_LABELS[name] for name in alternatives]
-    other_inputs = covered.drop_vars(["remaining_interval", "remaining_width", "input", "input_label"])
-    remaining = np.concatenate([remaining_intervals, rows])
+    other_inputs = covering_dataset.drop_vars(["remaining_interval", "remaining_width", "input", "input_label"])
+    remaining_rows = np.concatenate([remaining_intervals, rows])
     return other_inputs.assign(
-        remaining_interval=(("input", *dims), remaining, own["remaining_interval"].attrs),
-        remaining_width=(("input", *dims[:-1]), remaining[..., 2] - remaining[..., 1], own["remaining_width"].attrs),
+        remaining_interval=(("input", *dims), remaining_rows, own["remaining_interval"].attrs),
+        remaining_width=(
+            ("input", *dims[:-1]),
+            remaining_rows[..., 2] - remaining_rows[..., 1],
+            own["remaining_width"].attrs,
+        ),
     ).assign_coords(
         input=("input", [*labels_by_input, *alternatives]), input_label=("input", [*labels_by_input.values(), *labels])
     )

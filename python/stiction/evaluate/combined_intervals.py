@@ -319,8 +319,8 @@ class CombinedIntervals:
         scores = _compute_test_scores(self.freedom, len(self.names) + 1)
         scatter = math.sqrt(math.log1p(self.scatter**2))
         factor = np.exp(np.minimum(scores * scatter, MAX_LOG_COEFFICIENT_RATIO))
-        fixed = {name: 0.5 for name in self.standard_errors if name not in self.drifts}
-        return self._sample_all_strengths(fixed, factor=factor, drift_factor=math.sqrt(2))
+        fixed_quantiles = {name: 0.5 for name in self.standard_errors if name not in self.drifts}
+        return self._sample_all_strengths(fixed_quantiles, factor=factor, drift_factor=math.sqrt(2))
 
     def friction_after_dwell(self, dwell_time: float) -> tuple[float, float, float]:
         """Return the friction coefficient after a dwell time (s), together with the limits of its 95 % interval.
@@ -436,13 +436,13 @@ class CombinedIntervals:
         fractions = samples.probabilities.get(UNRESOLVED_ROUGHNESS_INPUT_NAME)
         if fractions is not None and self.finest is not None:
             plastic_friction = np.where(is_seized, inputs.mu0, values.plastic_friction)
-            lowest = np.minimum(plastic_friction, coefficients)
-            highest = np.maximum(
+            lowest_coefficients = np.minimum(plastic_friction, coefficients)
+            highest_coefficients = np.maximum(
                 max_friction_for_finer_scans(
                     coefficients, inputs.mu0, plastic_friction - inputs.mu0, self.contacts
-                ), lowest,
+                ), lowest_coefficients,
             )  # fmt: skip
-            coefficients = lowest + fractions * (highest - lowest)
+            coefficients = lowest_coefficients + fractions * (highest_coefficients - lowest_coefficients)
         coefficients = coefficients * np.exp(
             sum(error * samples.scores[name] for name, error in self.standard_errors.items())
         )
@@ -481,14 +481,14 @@ class CombinedIntervals:
         """
         mu0, tau0, hardness, growth = self.strengths[strength_index]
         central = self.response.central
-        joint = replace(
+        joint_inputs = replace(
             central,
             mu0=mu0,
             tau0=tau0,
             hardness=central.hardness if hardness is None else hardness,
             junction_growth=central.junction_growth if growth is None else growth,
         )
-        values = self.response.evaluate(joint)
+        values = self.response.evaluate(joint_inputs)
         order = np.argsort(np.where(values.has_no_upper_limit, np.inf, values.friction_coefficient))
         indices = order[(samples.probabilities[INTERFACE_INPUT_NAME] * order.size).astype(int)]
         changes: dict[str, Any] = {"mu0": mu0[indices], "tau0": tau0[indices]}
@@ -559,5 +559,7 @@ def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:
     stacked = np.array([own, *others])
     with np.errstate(invalid="ignore"):
         lowest, highest = np.fmin.reduce(stacked), np.fmax.reduce(stacked)
-    extended = np.where(FRICTION_PERCENTILES < 50.0, lowest, np.where(FRICTION_PERCENTILES > 50.0, highest, own))
-    return np.where(np.isnan(own), own, extended)
+    extended_percentiles = np.where(
+        FRICTION_PERCENTILES < 50.0, lowest, np.where(FRICTION_PERCENTILES > 50.0, highest, own)
+    )
+    return np.where(np.isnan(own), own, extended_percentiles)

@@ -61,10 +61,10 @@ def find_computed_load_range(result: MemberSums, values: xarray.Dataset | None =
 
 def find_loads_outside_range(result: MemberSums, values: xarray.Dataset) -> list[float]:
     """Return the loads (mN) of a dataset outside the computed range, except negligible loads on adhesive bodies."""
-    lowest, highest = find_computed_load_range(result, values)
+    lowest_load, highest_load = find_computed_load_range(result, values)
     return [
         float(load)
         for load in np.atleast_1d(values["load"].values)
-        if not lowest * (1 - _MEAN_LOAD_ROUND_OFF) <= load <= highest * (1 + _MEAN_LOAD_ROUND_OFF)
+        if not lowest_load * (1 - _MEAN_LOAD_ROUND_OFF) <= load <= highest_load * (1 + _MEAN_LOAD_ROUND_OFF)
         and not is_unloaded(values.sel(load=load))
     ]

@@ -212,9 +212,11 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
         is_known = np.isfinite(cell_areas) & (cell_areas > 0)
         if is_known.any():
             attractions = None if contact_loads is None else np.maximum(contact_loads[index] - loads, 0.0)[is_known]
-            known = loads[is_known], cell_areas[is_known]
+            known_points = loads[is_known], cell_areas[is_known]
             known_depths = None if depths is None else depths[index][is_known]
-            functions.append(AreaFunction(*known, nominal_area, hardness, exponent, attractions, indent, known_depths))
+            functions.append(
+                AreaFunction(*known_points, nominal_area, hardness, exponent, attractions, indent, known_depths)
+            )
         else:  # no member could be computed
             functions.append(AreaFunction(np.ones(1), np.full(1, np.nan), nominal_area, hardness, exponent))
     return functions
@@ -342,10 +344,10 @@ def _scale_areas(piece: xarray.Dataset, factors: Floats) -> xarray.Dataset:
     import xarray
 
     scale = xarray.Variable(("cut_off", "load"), factors)
-    scaled: dict[str, Any] = {}
+    scaled_areas: dict[str, Any] = {}
     for name in AREA_SUMS:
         if name in piece.variables:
             variable = piece.variables[name]
-            scaled[name] = (variable * scale).transpose(*variable.dims)
-            scaled[name].attrs = variable.attrs
-    return piece.assign(scaled)
+            scaled_areas[name] = (variable * scale).transpose(*variable.dims)
+            scaled_areas[name].attrs = variable.attrs
+    return piece.assign(scaled_areas)

@@ -381,14 +381,14 @@ def average_independent_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     If no value is negative, the logarithm of the mean is used, so that the interval is above 0.
     """
     is_known = np.isfinite(values)
-    finite, count = np.where(is_known, values, 0.0), is_known.sum(axis=0)
-    mean = finite.sum(axis=0) / np.maximum(count, 1)
+    finite_values, count = np.where(is_known, values, 0.0), is_known.sum(axis=0)
+    mean = finite_values.sum(axis=0) / np.maximum(count, 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.sqrt(np.square(np.where(is_known, values - mean, 0.0)).sum(axis=0) / (count - 1) / count)
     quantile = student_quantile(np.maximum(count - 1, 1))
     half_width = np.where(count >= MIN_SAMPLE_SIZE, quantile * error, np.nan)
     mean = np.where(count > 0, mean, np.nan)
-    return mean, *interval_around_mean(mean, half_width, (finite < 0).any(axis=0))
+    return mean, *interval_around_mean(mean, half_width, (finite_values < 0).any(axis=0))
 
 
 def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:

@@ -428,18 +428,20 @@ def _interpolate_by_stiffness(
         if any(each not in piece.variables for each in (name, stiffness_names[0])):
             continue
         per_area = STIFFNESS_PER_AREA_FACTOR / float(piece["nominal_area"]) if name == "closure" else 1.0
-        stored = {
+        stored_values = {
             each: _to_float_array(piece.variables[each], (*member_dims, "load"))
             for each in (name, *stiffness_names)
             if each in piece.variables
         }
-        loading = stored[stiffness_names[0]]
+        loading = stored_values[stiffness_names[0]]
         with np.errstate(divide="ignore", invalid="ignore"):
-            displacement, slope = load_crossings.interpolate_with_slopes(stored[name], per_area * steps / loading)
+            displacement, slope = load_crossings.interpolate_with_slopes(
+                stored_values[name], per_area * steps / loading
+            )
             stiffness = per_area * load_crossings.loads / slope
             values = {name: displacement, stiffness_names[0]: stiffness}
-            if stiffness_names[1] in stored:
-                unloading = stored[stiffness_names[1]]
+            if stiffness_names[1] in stored_values:
+                unloading = stored_values[stiffness_names[1]]
                 ratio = load_crossings.interpolate(unloading / loading, are_sums=False)
                 log_unloading = load_crossings.interpolate_smoothly(np.log(unloading))
                 elasticity = load_crossings.min_at_bracketing_steps(np.minimum(loading / unloading, 1.0))

@@ -77,10 +77,10 @@ def draw_shear_samples(
     ratios = {"effective_modulus": np.asarray(inputs.relative_modulus(values))}
     if "hardness" in values:
         ratios["hardness"] = values["hardness"] / inputs.central("hardness")
-    drawn = [ShearInputSamples(mu0, tau0, ratios, probabilities)]
+    samples = [ShearInputSamples(mu0, tau0, ratios, probabilities)]
     if joint_strengths:
         index = (interface_points * joint_strengths[0][0].size).astype(int)
-        drawn = [
+        samples = [
             ShearInputSamples(
                 joint_mu0[index], joint_tau0[index],
                 ratios if hardness is None else ratios | {"hardness": hardness[index] / inputs.central("hardness")},
@@ -90,7 +90,7 @@ def draw_shear_samples(
         ]  # fmt: skip
     return [
         replace(each, contact_inputs={name: ratio for name, ratio in each.contact_inputs.items() if np.ptp(ratio) > 0})
-        for each in drawn
+        for each in samples
     ]
 
 
@@ -210,22 +210,25 @@ def add_shear_intervals(
     """
     errors = _estimate_strip_errors(test, strips)
     if samples:
-        sampled = [_sample_test(test, each, variations) for each in samples]
+        sampled_tests = [_sample_test(test, each, variations) for each in samples]
         probabilities = samples[0].probabilities
     elif errors:
         curves = (np.asarray(test[name].values)[np.newaxis] for name in CURVE_NAMES)
-        sampled, probabilities = [_summarize_samples(test, *curves)], _draw_points(1, test.sizes["displacement"])[:, 0]
+        sampled_tests, probabilities = (
+            [_summarize_samples(test, *curves)],
+            _draw_points(1, test.sizes["displacement"])[:, 0],
+        )
     else:
         return test
     scores = _student_scores(probabilities, len(strips))
     limits = {}
-    for name in sampled[0]:
+    for name in sampled_tests[0]:
         value = test[name].values if name in CURVE_NAMES else np.asarray(test.attrs[name])
         error = np.broadcast_to(errors.get(name, np.nan), value.shape)
         if samples:
             error = np.nan_to_num(error)  # the interval contains the scatter between strips where it is known
         shift = np.multiply.outer(scores, error)
-        limits[name] = _extend_to_value(name, value, [_compute_limits(each[name] + shift) for each in sampled])
+        limits[name] = _extend_to_value(name, value, [_compute_limits(each[name] + shift) for each in sampled_tests])
     return _store_limits(test, limits)
 
 
@@ -248,9 +251,9 @@ def _compute_limits(values: Floats) -> Floats:
 
 def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
     """Extend the first limits to the value and to the other limits, and cut them at 0, except for dilation."""
-    first, *others = limits
-    extended = extend_intervals(first, *others, np.stack([value, value], axis=-1))
-    return extended if "dilation" in name else np.maximum(extended, 0.0)
+    first, *other_limits = limits
+    extended_limits = extend_intervals(first, *other_limits, np.stack([value, value], axis=-1))
+    return extended_limits if "dilation" in name else np.maximum(extended_limits, 0.0)
 
 
 def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:

@@ -213,9 +213,11 @@ class FrictionLaw:
         mean_pressure = np.minimum(load / area, pressure)
         frictional, adhesive = self.contributions(mean_pressure, 1.0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            largest = np.where(np.asarray(self.mu0) > 0, (strength - self.tau0) / np.asarray(self.mu0), np.inf)
-            part = np.clip(largest / pressure, 0.0, 1.0)  # pressure that reaches the shear strength
-            limited = frictional * _fraction_below(part, mean_pressure / pressure) + np.minimum(adhesive, strength)
+            limit_pressure = np.where(np.asarray(self.mu0) > 0, (strength - self.tau0) / np.asarray(self.mu0), np.inf)
+            relative_limit = np.clip(limit_pressure / pressure, 0.0, 1.0)  # pressure that reaches the shear strength
+            limited = frictional * _fraction_below(relative_limit, mean_pressure / pressure) + np.minimum(
+                adhesive, strength
+            )
             fraction = limited / (frictional + adhesive)
         return np.where(fraction < 1 - MAX_BULK_SHEAR_EFFECT, fraction, 1.0)
 

@@ -280,11 +280,11 @@ class Onset(PlotReprMixin):
 
     def _solve_at_load(self, load: float) -> SlipState:
         """Return the slip state at a tangential load, starting from the solved state with the nearest load."""
-        near = min(self._slips, key=lambda slip: abs(slip.load - load))
+        nearest_slip = min(self._slips, key=lambda slip: abs(slip.load - load))
         return (
-            near
-            if abs(near.load - load) <= LOAD_TOLERANCE * self.sliding_load
-            else self._tangential_problem.at(load, near)
+            nearest_slip
+            if abs(nearest_slip.load - load) <= LOAD_TOLERANCE * self.sliding_load
+            else self._tangential_problem.at(load, nearest_slip)
         )
 
 

@@ -147,16 +147,19 @@ def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
     offsets: list[float] = []
     for _ in range(MAX_CUTTING_PLANES):
         tilted_gap = gap + sum(slope * arm for slope, arm in zip(slopes, arms, strict=True))
-        lowest = np.argpartition(tilted_gap, num_points - 1)[:num_points]
-        energy, moments = float(fractions @ tilted_gap[lowest]), np.array([fractions @ arm[lowest] for arm in arms])
+        lowest_points = np.argpartition(tilted_gap, num_points - 1)[:num_points]
+        energy, moments = (
+            float(fractions @ tilted_gap[lowest_points]),
+            np.array([fractions @ arm[lowest_points] for arm in arms]),
+        )
         if upper_bound - energy <= RIGID_TILT_TOLERANCE:
             break
         planes.append([*-moments, 1.0])
         offsets.append(energy - float(moments @ slopes))
         solution = linprog([*np.zeros(len(arms)), -1.0], A_ub=planes, b_ub=offsets, bounds=bounds)
         # The simplex solution has a coarse tolerance; the planes through it determine the vertex to round-off.
-        vertex, active = solution.x, np.argsort(solution.slack)[: len(arms) + 1]
-        if len(planes) > len(arms) and np.linalg.matrix_rank(np.array(planes)[active]) == len(arms) + 1:
-            vertex = np.linalg.solve(np.array(planes)[active], np.array(offsets)[active])
+        vertex, active_planes = solution.x, np.argsort(solution.slack)[: len(arms) + 1]
+        if len(planes) > len(arms) and np.linalg.matrix_rank(np.array(planes)[active_planes]) == len(arms) + 1:
+            vertex = np.linalg.solve(np.array(planes)[active_planes], np.array(offsets)[active_planes])
         slopes, upper_bound = vertex[:-1], vertex[-1]
     return np.asarray(slopes * height / np.array([float(np.ptp(arm)) for arm in lever_arms(problem)]))

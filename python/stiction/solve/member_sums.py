@@ -44,9 +44,9 @@ class MemberSums:
         if isinstance(sums, cls):
             return sums
         if isinstance(sums, MemberSums):
-            converted = cls(sums.source)
-            vars(converted).update(vars(sums))  # share all cached values
-            return converted
+            converted_sums = cls(sums.source)
+            vars(converted_sums).update(vars(sums))  # share all cached values
+            return converted_sums
         check_instance("result", sums, (xarray.Dataset, StoredResult), "a Result, or an xarray.Dataset of member sums")
         return cls(sums)
 

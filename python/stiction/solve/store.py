@@ -212,14 +212,16 @@ class StoredResult:
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
         """Yield the result in consecutive pieces, with only one piece in memory at a time (see `Result.pieces`)."""
-        selected, count = None if names is None else list(names), self.num_finished
+        selected_names, count = None if names is None else list(names), self.num_finished
         for piece_start in range(0, count, self._members_per_piece):
             piece = (
                 self._whole_dataset
                 if self._members_per_piece >= count
-                else self._read_member_range(piece_start, min(piece_start + self._members_per_piece, count), selected)
+                else self._read_member_range(
+                    piece_start, min(piece_start + self._members_per_piece, count), selected_names
+                )
             )
-            yield piece.copy() if selected is None else piece[selected]
+            yield piece.copy() if selected_names is None else piece[selected_names]
 
     @cached_property
     def _members_per_piece(self) -> int:

@@ -217,7 +217,10 @@ class MapMemberSource:
         scans: Sequence[Any] = self.scans
         if isinstance(pairs, SpectralSurfacePairs):  # a scan resolves wavelengths of at least two points
             wavelengths = (max(body.shortest, pairs.finest_spacing) for body in (pairs.upper, pairs.lower))
-            scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side_length) for shortest in wavelengths]
+            scans = [
+                SimpleNamespace(spacing=shortest_wavelength / 2, extent=pairs.side_length)
+                for shortest_wavelength in wavelengths
+            ]
         return SharedMemberProperties(
             pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used_fractions, scans
         )

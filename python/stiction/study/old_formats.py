@@ -106,8 +106,10 @@ def _replace_effective_modulus(
     if math.isclose(elasticity.effective_modulus, modulus, rel_tol=1e-12) and math.isclose(
         elasticity.compliance_share, share, rel_tol=1e-12
     ):
-        kept = {key: value for key, value in contact.items() if key not in ("effective_modulus", "compliance_share")}
-        return kept | {name: [entry.text for entry in entries] for name, entries in pairs.items()}
+        other_entries = {
+            key: value for key, value in contact.items() if key not in ("effective_modulus", "compliance_share")
+        }
+        return other_entries | {name: [entry.text for entry in entries] for name, entries in pairs.items()}
     estimates = tuple({name: pairs[name][index].estimate for name in MODULUS_NAMES} for index in range(2))
     uncertain_modulus = UncertainModulus(float(modulus), bodies=estimates, is_one_material=is_one_material)
     half_widths = [
@@ -120,9 +122,9 @@ def _replace_effective_modulus(
 
 
 def _convert_friction_table(friction: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
-    converted = dict(friction)
+    converted_table = dict(friction)
     if known.get("creep") is not None:
-        converted["creep"] = known["creep"]
+        converted_table["creep"] = known["creep"]
     for name in ("mu0", "tau0"):
         if (text := known.get(name)) is None:
             continue
@@ -130,12 +132,12 @@ def _convert_friction_table(friction: Mapping[str, Any], known: Mapping[str, Any
         if not isinstance(values, list) or len(values) != 1:
             reason = f"must have one value, because known.{name} is {text!r}, got {short_repr(values)}"
             raise _ContradictionError(f"friction.{name}: {reason}")
-        converted[name] = _merge(f"friction.{name}", values[0], text)
+        converted_table[name] = _merge(f"friction.{name}", values[0], text)
     if (source := known.get("interface")) is None:
-        return converted
+        return converted_table
     strengths = [
         _parse(name, value[0] if isinstance(value, list) and value else value)
-        for name, value in (("mu0", converted.get("mu0")), ("tau0", converted.get("tau0", "0 MPa")))
+        for name, value in (("mu0", converted_table.get("mu0")), ("tau0", converted_table.get("tau0", "0 MPa")))
     ]
     try:
         entry: Any = InterfaceSettings.from_source(str(source))
@@ -147,7 +149,7 @@ def _convert_friction_table(friction: Mapping[str, Any], known: Mapping[str, Any
         entry = {"file": str(source)} | {
             name: None if value is None else value.text for name, value in zip(("mu0", "tau0"), strengths, strict=True)
         }
-    return {key: value for key, value in converted.items() if key not in ("mu0", "tau0")} | {"interface": entry}
+    return {key: value for key, value in converted_table.items() if key not in ("mu0", "tau0")} | {"interface": entry}
 
 
 def _find_materials(contact: Mapping[str, Any]) -> tuple[Material, ...]:

@@ -77,20 +77,22 @@ def check_values(
         raise DamagedFileError(f"has {name} with the data type {values.dtype}, but {name} consists of {type_text}")
     if dtype is str or not values.size:
         return math.inf, False
-    smallest, largest = _find_extremes(values)
-    has_nan = math.isnan(smallest)
+    smallest_value, largest_value = _find_extremes(values)
+    has_nan = math.isnan(smallest_value)
     if has_nan and not may_be_nan:
         raise DamagedFileError(f"has {name} with a value that is not a number")
-    if has_nan or math.isinf(smallest) or math.isinf(largest):
+    if has_nan or math.isinf(smallest_value) or math.isinf(largest_value):
         # Infinite values are permitted if the bounds are infinite. Finite values have finite bounds in any case.
         is_permitted = np.isnan(values) | np.isin(values, [bound for bound in bounds if math.isinf(bound)])
-        smallest, largest = _find_extremes(values[~is_permitted]) if not is_permitted.all() else (math.inf, -math.inf)
+        smallest_value, largest_value = (
+            _find_extremes(values[~is_permitted]) if not is_permitted.all() else (math.inf, -math.inf)
+        )
     lower, upper = max(bounds[0], -MAX_STORED_VALUE), min(bounds[1], MAX_STORED_VALUE)
-    if smallest < lower or largest > upper:
-        value = smallest if smallest < lower else largest
-        limit_text = f"at least {lower:g}" if smallest < lower else f"at most {upper:g}"
+    if smallest_value < lower or largest_value > upper:
+        value = smallest_value if smallest_value < lower else largest_value
+        limit_text = f"at least {lower:g}" if smallest_value < lower else f"at most {upper:g}"
         raise DamagedFileError(f"has {name} = {value:g}, but {name} must be {limit_text}")
-    return smallest, has_nan
+    return smallest_value, has_nan
 
 
 def _find_extremes(values: NDArray[Any]) -> tuple[float, float]:

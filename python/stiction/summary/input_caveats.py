@@ -200,10 +200,10 @@ def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study)
         return
     height = _measure_rms_gap(facing, lower)
     gaps = [_measure_rms_gap(facing, lower, mirrored) for *_, mirrored in _MIRROR_ALTERNATIVES]
-    lowest = int(np.argmin(gaps))
-    if height > MIN_GAP_REDUCTION * gaps[lowest]:
-        description, remedy, _ = _MIRROR_ALTERNATIVES[lowest]
-        own_text, other_text = (format_with_unit(each, "um") for each in (height, gaps[lowest]))
+    smallest_gap_index = int(np.argmin(gaps))
+    if height > MIN_GAP_REDUCTION * gaps[smallest_gap_index]:
+        description, remedy, _ = _MIRROR_ALTERNATIVES[smallest_gap_index]
+        own_text, other_text = (format_with_unit(each, "um") for each in (height, gaps[smallest_gap_index]))
         text = (
             f"the rms height of the gap at the position (0, 0) is {own_text}; for the upper map {description}, "
             f"{other_text}"

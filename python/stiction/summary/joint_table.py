@@ -178,8 +178,8 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str) -> JointTabl
     for load in at["load"].values.tolist():
         estimates = _read_row(at.sel(load=load), load / area)
         if math.isfinite(estimates["closure"].value):
-            converted = {name: parsed_units.convert(each) for name, each in estimates.items()}
-            rows.append(JointRow(load, bool(np.isin(load, steps)), converted))
+            converted_estimates = {name: parsed_units.convert(each) for name, each in estimates.items()}
+            rows.append(JointRow(load, bool(np.isin(load, steps)), converted_estimates))
         else:
             omitted_loads.append(load)
     if not rows:
@@ -281,8 +281,8 @@ def _compute_dundurs_beta(poisson: Any, compliance_share: float) -> float:
 
 
 def _describe_range(rows: Sequence[JointRow], units: JointUnits) -> list[str]:
-    lowest, highest = rows[0].pressure.value, rows[-1].pressure.value
+    lowest_pressure, highest_pressure = rows[0].pressure.value, rows[-1].pressure.value
     return [
-        f"Valid from {lowest:.4g} to {highest:.4g} {units.pressure}. Below, a straight line to zero closure is only a "
-        "continuation."
+        f"Valid from {lowest_pressure:.4g} to {highest_pressure:.4g} {units.pressure}. "
+        "Below, a straight line to zero closure is only a continuation."
     ]

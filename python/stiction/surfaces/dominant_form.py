@@ -78,8 +78,8 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     candidates = slice(margin - 1, count - margin)
     best_gain, best_height, best_edge, best_across = 0.0, 0.0, 0.0, coordinates[0]
     for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
-        across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
-        order = np.argsort(across, kind="stable")
+        distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
+        order = np.argsort(distance_across, kind="stable")
         # For each number of points below the step: projection onto the heights, and square norm without the trend.
         projections = np.cumsum(heights[order])[candidates]
         square_norms = (sizes - np.square(np.cumsum(trend_basis[order], axis=0)).sum(axis=1))[candidates]
@@ -87,17 +87,17 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
         index = int(np.argmax(gains))
         if gains[index] > best_gain:
             best_gain, best_height = float(gains[index]), -float(projections[index] / square_norms[index])
-            best_edge = float(across[order][margin - 1 + index : margin + 1 + index].mean())
-            best_across = across
+            best_edge = float(distance_across[order][margin - 1 + index : margin + 1 + index].mean())
+            best_across = distance_across
     distances = best_across - best_edge
-    nearest, farthest = (2 / min(MAX_BLOCKS, count) * limit for limit in _STEP_BAND_BLOCKS)
-    below, above = (heights[(sign * distances > nearest) & (sign * distances < farthest)] for sign in (-1, 1))
+    nearest_distance, farthest = (2 / min(MAX_BLOCKS, count) * limit for limit in _STEP_BAND_BLOCKS)
+    below, above = (heights[(sign * distances > nearest_distance) & (sign * distances < farthest)] for sign in (-1, 1))
     if not (best_gain > 0 and below.size and above.size):
         return None
     if (above.mean() - below.mean()) / best_height < MIN_STEP_SHARPNESS:
         return None
     # Blocks that the step divides have heights between those of the two sides.
-    is_undivided = np.abs(distances) > nearest
+    is_undivided = np.abs(distances) > nearest_distance
     design = np.stack([np.ones_like(heights), *coordinates, distances > 0], axis=1)[is_undivided]
     *_, height = np.linalg.lstsq(design, heights[is_undivided], rcond=None)[0]
     return DominantStep(abs(float(height)), min(best_gain / count / mean_square, 1.0))

@@ -84,9 +84,9 @@ def _circle_heights(values: Floats, points: PointCoordinates) -> Floats:
 def _cylinder_heights(values: Floats, points: PointCoordinates) -> Floats:
     height, curvature, slope, slope_along_axis, angle = values
     x, y = points
-    across = y * math.cos(angle) - x * math.sin(angle)
+    distance_across = y * math.cos(angle) - x * math.sin(angle)
     along_axis = x * math.cos(angle) + y * math.sin(angle)
-    arc_heights = _arc_heights(across**2, slope * across, curvature, 1 / math.sqrt(1 + slope**2))
+    arc_heights = _arc_heights(distance_across**2, slope * distance_across, curvature, 1 / math.sqrt(1 + slope**2))
     return np.asarray(height + slope_along_axis * along_axis + arc_heights)
 
 

@@ -75,8 +75,13 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
     ):
         return None
     roughness = scale_dependent_roughness(body, periodic=periodic)
-    longest, shortest = MAX_FITTED_WAVELENGTH_POINTS * max(body.spacings), MIN_CUTOFF_POINTS * min(body.spacings)
-    return HiddenNoise(noise_fraction, cutoff_for_slope_fraction(roughness, noise_fraction, longest, shortest))
+    longest_wavelength, shortest_wavelength = (
+        MAX_FITTED_WAVELENGTH_POINTS * max(body.spacings),
+        MIN_CUTOFF_POINTS * min(body.spacings),
+    )
+    return HiddenNoise(
+        noise_fraction, cutoff_for_slope_fraction(roughness, noise_fraction, longest_wavelength, shortest_wavelength)
+    )
 
 
 def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:

@@ -271,10 +271,10 @@ def estimate_hurst_exponent(
     else:
         if not isinstance(band, (tuple, list)) or len(band) != 2:
             raise ValueError(f"band must be a pair (shortest, longest) of wavelengths, got {short_repr(band)}")
-        shortest = validate_number("band", band[0], unit="µm", above=0)
+        shortest_wavelength = validate_number("band", band[0], unit="µm", above=0)
         selection, piece_bins = (
             is_within_wavelength_band(
-                wave_number, shortest, validate_number("band", band[1], unit="µm", above=shortest)
+                wave_number, shortest_wavelength, validate_number("band", band[1], unit="µm", above=shortest_wavelength)
             ),
             None,
         )

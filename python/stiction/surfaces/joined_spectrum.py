@@ -301,22 +301,22 @@ def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | No
     """Return the usable wavelength band of a scan, and the reason for its lower limit."""
     spacing, side_length = max(body.spacings), float(np.min(body.extent))
     if limit is not None:
-        shortest, reason = limit, "given"
+        shortest_wavelength, reason = limit, "given"
     else:
         noise_limit = instrument_limit(body, tip_radius=tip)
         pixel_limit = MIN_POINTS_PER_WAVELENGTH * spacing
-        shortest, reason = (
+        shortest_wavelength, reason = (
             (noise_limit.wavelength, noise_limit.reason)
             if noise_limit.wavelength > pixel_limit
             else (pixel_limit, "pixels")
         )
-    longest = MAX_WAVELENGTH_FRACTION * side_length
-    if not shortest < longest:
+    longest_wavelength = MAX_WAVELENGTH_FRACTION * side_length
+    if not shortest_wavelength < longest_wavelength:
         raise ValueError(
             f"scans must have a reliable band, but a scan with a side of {side_length:g} µm is reliable only "
-            f"above {shortest:g} µm ({reason}) and below {longest:g} µm (a third of the side)"
+            f"above {shortest_wavelength:g} µm ({reason}) and below {longest_wavelength:g} µm (a third of the side)"
         )
-    return (shortest, longest), reason
+    return (shortest_wavelength, longest_wavelength), reason
 
 
 def _average_in_bins(

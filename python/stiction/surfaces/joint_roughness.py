@@ -51,19 +51,19 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
     angle = math.radians(direction)
     motion = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
     spacing = np.array(face.spacings)
-    largest = np.array(face.heights.shape) - 1
+    largest_index = np.array(face.heights.shape) - 1
     # On a face that is too short, all axes are scaled by the same factor, so that the direction remains.
     offsets = SAMPLING_INTERVAL * motion / spacing
-    offsets *= min(1.0, float(np.min(largest / np.maximum(np.abs(offsets), 1e-9))))
+    offsets *= min(1.0, float(np.min(largest_index / np.maximum(np.abs(offsets), 1e-9))))
     steps = np.rint(offsets).astype(int)
     if not steps.any():
         steps[int(np.argmax(np.abs(motion / spacing)))] = 1 if motion[np.argmax(np.abs(motion / spacing))] > 0 else -1
     interval = float(np.hypot.reduce(steps * spacing))
     slopes = _height_differences(face, steps) / interval
-    rising, falling = slopes[slopes > 0], -slopes[slopes < 0]
+    rising_slopes, falling_slopes = slopes[slopes > 0], -slopes[slopes < 0]
     return JointRoughness(
-        interval, float(np.sqrt(np.mean(slopes**2))), float(rising.mean()) if rising.size else 0.0,
-        float(falling.mean()) if falling.size else 0.0,
+        interval, float(np.sqrt(np.mean(slopes**2))), float(rising_slopes.mean()) if rising_slopes.size else 0.0,
+        float(falling_slopes.mean()) if falling_slopes.size else 0.0,
     )  # fmt: skip
 
 

@@ -206,8 +206,11 @@ def lines_along_both(
         band_ends = np.array([along_x.band, along_y.band])
         if (band_ends.max(axis=0) < _MAX_EQUAL_BAND_RATIO * band_ends.min(axis=0)).all():
             if along_x.band != along_y.band:
-                shortest, longest = np.sqrt(band_ends.prod(axis=0)).tolist()
-                along_x, along_y = (line_roughness(surface, along, band=(shortest, longest)) for along in _BOTH_AXES)
+                shortest_wavelength, longest_wavelength = np.sqrt(band_ends.prod(axis=0)).tolist()
+                along_x, along_y = (
+                    line_roughness(surface, along, band=(shortest_wavelength, longest_wavelength))
+                    for along in _BOTH_AXES
+                )
             if not min(along_x.misfit, along_y.misfit) > MAX_POWER_LAW_MISFIT:
                 return along_x, along_y
     try:

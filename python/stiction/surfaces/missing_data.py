@@ -189,8 +189,8 @@ class _TypicalDeviations:
         window_axes = tuple(range(1, 1 + self.relative.ndim))
         local_medians = np.empty(points[0].size)
         for start in range(0, local_medians.size, _MAX_WINDOWS):
-            part = slice(start, start + _MAX_WINDOWS)
-            local_medians[part] = np.median(windows[tuple(index[part] for index in points)], axis=window_axes)
+            batch = slice(start, start + _MAX_WINDOWS)
+            local_medians[batch] = np.median(windows[tuple(index[batch] for index in points)], axis=window_axes)
         return np.asarray(self.of_scan[points] * np.maximum(local_medians, 1.0))
 
 
@@ -291,12 +291,12 @@ def _find_smallest(values: list[Floats], number: int) -> list[Floats]:
 
     For a few arrays, this is faster than sorting.
     """
-    smallest = [np.full(values[0].shape, np.inf) for _ in range(number)]
+    smallest_values = [np.full(values[0].shape, np.inf) for _ in range(number)]
     for array in values:
         larger = np.where(np.isnan(array), np.inf, array)
-        for position, smaller in enumerate(smallest):
-            smallest[position], larger = np.minimum(smaller, larger), np.maximum(smaller, larger)
-    return smallest
+        for position, smaller in enumerate(smallest_values):
+            smallest_values[position], larger = np.minimum(smaller, larger), np.maximum(smaller, larger)
+    return smallest_values
 
 
 def _finite_median(values: list[Floats], min_count: int) -> Floats:

@@ -499,9 +499,9 @@ def _inscribed_rectangle(height: float, width: float, angle: float) -> tuple[flo
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer_side, shorter_side = max(height, width), min(height, width)
     if shorter_side <= 2 * sine * cosine * longer_side:  # two corners of the result lie on the longer sides
-        half_shorter = shorter_side / 2
-        across, along = half_shorter / cosine, half_shorter / sine  # the shorter side limits the size of the result
-        return (along, across) if height >= width else (across, along)
+        half_shorter = shorter_side / 2  # limits the size of the result
+        width_across, length_along = half_shorter / cosine, half_shorter / sine
+        return (length_along, width_across) if height >= width else (width_across, length_along)
     cosine_of_double_angle = cosine**2 - sine**2
     return (height * cosine - width * sine) / cosine_of_double_angle, (
         width * cosine - height * sine

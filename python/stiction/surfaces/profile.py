@@ -192,10 +192,10 @@ class Profile(Body):
         measure : {"height", "Ra", "Rq"}
             Highest minus lowest point, mean absolute deviation, or root-mean-square deviation from the mean.
         """
-        scaled = scale_profile(self.heights, self.spacing, amplitude, measure, np.empty_like(self.heights))
-        object.__setattr__(scaled, "history", (*self.history, f"scaled to {measure} {amplitude:g} µm"))
-        object.__setattr__(scaled, "missing", self.missing)
-        return scaled
+        scaled_profile = scale_profile(self.heights, self.spacing, amplitude, measure, np.empty_like(self.heights))
+        object.__setattr__(scaled_profile, "history", (*self.history, f"scaled to {measure} {amplitude:g} µm"))
+        object.__setattr__(scaled_profile, "missing", self.missing)
+        return scaled_profile
 
 
 def select_from_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:

@@ -38,9 +38,12 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     feature_ends = (first_crossing + last_crossing) / 2
     # Find the highest and the lowest point of each hill or dale.
     starts = np.ceil(feature_ends).astype(np.intp)
-    highest = np.maximum.reduceat(heights, starts)[:-1]
-    lowest = np.minimum.reduceat(heights, starts)[:-1]
-    tops, bottoms = np.maximum(highest[:-1], highest[1:]), np.minimum(lowest[:-1], lowest[1:])
+    highest_points = np.maximum.reduceat(heights, starts)[:-1]
+    lowest_points = np.minimum.reduceat(heights, starts)[:-1]
+    tops, bottoms = (
+        np.maximum(highest_points[:-1], highest_points[1:]),
+        np.minimum(lowest_points[:-1], lowest_points[1:]),
+    )
     return feature_ends[2:] - feature_ends[:-2], tops - bottoms
 
 

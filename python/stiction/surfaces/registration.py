@@ -55,7 +55,7 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
 
     The upper face is rotated (maps only), shifted by whole grid points and tilted by the plane or line of the gap.
     """
-    before = _measure_rms_gap(*_cut_overlap(upper, lower, (0,) * lower.heights.ndim))
+    rms_gap_before = _measure_rms_gap(*_cut_overlap(upper, lower, (0,) * lower.heights.ndim))
     rotation = _find_rotation(upper, lower) if isinstance(upper, Surface) else 0.0
     rotated_upper = rotated(upper, rotation) if rotation else upper
     offset = _find_offset(rotated_upper, lower)
@@ -70,7 +70,7 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
         )
     ]
     registration = Registration(
-        tuple(middle_distances), rotation, before, _measure_rms_gap(upper_part, lower_part), correlation
+        tuple(middle_distances), rotation, rms_gap_before, _measure_rms_gap(upper_part, lower_part), correlation
     )
     return upper_part, lower_part, registration
 
@@ -85,18 +85,24 @@ def measure_fit(upper: Any, lower: Any) -> float:
     if min(*coarse_upper.heights.shape, *coarse_lower.heights.shape) < _MIN_COARSE_POINTS[lower.heights.ndim]:
         return 0.0
     correlations = _correlate_slopes(coarse_upper, coarse_lower)
-    best = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
-    others = correlations.copy()
+    best_index = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
+    other_correlations = correlations.copy()
     shape = lower.heights.shape
     distances = [
         np.minimum(difference := np.abs(np.arange(count) - index), count - difference)
-        for count, index in zip(correlations.shape, best, strict=True)
+        for count, index in zip(correlations.shape, best_index, strict=True)
     ]
     widths = [max(2.0, _PEAK_WIDTH_FRACTION * count / factor) for count in shape]
-    near = np.ix_(*(np.flatnonzero(distance <= width) for distance, width in zip(distances, widths, strict=True)))
-    others[near] = np.nan
-    highest = float(correlations[best])
-    return highest if np.nanmax(others, initial=0.0) < MAX_SECOND_FIT_RATIO * highest else 0.0
+    peak_points = np.ix_(
+        *(np.flatnonzero(distance <= width) for distance, width in zip(distances, widths, strict=True))
+    )
+    other_correlations[peak_points] = np.nan
+    best_correlation = float(correlations[best_index])
+    return (
+        best_correlation
+        if np.nanmax(other_correlations, initial=0.0) < MAX_SECOND_FIT_RATIO * best_correlation
+        else 0.0
+    )
 
 
 MIN_FIT_CORRELATIONS = {Profile: 0.9, Surface: 0.5}
@@ -123,9 +129,9 @@ def correlate_facing_slopes(upper: Any, lower: Any) -> float:
 def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
     """Return the largest correlation of the slopes, and the offset of the upper face (points) at which it occurs."""
     correlations = _correlate_slopes(upper, lower)
-    best = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
-    offset = tuple(_to_offset(int(index), count) for index, count in zip(best, correlations.shape, strict=True))
-    return float(correlations[best]), offset
+    best_index = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
+    offset = tuple(_to_offset(int(index), count) for index, count in zip(best_index, correlations.shape, strict=True))
+    return float(correlations[best_index]), offset
 
 
 def _to_offset(index: int, count: int) -> int:
@@ -135,8 +141,8 @@ def _to_offset(index: int, count: int) -> int:
 
 def _find_coarsening(upper: Any, lower: Any) -> int:
     """Return the size of the blocks, in points per axis, over which the search averages heights."""
-    longest: int = max(*upper.heights.shape, *lower.heights.shape)
-    return math.ceil(longest / _MAX_COARSE_POINTS[lower.heights.ndim])
+    longest_side: int = max(*upper.heights.shape, *lower.heights.shape)
+    return math.ceil(longest_side / _MAX_COARSE_POINTS[lower.heights.ndim])
 
 
 def _coarsen(body: Any, factor: int) -> Any:
@@ -211,11 +217,11 @@ def _find_rotation(upper: Surface, lower: Surface) -> float:
         return _measure_rms_gap(*_cut_overlap(rotated_upper, lower, _find_offset(rotated_upper, lower)))
 
     angles = np.arange(-MAX_ROTATION, MAX_ROTATION + ROTATION_STEP / 2, ROTATION_STEP)
-    best = float(angles[int(np.argmax([correlate(float(angle)) for angle in angles]))])
-    bounds = best - ROTATION_STEP, best + ROTATION_STEP
+    best_angle = float(angles[int(np.argmax([correlate(float(angle)) for angle in angles]))])
+    bounds = best_angle - ROTATION_STEP, best_angle + ROTATION_STEP
     optimum = minimize_scalar(lambda angle: measure_gap(float(angle)), bounds=bounds, options={"xatol": 0.01})
-    smallest = math.degrees(1 / max(lower.heights.shape))  # moves the ends of the map by half of a point
-    return float(optimum.x) if abs(optimum.x) > smallest else 0.0
+    smallest_rotation = math.degrees(1 / max(lower.heights.shape))  # moves the ends of the map by half of a point
+    return float(optimum.x) if abs(optimum.x) > smallest_rotation else 0.0
 
 
 def _find_offset(upper: Any, lower: Any) -> tuple[int, ...]:
@@ -227,7 +233,7 @@ def _find_offset(upper: Any, lower: Any) -> tuple[int, ...]:
 
 def _refine_offset(upper: Any, lower: Any, offset: tuple[int, ...], factor: int) -> tuple[int, ...]:
     """Return the offset near `offset` at which the gap is smallest. The steps of the search are halved to a point."""
-    best, step = _measure_rms_gap(*_cut_overlap(upper, lower, offset)), max(factor // 2, 1)
+    smallest_gap, step = _measure_rms_gap(*_cut_overlap(upper, lower, offset)), max(factor // 2, 1)
     while True:
         moves = np.stack(np.meshgrid(*[(-step, 0, step)] * len(offset)), -1).reshape(-1, len(offset))
         candidates = [tuple(int(a + b) for a, b in zip(offset, move, strict=True)) for move in moves]
@@ -237,8 +243,8 @@ def _refine_offset(upper: Any, lower: Any, offset: tuple[int, ...], factor: int)
             else math.inf
             for candidate in candidates
         ]
-        if min(gaps) < best:
-            best, offset = min(gaps), candidates[int(np.argmin(gaps))]
+        if min(gaps) < smallest_gap:
+            smallest_gap, offset = min(gaps), candidates[int(np.argmin(gaps))]
         elif step == 1:
             return offset
         else:

@@ -188,15 +188,18 @@ def compare_repeated_scans(
             levelled(body_class((first_heights - second_heights) / 2, spacing=first.spacing), trend)
         )[1]
     )
-    shortest = 2 * float(spacing.max())
-    octave = np.maximum(np.floor(np.log2(2 * math.pi / (q * shortest)) + 1e-9), 0).astype(np.intp)
+    shortest_wavelength = 2 * float(spacing.max())
+    octave = np.maximum(np.floor(np.log2(2 * math.pi / (q * shortest_wavelength)) + 1e-9), 0).astype(np.intp)
     noise, common = (
         np.sqrt(np.maximum(np.bincount(octave, value), 0))
         for value in (2 * half_difference_spectrum, mean_scan_spectrum - half_difference_spectrum)
     )
-    wavelength = make_read_only(np.asarray(shortest * np.exp2(np.arange(noise.size)), np.float64))
-    noise_rms, longest = float(np.std(first_heights - second_heights) / math.sqrt(2)), float(np.min(scan.extent)) / 3
-    limit = _find_noise_cutoff(q, mean_scan_spectrum, half_difference_spectrum, shortest, longest)
+    wavelength = make_read_only(np.asarray(shortest_wavelength * np.exp2(np.arange(noise.size)), np.float64))
+    noise_rms, max_cutoff = (
+        float(np.std(first_heights - second_heights) / math.sqrt(2)),
+        float(np.min(scan.extent)) / 3,
+    )
+    limit = _find_noise_cutoff(q, mean_scan_spectrum, half_difference_spectrum, shortest_wavelength, max_cutoff)
     return RepeatedScans(
         scan, shift, correlation, wavelength, make_read_only(noise), make_read_only(common), noise_rms, limit
     )
@@ -225,9 +228,9 @@ def _interpolate_outliers(
     masks = [np.asarray(mask) for mask in outliers] if isinstance(outliers, (list, tuple, np.ndarray)) else []
     shapes = [first.heights.shape, second.heights.shape]
     if [mask.shape for mask in masks] != shapes or any(mask.dtype != bool for mask in masks):
-        given = ", ".join(f"{mask.dtype} of shape {mask.shape}" for mask in masks) or short_repr(outliers)
+        given_text = ", ".join(f"{mask.dtype} of shape {mask.shape}" for mask in masks) or short_repr(outliers)
         raise ValueError(
-            f"outliers must be two boolean arrays with the shapes {shapes[0]} and {shapes[1]}, got {given}"
+            f"outliers must be two boolean arrays with the shapes {shapes[0]} and {shapes[1]}, got {given_text}"
         )
     bodies = with_interpolated_points(first, masks[0]), with_interpolated_points(second, masks[1])
     for name, body, mask in zip(("first", "second"), bodies, masks, strict=True):

@@ -141,9 +141,9 @@ class ScaleDependentRoughness(TextReprMixin):
         with n = 1 for profiles and 2 for surfaces.
         """
         wavelengths = float_array("wavelength", wavelength)
-        shortest = estimate.shortest_wavelength
-        measured_gradient = self.gradient_at(np.maximum(wavelengths, shortest))
-        extrapolated_wavelengths = np.minimum(wavelengths, shortest)
+        shortest_wavelength = estimate.shortest_wavelength
+        measured_gradient = self.gradient_at(np.maximum(wavelengths, shortest_wavelength))
+        extrapolated_wavelengths = np.minimum(wavelengths, shortest_wavelength)
         return np.asarray(
             np.sqrt(np.square(measured_gradient) + extrapolated_mean_square_slope(estimate, extrapolated_wavelengths))
         )
@@ -157,8 +157,8 @@ class ScaleDependentRoughness(TextReprMixin):
         reached; with a power law, the search extends to a millionth of the scan's shortest wavelength.
         """
         target_gradient = validate_number("gradient", gradient, above=0)
-        shortest = self.wavelength[-1] * (1.0 if estimate is None else _MIN_EXTRAPOLATION_RATIO)
-        log_shortest, log_longest = math.log(shortest), math.log(self.wavelength[0])
+        shortest_wavelength = self.wavelength[-1] * (1.0 if estimate is None else _MIN_EXTRAPOLATION_RATIO)
+        log_shortest, log_longest = math.log(shortest_wavelength), math.log(self.wavelength[0])
 
         def gradient_at_log_wavelength(log_wavelength: float) -> float:
             wavelength = math.exp(log_wavelength)
@@ -496,9 +496,9 @@ def instrument_limit(
             noise_slope_fraction if is_noise else float(roughness.fraction_below(limit)),
             1 - curvature_fraction**2,
         )
-        shortest = MIN_CUTOFF_POINTS * min(body.spacings)
+        shortest_wavelength = MIN_CUTOFF_POINTS * min(body.spacings)
         cut_off_wavelength = cutoff_for_slope_fraction(
-            roughness, fractions[0], np.nanmax(noise_wavelengths) if is_noise else limit, shortest
+            roughness, fractions[0], np.nanmax(noise_wavelengths) if is_noise else limit, shortest_wavelength
         )
     along_x, along_y = noise_wavelengths if len(noise_wavelengths) == 2 else (math.nan, math.nan)
     axis: LineAxis = "" if reason != noise_kind or is_common else "x" if noisier_axis == 0 else "y"

@@ -177,10 +177,10 @@ def compute_lay_ratio(surface: Surface) -> float:
     heights, (step_y, step_x) = surface.heights, surface.spacing
     slope_y = (np.diff(heights[:, 1:], axis=0) + np.diff(heights[:, :-1], axis=0)) / (2 * step_y)
     slope_x = (np.diff(heights[1:], axis=1) + np.diff(heights[:-1], axis=1)) / (2 * step_x)
-    smallest, largest = np.linalg.eigvalsh(np.cov(slope_y.ravel(), slope_x.ravel())).tolist()
-    if not largest > 0:
+    smallest_variance, largest_variance = np.linalg.eigvalsh(np.cov(slope_y.ravel(), slope_x.ravel())).tolist()
+    if not largest_variance > 0:
         return 1.0
-    return math.sqrt(largest / max(smallest, largest / MAX_LAY_RATIO**2))
+    return math.sqrt(largest_variance / max(smallest_variance, largest_variance / MAX_LAY_RATIO**2))
 
 
 def estimate_roughness_drift(body: Profile | Surface) -> float:

@@ -106,10 +106,10 @@ class Surface(Body):
         """
         check_choice("measure", measure, SurfaceAmplitudeMeasure)
         amplitude = validate_number("amplitude", amplitude, unit="µm", above=0)
-        scaled = np.empty(self.heights.size)
-        if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _CORE_MEASURE_NAMES[measure], scaled):
+        scaled_heights = np.empty(self.heights.size)
+        if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _CORE_MEASURE_NAMES[measure], scaled_heights):
             raise ValueError("surface must not be flat, because a flat surface cannot be scaled to an amplitude")
-        return self.changed(scaled.reshape(self.heights.shape), f"scaled to {measure} {amplitude:g} µm")
+        return self.changed(scaled_heights.reshape(self.heights.shape), f"scaled to {measure} {amplitude:g} µm")
 
 
 def parse_lengths(name: str, value: Any) -> tuple[float, float]:

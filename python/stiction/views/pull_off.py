@@ -48,5 +48,5 @@ def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
 
 def _text_with_unit(estimate: Estimate) -> str:
     """Return a quantity with its interval in the prefixed unit that needs the fewest zeros."""
-    scaled = estimate.in_prefixed_unit()
-    return "none" if math.isnan(estimate.value) else f"{scaled.text()} {scaled.unit}"
+    scaled_estimate = estimate.in_prefixed_unit()
+    return "none" if math.isnan(estimate.value) else f"{scaled_estimate.text()} {scaled_estimate.unit}"

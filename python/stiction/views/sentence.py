@@ -177,10 +177,10 @@ def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
     values, lower, upper = zip(
         *(point.values["contact_hardness"].values.ravel().tolist() for point in points), strict=True
     )
-    smallest, largest, low, high = (
+    smallest_hardness, largest_hardness, low, high = (
         format_with_unit(each, "GPa") for each in (min(values), max(values), min(lower), max(upper))
     )
-    hardness = " to ".join(dict.fromkeys((smallest, largest)))
+    hardness = " to ".join(dict.fromkeys((smallest_hardness, largest_hardness)))
     return f"measured {format_with_unit(indent, 'um')} deep, {hardness} [{low}, {high}] in the contacts"
 
 

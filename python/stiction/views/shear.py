@@ -248,10 +248,10 @@ def _roughness_text(attributes: Mapping[Any, Any]) -> str:
         if math.isnan(jrc)
         else f"JRC {jrc:.0f}"
     )
-    z2, rising, falling = (float(attributes[name]) for name in ("z2", "rising_slope", "falling_slope"))
+    z2, rising_slope, falling_slope = (float(attributes[name]) for name in ("z2", "rising_slope", "falling_slope"))
     return (
-        f"lower face: Z2 = {z2:.2g} at {interval}, {jrc_text}; along the motion, mean rising slope {rising:.2g}, "
-        f"falling slope {falling:.2g}"
+        f"lower face: Z2 = {z2:.2g} at {interval}, {jrc_text}; along the motion, mean rising slope {rising_slope:.2g}, "
+        f"falling slope {falling_slope:.2g}"
     )
 
 
@@ -270,13 +270,13 @@ def _registration_text(attributes: Mapping[Any, Any]) -> str:
         for axis in ("x", "y")
         if (name := f"registration_shift_{axis}_um") in attributes
     ]
-    before, after = (
+    gap_before, gap_after = (
         format_with_unit(float(attributes[name]), "um")
         for name in ("rms_gap_before_registration_um", "registration_rms_gap_um")
     )
     return (
         f"registered: shift {', '.join(shifts)}, rotation {attributes['registration_rotation_deg']:.2f}°; rms gap "
-        f"{after} (before: {before}), correlation of the slopes {attributes['fit_correlation']:.2f}"
+        f"{gap_after} (before: {gap_before}), correlation of the slopes {attributes['fit_correlation']:.2f}"
     )
 
 
@@ -302,15 +302,16 @@ def curve_rows(test: xarray.Dataset, indices: Iterable[int]) -> list[list[str]]:
     if test.attrs["normal_stiffness_GPa_per_um"] > 0:
         normal_stress = (test["normal_load"] / test["overlap_area"]).assign_attrs(units="GPa")
         columns.append(_format_column({"normal_stress": normal_stress}, "normal_stress", float(normal_stress.max())))
-    (title, displacements), *others = columns
-    rows = [[title.replace("displacement", "u"), "μ", "contact", *(title for title, _ in others)]]
+    (title, displacements), *other_columns = columns
+    rows = [[title.replace("displacement", "u"), "μ", "contact", *(title for title, _ in other_columns)]]
     for index in indices:
         status, contact = str(test["status"].values[index]), float(test["contact_area_fraction"][index])
         coefficient = curve_estimate(test, "friction_coefficient", index).text()
         rows.append(
             [
                 displacements[index], coefficient if status == STATUS_OK else _STATUS_TEXTS[status],
-                "none" if math.isnan(contact) else format_percent(contact), *(numbers[index] for _, numbers in others),
+                "none" if math.isnan(contact) else format_percent(contact),
+                *(numbers[index] for _, numbers in other_columns),
             ]
         )  # fmt: skip
     return rows

@@ -347,10 +347,10 @@ def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
         return "Grooves: unknown, because the coefficients along the axes have no intervals."
     highest_axis = max(by_axis, key=lambda axis: by_axis[axis].value)
     lowest_axis = min(by_axis, key=lambda axis: by_axis[axis].value)
-    highest, lowest = by_axis[highest_axis], by_axis[lowest_axis]
-    if not highest.lower > lowest.upper:
+    highest_coefficient, lowest_coefficient = by_axis[highest_axis], by_axis[lowest_axis]
+    if not highest_coefficient.lower > lowest_coefficient.upper:
         return "No grooves: the axes differ by less than their intervals."
-    increase = highest.value / lowest.value - 1
+    increase = highest_coefficient.value / lowest_coefficient.value - 1
     if increase < MIN_STATED_GROOVE_EFFECT:
         return f"No grooves: the axes differ by less than {format_percent(MIN_STATED_GROOVE_EFFECT)}."
     return (

@@ -135,8 +135,10 @@ def _flatten_single_line(raw: RawHeights) -> RawHeights:
     """Convert a matrix with a single row or column to a profile."""
     if raw.heights.ndim == 1 or min(raw.heights.shape) > 1:
         return raw
-    along = int(raw.heights.shape[1] > 1)
-    return replace(raw, heights=raw.heights.ravel(), spacing=None if raw.spacing is None else (raw.spacing[along],))
+    profile_axis = int(raw.heights.shape[1] > 1)
+    return replace(
+        raw, heights=raw.heights.ravel(), spacing=None if raw.spacing is None else (raw.spacing[profile_axis],)
+    )
 
 
 _Body = TypeVar("_Body", bound=Profile | Surface, covariant=True)
@@ -323,9 +325,9 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
             numbers = numbers * raw.factor
             steps.append(f"multiplied by {raw.factor:g} {unit}, as declared in the file")
         heights = _to_micrometres(numbers, unit)
-        lowest, highest = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
-        while not (lowest >= -_MAX_LENGTH and highest <= _MAX_LENGTH) and not np.isnan(lowest):
-            extreme = highest if highest > _MAX_LENGTH else lowest
+        lowest_height, highest_height = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
+        while not (lowest_height >= -_MAX_LENGTH and highest_height <= _MAX_LENGTH) and not np.isnan(lowest_height):
+            extreme = highest_height if highest_height > _MAX_LENGTH else lowest_height
             is_missing = heights == extreme
             if is_missing.sum() < 2 or np.isinf(extreme):
                 num_outside = int((np.abs(heights) > _MAX_LENGTH).sum())
@@ -337,7 +339,7 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
             steps.append(
                 f"{int(is_missing.sum())} points of {extreme:.3g} µm, an impossible height, are missing points"
             )
-            lowest, highest = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
+            lowest_height, highest_height = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
     return heights, unit, caveats, steps
 
 
@@ -601,10 +603,10 @@ def _validate_spacing_agreement(actual: float, given: Quantity | None) -> float:
 
 
 def _validate_spacing(spacing: float) -> float:
-    lowest, highest = _SPACING_RANGE
-    if not lowest <= spacing <= highest:
+    min_spacing, max_spacing = _SPACING_RANGE
+    if not min_spacing <= spacing <= max_spacing:
         raise FormatError(
-            f"has a spacing of {spacing:g} µm, but the spacing must be between {lowest:g} and {highest:g} µm"
+            f"has a spacing of {spacing:g} µm, but the spacing must be between {min_spacing:g} and {max_spacing:g} µm"
         )
     return spacing
 

@@ -48,8 +48,8 @@ def reject_other_tables(values: Floats, column_numbers: Sequence[int]) -> None:
     count = values.shape[1]
     if (places := find_grid_columns(values)) is not None:
         x, y = places
-        others = [place for place in range(count) if place not in places]
-        z = column_numbers[next((place for place in others if place > x), others[0])]
+        other_places = [place for place in range(count) if place not in places]
+        z = column_numbers[next((place for place in other_places if place > x), other_places[0])]
         raise FormatError(
             f"has {count} columns without names, and columns {column_numbers[x]} and {column_numbers[y]} are the "
             f"coordinates of a grid; choose x, y and z (--columns {column_numbers[x]},{column_numbers[y]},{z})"
@@ -67,10 +67,10 @@ def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -
     """Raise `FormatError` if empty lines separate blocks of rows. Empty lines after every row are accepted."""
     if len(lengths) < 2 or max(lengths) == 1:
         return
-    shown = [f"{length} from line {line}" for length, line in zip(lengths, first_lines, strict=True)][:4]
-    more = " and others" if len(lengths) > len(shown) else ""
+    shown_blocks = [f"{length} from line {line}" for length, line in zip(lengths, first_lines, strict=True)][:4]
+    more = " and others" if len(lengths) > len(shown_blocks) else ""
     raise FormatError(
-        f"has {len(lengths)} blocks of rows with empty lines between them ({', '.join(shown)}{more}), "
+        f"has {len(lengths)} blocks of rows with empty lines between them ({', '.join(shown_blocks)}{more}), "
         "which may be other scans, statistics or missing points; keep one block, without empty lines"
     )
 
@@ -161,19 +161,23 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
     lines, count = values.shape
     if count > MAX_WRAPPED_COLUMNS or lines < MIN_WRAPPED_LINES or count < 3:
         return ()
-    finite = values[np.isfinite(values)]
-    if finite.size < values.size / 2:
+    finite_values = values[np.isfinite(values)]
+    if finite_values.size < values.size / 2:
         return ()
     # ignore outliers and codes for missing points, which would dominate the differences
-    deviations = np.abs(values - np.median(finite))
+    deviations = np.abs(values - np.median(finite_values))
     limit = MAX_DEVIATION_IN_LINES * np.median(deviations[np.isfinite(values)])
     heights = np.where(deviations <= limit, values, np.nan)
-    along, across, wrap = (
+    difference_along, difference_across, difference_at_wrap = (
         float(np.nanmean(difference**2)) if np.isfinite(difference).any() else np.nan
         for difference in (np.diff(heights, axis=1), np.diff(heights, axis=0), heights[1:, 0] - heights[:-1, -1])
     )
-    max_wrap = max(MAX_WRAP_DIFFERENCE * along, MAX_WRAP_DIFFERENCE_OVER_COLUMN * across)
-    if not (wrap <= max_wrap and across > 0 and across >= MIN_COLUMN_DIFFERENCE * along):
+    max_wrap = max(MAX_WRAP_DIFFERENCE * difference_along, MAX_WRAP_DIFFERENCE_OVER_COLUMN * difference_across)
+    if not (
+        difference_at_wrap <= max_wrap
+        and difference_across > 0
+        and difference_across >= MIN_COLUMN_DIFFERENCE * difference_along
+    ):
         return ()
     return (
         FileCaveat(

@@ -120,22 +120,27 @@ def _find_missing_point_codes(heights: Floats) -> list[tuple[float, int, float]]
     is_wide = gaps > MIN_MISSING_CODE_DISTANCE * float(np.ptp(near_sample))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not is_wide.any()):
         return []
-    others = heights[~is_far]
+    near_heights = heights[~is_far]
     far_values, counts = np.unique(heights[is_far], return_counts=True)
     count_of = dict(zip(far_values.tolist(), counts.tolist(), strict=True))
-    low, high = far_values[far_values < others.min()].tolist(), far_values[far_values > others.max()].tolist()
-    values = np.array([*low, others.min(), others.max(), *high])
+    low, high = (
+        far_values[far_values < near_heights.min()].tolist(),
+        far_values[far_values > near_heights.max()].tolist(),
+    )
+    values = np.array([*low, near_heights.min(), near_heights.max(), *high])
     choices = itertools.product(
         range(min(MAX_MISSING_CODES, len(low)) + 1), range(min(MAX_MISSING_CODES, len(high)) + 1)
     )
     for num_low, num_high in sorted(choices, key=sum)[1:]:
-        rest = values[num_low : values.size - num_high]
+        remaining_values = values[num_low : values.size - num_high]
         ends = [low[:num_low], high[len(high) - num_high :]]
-        distances = [float(rest[0]) - code for code in ends[0]] + [code - float(rest[-1]) for code in ends[1]]
+        distances = [float(remaining_values[0]) - code for code in ends[0]] + [
+            code - float(remaining_values[-1]) for code in ends[1]
+        ]
         if (
             min(sum(count_of[code] for code in codes) for codes in ends if codes) >= MIN_MISSING_CODE_REPEATS
-            and min(distances) > MIN_MISSING_CODE_DISTANCE * float(np.ptp(rest))
-            and np.unique(others[:1000]).size >= MIN_DISTINCT_HEIGHTS
+            and min(distances) > MIN_MISSING_CODE_DISTANCE * float(np.ptp(remaining_values))
+            and np.unique(near_heights[:1000]).size >= MIN_DISTINCT_HEIGHTS
         ):
             return [
                 (code, count_of[code], distance) for code, distance in zip([*ends[0], *ends[1]], distances, strict=True)
@@ -178,13 +183,13 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
     if scan.heights.ndim == 1:
         ends = np.flatnonzero(np.diff(scan.heights) != 0)  # last points of the runs of equal heights
         runs = np.diff(ends, prepend=-1, append=scan.heights.size - 1)
-        longest = int(runs.max())
+        longest_run = int(runs.max())
         # fraction of points that equal the point before, without the longest run
-        fraction = (scan.heights.size - runs.size - (longest - 1)) / scan.heights.size
-        if MIN_EQUAL_RUN <= longest < scan.heights.size / 2 and (
-            scan.heights.size * fraction ** (longest - 1) < MAX_RUN_PROBABILITY
+        fraction = (scan.heights.size - runs.size - (longest_run - 1)) / scan.heights.size
+        if MIN_EQUAL_RUN <= longest_run < scan.heights.size / 2 and (
+            scan.heights.size * fraction ** (longest_run - 1) < MAX_RUN_PROBABILITY
         ):
-            yield f"{longest} heights in a row are equal, like points that were not measured"
+            yield f"{longest_run} heights in a row are equal, like points that were not measured"
         return
     for kind, lines in (("rows", scan.heights), ("columns", scan.heights.T)):
         if min(lines.shape) < MIN_DISTINCT_HEIGHTS or np.unique(lines[:, : lines.shape[1] // 2 + 1][0]).size < (

@@ -111,11 +111,11 @@ class DeclaredLength:
     def to_micrometres(self) -> float:
         """Return the length in µm. Raises `FormatError` if no spacing or size of a scan can have this length."""
         value = self.length * LENGTH_UNITS[self.unit]
-        lowest, highest = MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH
-        if not lowest <= value <= highest:
+        min_length, max_length = MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH
+        if not min_length <= value <= max_length:
             raise FormatError(
                 f"has an impossible length in its header line {self.line[:80]!r}; a spacing or size must be between "
-                f"{lowest:g} and {highest:g} µm"
+                f"{min_length:g} and {max_length:g} µm"
             )
         return value
 

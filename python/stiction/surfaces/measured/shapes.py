@@ -287,16 +287,16 @@ def _find_height_unit(table: ColumnTable, place: int) -> str | None:
 def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
     """Remove the first number of a height column if it is the count of the numbers that follow."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
-        for others in range(place + 1, 4):  # numbers at the start that are not heights
-            if heights[place] != heights.size - others:
+        for leading_number_count in range(place + 1, 4):  # numbers at the start that are not heights
+            if heights[place] != heights.size - leading_number_count:
                 continue
-            if others == 1:
+            if leading_number_count == 1:
                 return heights[1:], (f"first number removed, {heights[0]:.0f}, which is the count of the others",)
             # a whole number among whole heights is a count only if it is directly above them
-            if others == place + 1 or (heights[others:] % 1 != 0).any():
+            if leading_number_count == place + 1 or (heights[leading_number_count:] % 1 != 0).any():
                 raise FormatError(
-                    f"begins with {others} numbers, of which one, {heights[place]:.0f}, counts the remaining "
-                    "numbers; delete these lines, which are not heights"
+                    f"begins with {leading_number_count} numbers, of which one, {heights[place]:.0f}, counts the "
+                    "remaining numbers; delete these lines, which are not heights"
                 )
     if width == 1 and heights.size > 6 and heights[0] * heights[1] == heights.size - 2 and min(heights[:2]) > 1:
         raise FormatError(

@@ -178,24 +178,27 @@ def _parse_spacing_line(
         return None  # the resolution of an instrument
     units = [item[1] or items[-1][1] or bracket for item in items]
     lengths = [parse_length(item[0], unit, line=line) for item, unit in zip(items, units, strict=True)]
-    complete = [length for length in lengths if length is not None]
-    if len(complete) < len(items):
+    parsed_lengths = [length for length in lengths if length is not None]
+    if len(parsed_lengths) < len(items):
         return _parse_bare_number(items[0][0]) if len(items) == 1 and not any(units) else None
     axes = [(item[3] or ("y" if re.match("line|row", item[2] or "", re.I) else "")).casefold() for item in items]
     if len(items) == 2 and sorted(axes) == ["", "y"]:
         axes = [axis or "x" for axis in axes]
     if len(items) == 2:
-        if complete[0].length * LENGTH_UNITS[complete[0].unit] == complete[1].length * LENGTH_UNITS[complete[1].unit]:
-            return complete[1], complete[0]
+        if (
+            parsed_lengths[0].length * LENGTH_UNITS[parsed_lengths[0].unit]
+            == parsed_lengths[1].length * LENGTH_UNITS[parsed_lengths[1].unit]
+        ):
+            return parsed_lengths[1], parsed_lengths[0]
         if sorted(axes) == ["x", "y"]:
-            return (complete[0], complete[1]) if axes[0] == "y" else (complete[1], complete[0])
-        in_micrometres = tuple(length.length * LENGTH_UNITS[length.unit] for length in complete)
+            return (parsed_lengths[0], parsed_lengths[1]) if axes[0] == "y" else (parsed_lengths[1], parsed_lengths[0])
+        in_micrometres = tuple(length.length * LENGTH_UNITS[length.unit] for length in parsed_lengths)
         return UnclearSpacing(line.strip(), in_micrometres)
     if axes[0] == "y":
         return UnclearSpacing(line.strip())
     if _UNQUALIFIED_NAME_PATTERN.fullmatch((qualifier + noun).strip()):
-        return UnclearSpacing(line.strip(), (complete[0].length * LENGTH_UNITS[complete[0].unit],))
-    return (complete[0], complete[0]) if is_pixel and not axes[0] else complete[0]
+        return UnclearSpacing(line.strip(), (parsed_lengths[0].length * LENGTH_UNITS[parsed_lengths[0].unit],))
+    return (parsed_lengths[0], parsed_lengths[0]) if is_pixel and not axes[0] else parsed_lengths[0]
 
 
 def _unit_or_none(unit: str | None) -> str | None:

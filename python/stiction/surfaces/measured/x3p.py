@@ -169,17 +169,17 @@ class _StoredAxis:
     def __init__(self, root: _MainXml, name: str) -> None:
         path = f"Record1/Axes/C{name}"
         kind = _get_element_text(root, f"{path}/AxisType", "I" if name != "Z" else "A")
-        stored = _get_element_text(root, f"{path}/DataType", "D")
-        if kind not in ("I", "A") or stored not in _VALUE_TYPES:
+        stored_type = _get_element_text(root, f"{path}/DataType", "D")
+        if kind not in ("I", "A") or stored_type not in _VALUE_TYPES:
             raise FormatError(
-                f"has a {name} axis of type {kind!r} stored as {stored!r}; the type must be I or A, stored as I, L, F "
-                "or D"
+                f"has a {name} axis of type {kind!r} stored as {stored_type!r}; "
+                "the type must be I or A, stored as I, L, F or D"
             )
         self.absolute = kind == "A"
-        self.stored = _VALUE_TYPES[stored]
+        self.stored = _VALUE_TYPES[stored_type]
         self.increment = _parse_element_number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
-        if self.absolute and stored in ("F", "D"):  # floating-point lengths must not be multiplied by an increment
+        if self.absolute and stored_type in ("F", "D"):  # floating-point lengths must not be multiplied by an increment
             if abs(self.increment) > 0 and self.increment != 1:
                 self.caveats = (
                     FileCaveat(

@@ -246,8 +246,10 @@ def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[floa
     """Draw heights of the lower body in grey with a colour bar; `box` is (left, right, bottom, top) in µm."""
     in_nanometres = np.ptp(heights) < _MAX_NANOMETRE_RANGE
     scaled_heights = heights * (1000 if in_nanometres else 1)
-    lowest, highest = np.quantile(scaled_heights, [0.01, 0.99])
-    image = axes.imshow(scaled_heights, extent=box, origin="lower", cmap="gray", vmin=lowest, vmax=highest)
+    lowest_height, highest_height = np.quantile(scaled_heights, [0.01, 0.99])
+    image = axes.imshow(
+        scaled_heights, extent=box, origin="lower", cmap="gray", vmin=lowest_height, vmax=highest_height
+    )
     colour_bar = figure.colorbar(image, ax=axes, extend="both", shrink=0.8)
     colour_bar.set_label("lower body, " + axis_label("height_nm" if in_nanometres else "height"))
     axes.set(xlabel=axis_label("x"), ylabel=axis_label("y"))
@@ -350,8 +352,8 @@ def _draw_profile_contacts(
 ) -> None:
     """Draw both profiles at full length, and magnified around the contact with the largest load."""
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
-    finite = np.isfinite(gap)  # missing heights are interpolated between measured heights
-    bodies = np.array([lower + np.interp(x, x[finite], gap[finite]).clip(0), lower]) * 1000
+    is_finite = np.isfinite(gap)  # missing heights are interpolated between measured heights
+    bodies = np.array([lower + np.interp(x, x[is_finite], gap[is_finite]).clip(0), lower]) * 1000
     centre_positions, width = (
         picture["contact_x"].values,
         picture["contact_patch_area"].values,
@@ -368,10 +370,10 @@ def _draw_profile_contacts(
         zorder=3,
     )
     panels[0].axvspan(*x[zoom_slice][[0, -1]], color="0.5", alpha=0.25, linewidth=0)
-    lowest, highest = bodies[1, zoom_slice].min(), bodies[1, zoom_slice].max()
-    height_range = (highest - lowest) or 1.0
-    top = min(highest + 0.6 * height_range, panels[1].get_ylim()[1])
-    panels[1].set(ylim=(lowest - 0.1 * height_range, top), xlabel=f"{axis_label('x')}, magnified")
+    lowest_height, highest_height = bodies[1, zoom_slice].min(), bodies[1, zoom_slice].max()
+    height_range = (highest_height - lowest_height) or 1.0
+    top = min(highest_height + 0.6 * height_range, panels[1].get_ylim()[1])
+    panels[1].set(ylim=(lowest_height - 0.1 * height_range, top), xlabel=f"{axis_label('x')}, magnified")
     for centre, half_width, colour, has_edge in zip(centre_positions, width / 2, colours, is_cut, strict=True):
         positions = np.linspace(centre - half_width, centre + half_width, 20)
         heights = np.interp(positions, x, bodies[1])

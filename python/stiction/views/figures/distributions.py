@@ -36,14 +36,14 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
     figure = new_figure(96)
     axes: Any = figure.add_subplot(projection="polar")
     fine_degrees = np.linspace(0, 360, 361)
-    highest = 0.0
+    highest_coefficient = 0.0
     rules = [rule for rule in SLIDING_RULE_COLOURS if rule in np.atleast_1d(dataset["sliding"].values)]
     for rule in rules:
-        colour, selected = SLIDING_RULE_COLOURS[rule], select_sliding_rule(dataset, rule)
-        values = selected["friction_coefficient"].transpose("statistic", "direction")
+        colour, rule_values = SLIDING_RULE_COLOURS[rule], select_sliding_rule(dataset, rule)
+        values = rule_values["friction_coefficient"].transpose("statistic", "direction")
         mean, low, high = (values.sel(statistic=name).values for name in MEAN_AND_LIMITS)
         axes.plot(np.radians(degrees), mean, "o", color=colour, markersize=2.5, label=SLIDING_RULE_LABELS[rule])
-        highest = max(highest, float(np.nanmax(mean, initial=0.0)))
+        highest_coefficient = max(highest_coefficient, float(np.nanmax(mean, initial=0.0)))
         if np.isfinite(mean).all():
             axes.plot(
                 np.radians(fine_degrees), _interpolate_periodic(degrees, mean, fine_degrees), color=colour, linewidth=1
@@ -53,9 +53,9 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
                 _interpolate_periodic(degrees, interval_end, fine_degrees) for interval_end in (low, high)
             )
             axes.fill_between(np.radians(fine_degrees), *interval_limits, color=colour, alpha=0.2, linewidth=0)
-            highest = max(highest, min(float(high.max()), 2 * highest))
-        if "gentle_friction" in selected:
-            slope_estimate = selected["gentle_friction"]
+            highest_coefficient = max(highest_coefficient, min(float(high.max()), 2 * highest_coefficient))
+        if "gentle_friction" in rule_values:
+            slope_estimate = rule_values["gentle_friction"]
             slope_estimate = (
                 slope_estimate.sel(statistic="mean") if "statistic" in slope_estimate.dims else slope_estimate
             )
@@ -69,7 +69,7 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
                     linewidth=0.8,
                     label=estimate_label,
                 )
-    _draw_polar_circles(axes, highest)
+    _draw_polar_circles(axes, highest_coefficient)
     direction_labels = ("$+x$", "45°", "$+y$", "135°", "$-x$", "225°", "$-y$", "315°")
     axes.set_xticks(np.radians(np.arange(0, 360, 45)), direction_labels)
     modulus = float(dataset["effective_modulus"]) if "effective_modulus" in dataset.coords else None
@@ -124,14 +124,14 @@ def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
     figure = new_figure(62)
     axes = figure.subplots()
     by_offset = _has_single_profile_pair(values)
-    highest = float(np.nanmax(values.values)) if np.isfinite(values.values).any() else 1.0
+    highest_coefficient = float(np.nanmax(values.values)) if np.isfinite(values.values).any() else 1.0
     for rule in (rule for rule in SLIDING_RULE_COLOURS if rule in np.atleast_1d(values["sliding"].values)):
-        selected = select_sliding_rule(values, rule)
-        finite = selected.values[np.isfinite(selected.values)]
+        rule_values = select_sliding_rule(values, rule)
+        finite_values = rule_values.values[np.isfinite(rule_values.values)]
         if by_offset:
-            x, y = np.repeat(values["x"].values, values.sizes["direction"]), selected.values.ravel()
+            x, y = np.repeat(values["x"].values, values.sizes["direction"]), rule_values.values.ravel()
         else:
-            x, y = np.arange(1, finite.size + 1), np.sort(finite)
+            x, y = np.arange(1, finite_values.size + 1), np.sort(finite_values)
         axes.plot(
             x,
             y,
@@ -146,7 +146,7 @@ def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
         mean_value, low, high = (float(mean.sel(statistic=name)) for name in MEAN_AND_LIMITS)
         axes.axhspan(low, high, color=SLIDING_RULE_COLOURS[rule], alpha=0.15, linewidth=0)
         axes.axhline(mean_value, color=SLIDING_RULE_COLOURS[rule], linewidth=0.6)
-    axes.set(ylim=(0, 1.05 * max(highest, 1e-3)), ylabel=axis_label("friction_coefficient"))
+    axes.set(ylim=(0, 1.05 * max(highest_coefficient, 1e-3)), ylabel=axis_label("friction_coefficient"))
     axes.set_xlabel("offset of the upper body (µm)" if by_offset else "single results, in ascending order")
     parameters = friction_parameters_text(float(point["mu0"]), float(point["tau0"]))
     caption = f"at {format_with_unit(float(point['load']), 'mN')}, {parameters}, single directions"

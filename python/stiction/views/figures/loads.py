@@ -123,9 +123,9 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def _pad_range(values: Floats) -> tuple[float, float]:
-    lowest, highest = float(values.min()), float(values.max())
-    margin = 0.06 * (highest - lowest) or 1.0
-    return lowest - margin, highest + margin
+    lowest_value, highest_value = float(values.min()), float(values.max())
+    margin = 0.06 * (highest_value - lowest_value) or 1.0
+    return lowest_value - margin, highest_value + margin
 
 
 def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:

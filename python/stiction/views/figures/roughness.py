@@ -153,12 +153,11 @@ def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
     height_factor, height_unit = choose_prefixed_unit(float(np.ptp(surface.heights)), "um")
     heights = (surface.heights - surface.heights.mean()) / height_factor
     length_y, length_x = (length / unit_length for length in surface.extent)
-    lowest, highest = np.quantile(
-        heights, [0.001, 0.999]
-    )  # quantiles are used, because otherwise single dust grains would dominate the colour range
+    # Quantiles are used, because otherwise single dust grains would dominate the colour range.
+    lowest_height, highest_height = np.quantile(heights, [0.001, 0.999])
     image = axes.imshow(
-        heights, extent=(0, length_x, 0, length_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest, vmax=highest,
-        aspect="equal" if 1 / 4 < length_x / length_y < 4 else "auto",
+        heights, extent=(0, length_x, 0, length_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest_height,
+        vmax=highest_height, aspect="equal" if 1 / 4 < length_x / length_y < 4 else "auto",
     )  # fmt: skip
     colour_bar = figure.colorbar(image, ax=axes, location="top", extend="both", aspect=30, pad=0.02)
     colour_bar.locator = MaxNLocator(5)
