@@ -84,8 +84,7 @@ def compute_quantity_ratios(
         for each in (inputs, response.central)
     )
     area_ratio = values.area / central.area
-    loading, unloading = response.stiffness_ratios(inputs, values.area)
-    closure_loading, closure_unloading = response.closure_stiffness_ratios(inputs, values.area)
+    loading, unloading, closure_loading, closure_unloading = response.stiffness_ratios(inputs, values.area)
     with np.errstate(invalid="ignore"):  # both areas at the onset are infinite at seizure
         onset_area_ratio = values.area_at_onset / central.area_at_onset
     return {

@@ -206,7 +206,10 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
         elastic_areas = _estimate_elastic_areas(result, areas.all_members)
     exponent = FALLBACK_YIELD_EXPONENT if contact.yield_exponent is None else float(contact.yield_exponent)
     contact_loads = _average_contact_loads(result)
-    indent, depths = None if contact.indent is None else float(contact.indent), _estimate_contact_depths(result)
+    indent, depths = (
+        None if contact.indent is None else float(contact.indent),
+        result.compute_once(_estimate_contact_depths),
+    )
     functions = []
     for index, cell_areas in enumerate(elastic_areas):
         is_known = np.isfinite(cell_areas) & (cell_areas > 0)
@@ -304,7 +307,7 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
     if "elastic_area" not in result.head.variables:
         return None
     contact: Any = result.study.contact
-    hardness, depths = np.asarray(float(contact.hardness)), _estimate_contact_depths(result)
+    hardness, depths = np.asarray(float(contact.hardness)), result.compute_once(_estimate_contact_depths)
     if depths is not None:
         hardness = hardness * size_effect_factor(CENTRAL_SIZE_EFFECT_LENGTH, depths, float(contact.indent))
     return _compute_yield_factors_at(result, hardness)

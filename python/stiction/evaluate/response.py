@@ -233,27 +233,29 @@ class ContactResponse:
             plastic_friction=onset.plastic_coefficient,
         )
 
-    def stiffness_ratios(
-        self, inputs: InputValues, area_before_shear: Floats, exponents: tuple[float, float] | None = None
-    ) -> tuple[Floats, Floats]:
-        """Return the loading and the unloading stiffness, divided by those at the central inputs.
+    def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, ...]:
+        """Return the loading and the unloading stiffness, and those of closure, divided by those at the central inputs.
 
         E*, the heights and the hardness together change the stiffness by similarity: it is that at the load over their
-        factor. A hardness that does not have this factor changes it with the area. `exponents` replaces
-        `stiffness_exponents`. The stiffness keeps the measured hardness even if the depth of the indentation is known.
+        factor. A hardness that does not have this factor changes it with the area. The stiffness keeps the measured
+        hardness even if the depth of the indentation is known. Without a closure curve, the closure stiffnesses have
+        the ratios of the others.
         """
         if self.area.indent is not None:
             response = replace(self, area=replace(self.area, indent=None))
-            return response.stiffness_ratios(inputs, response.areas_before_shear(inputs).true, exponents)
+            return response.stiffness_ratios(inputs, response.areas_before_shear(inputs).true)
         factor = np.asarray(inputs.modulus * inputs.height_factor)
         yielding_ratio = area_before_shear / self.area(self.load / factor)
         yielded_fraction = 1.0 - float(self.area.elastic_area(self.load) / self.area(self.load))
         area_exponents = LOADING_STIFFNESS_EXPONENT * yielded_fraction, UNLOADING_STIFFNESS_EXPONENT
-        loading, unloading = (
-            factor ** (1.0 - exponent) / inputs.height_factor * yielding_ratio**area_exponent
-            for exponent, area_exponent in zip(exponents or self.stiffness_exponents, area_exponents, strict=True)
+        area_factors = [yielding_ratio**each for each in area_exponents]
+        curve = self.closure_curve
+        closure_exponents = self.stiffness_exponents if curve is None else curve.exponents_at(self.load)
+        return tuple(
+            factor ** (1.0 - exponent) / inputs.height_factor * area_factor
+            for exponents in (self.stiffness_exponents, closure_exponents)
+            for exponent, area_factor in zip(exponents, area_factors, strict=True)
         )
-        return loading, unloading
 
     def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
         """Return the friction without an external load, divided by that at the central inputs.
@@ -269,12 +271,6 @@ class ContactResponse:
         force = inputs.law.load("unloaded", self.sums_at_no_load, area_ratio * (1 - inputs.area_loss))
         return force / central_force if central_force != 0 else np.ones_like(area_ratio)
 
-    def closure_stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, Floats]:
-        """Return the closure stiffness while loading and while unloading, divided by those at the central inputs."""
-        curve = self.closure_curve
-        exponents = None if curve is None else curve.exponents_at(self.load)
-        return self.stiffness_ratios(inputs, area_before_shear, exponents)
-
     def closures_at_computed_loads(self, inputs: InputValues) -> Floats:
         """Return the closures (µm) at all loads of the closure curve, from which `closure_ratio` interpolates.
 
@@ -287,7 +283,7 @@ class ContactResponse:
         for load in self.closure_curve.loads.tolist():
             response = replace(self, load=load)
             area = response.areas_before_shear(inputs).true
-            ratio, _ = response.stiffness_ratios(inputs, area)
+            ratio, *_ = response.stiffness_ratios(inputs, area)
             ratios.append(np.broadcast_to(ratio, np.broadcast_shapes(np.shape(area), hardness.shape)))
         return self.closure_curve.scale_stiffness(np.stack(ratios))
 
