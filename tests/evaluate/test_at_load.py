@@ -514,6 +514,17 @@ def test_interval_of_a_fraction_ends_at_one(areal_study_and_dataset):
     assert lower < mean < upper == 1.0
 
 
+def test_interval_of_the_true_area_ends_at_the_nominal_area():
+    upper, lower = (
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(32, 32), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    )
+    result = pair(upper, lower, load="4 MPa", effective_modulus="40 MPa +- 50 %", mu0=0.2, shifts=3, onset=0)
+    area, fraction = (result.at()[name].squeeze().values for name in ("contact_area", "contact_area_fraction"))
+    assert fraction[0] < fraction[2] == 1
+    np.testing.assert_allclose(area, fraction * result.nominal_area, rtol=1e-12)
+
+
 def test_budget_contains_only_the_quoted_sliding_rule(areal_study_and_dataset):
     _, dataset = areal_study_and_dataset
     table = add_uncertainty(at_load(dataset, [2.0]), dataset)

@@ -22,7 +22,7 @@ from stiction.evaluate.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean
 from stiction.evaluate.response import AreasBeforeShear, ContactResponse, InputValues, ResponseValues
 from stiction.mechanics.brackets import friction_range_for_finer_scans, max_friction_for_finer_scans
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, FrictionLaw
-from stiction.mechanics.quantities import QUANTITIES
+from stiction.mechanics.quantities import find_upper_bound
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES, Z_95, UncertainInput, generate_stratified_points
 from stiction.study.inputs import Inputs
 
@@ -356,6 +356,7 @@ class CombinedIntervals:
             key = None if self.strengths else (id(self.response.closure_curve), names)
             closures = self._sampler.find_closures(key, self.response, inputs)
             ratios["closure"] = self.response.closure_ratio(inputs, closures)
+        nominal_area = self.response.area.nominal_area if self.study.uses_half_space else math.inf
         combined = {}
         for name, estimate in estimates.items():
             value, lower, upper = estimate.tolist()
@@ -373,7 +374,7 @@ class CombinedIntervals:
             if np.isnan(values).any():
                 continue
             low, high = compute_equal_tailed_interval(values).extended_to((lower, upper))
-            combined[name] = np.array([value, low, max(min(high, QUANTITIES[name].bounds[1]), value)])
+            combined[name] = np.array([value, low, max(min(high, find_upper_bound(name, nominal_area)), value)])
         return combined
 
     # ---- Samples -----------------------------------------------------------------------------------------------------

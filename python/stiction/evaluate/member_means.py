@@ -15,7 +15,7 @@ from stiction._checks import Floats
 from stiction.evaluate import intervals
 from stiction.mechanics import friction
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, STATUS_DTYPE, STATUSES
-from stiction.mechanics.quantities import QUANTITIES, STIFFNESS_QUANTITIES, is_requested, quantity_attributes
+from stiction.mechanics.quantities import STIFFNESS_QUANTITIES, find_upper_bound, is_requested, quantity_attributes
 from stiction.solve.contact_statistics import compute_sample_quantiles
 from stiction.study.study import Study
 
@@ -67,7 +67,8 @@ def average_members(
     coordinates: dict[str, Any] = {
         str(name): each for name, each in members.coords.items() if "repetition" not in each.dims
     }
-    variables = _average_quantities(members, average, names)
+    nominal_area = float(members["nominal_area"]) if study.is_measured and study.uses_half_space else math.inf
+    variables = _average_quantities(members, average, names, nominal_area)
     if "contact_area_fraction" in variables:
         fraction_dims, fraction, attributes = variables["contact_area_fraction"]
         area_status, fraction = _classify_area_fractions(fraction, uses_half_space=study.uses_half_space)
@@ -147,9 +148,12 @@ def average_members(
 
 def _average_quantities(
     members: xarray.Dataset, average: Callable[[Sequence[str], Callable[[xarray.Dataset], Floats]], Floats],
-    names: Collection[str] | None,
+    names: Collection[str] | None, nominal_area: float,
 ) -> dict[str, Any]:  # fmt: skip
-    """Average the quantities over the members. Normal and tangential loads are averaged only on request."""
+    """Average the quantities over the members. Normal and tangential loads are averaged only on request.
+
+    The nominal area (µm²) limits the intervals of the true area. It is infinite if contacts may overlap.
+    """
     variables: dict[str, Any] = {}
     for name in map(str, members.data_vars):
         values = members.variables[name]
@@ -161,7 +165,7 @@ def _average_quantities(
         means = average(dims, get_values)
         if name in STIFFNESS_QUANTITIES:
             means = _average_compliances(partial(average, dims), get_values, means)
-        limit = QUANTITIES[name].bounds[1]
+        limit = find_upper_bound(name, nominal_area)
         means = np.where(means > limit, np.maximum(limit, means[..., :1]), means)
         variables[name] = (*dims, "statistic"), means, values.attrs
     return variables

@@ -531,6 +531,13 @@ def is_requested(name: str, names: Collection[str] | None) -> bool:
     return names is None or name in names
 
 
+def find_upper_bound(name: str, nominal_area: float) -> float:
+    """Return the largest upper limit of a quantity. The nominal area (µm²) limits the true contact area."""
+    if name == "contact_area":
+        return nominal_area * QUANTITIES["contact_area_fraction"].bounds[1]
+    return QUANTITIES[name].bounds[1]
+
+
 # ---- Selections of quantities ----------------------------------------------------------------------------------------
 
 SUM_QUANTITIES = tuple(CORE_SUMS)
