@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -712,6 +713,21 @@ def test_soft_ball_has_a_range_of_the_area_loss_by_default() -> None:
     assert float(Ball("5 mm", "2 MPa", area_loss=0.1).area_loss) == 0.1
     with pytest.raises(ValueError, match=r"area_loss must be from 0 to 0\.9"):
         Ball("5 mm", "2 MPa", area_loss="0..1.5")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"effective_modulus": "2..4.5 GPa", "area_loss": "0.1..0.2"},
+        {"young": "2..3 GPa, 70 GPa", "poisson": "0.3, 0.2"},
+        {"upper_material": "PMMA", "lower_material": "glass"},
+    ],
+)
+def test_copy_of_a_ball_with_another_radius_keeps_the_ranges_of_its_inputs(arguments: dict[str, Any]) -> None:
+    ball = replace(Ball("5 mm", **arguments), radius="2 mm")
+    assert ball == Ball("2 mm", **arguments)
+    assert repr(ball) == repr(Ball("2 mm", **arguments))
+    assert ball.moduli.inputs
 
 
 @pytest.mark.parametrize("ball", [

@@ -38,6 +38,12 @@ change of the coefficient due to junction growth. A coefficient depends on it if
 """
 
 
+class _BallModulus(float):
+    """Effective modulus E* (GPa) of a ball, with the argument that determined it, for copies of the ball."""
+
+    argument: Any = None
+
+
 @dataclass(frozen=True)
 class Ball:
     """Smooth elastic ball on a smooth flat, for which the true area is the Hertzian contact area.
@@ -78,10 +84,13 @@ class Ball:
         """Convert the radius and the moduli to core units."""
         radius = validate_number("radius", to_core_units("radius", self.radius, "length"), unit="µm", above=0)
         object.__setattr__(self, "radius", radius)
+        argument = getattr(self.effective_modulus, "argument", self.effective_modulus)
         elasticity, moduli = parse_elasticity(
-            self.effective_modulus, self.young, self.poisson, self.upper_material, self.lower_material
+            argument, self.young, self.poisson, self.upper_material, self.lower_material
         )
-        object.__setattr__(self, "effective_modulus", elasticity.effective_modulus)
+        modulus = _BallModulus(elasticity.effective_modulus)
+        modulus.argument = argument
+        object.__setattr__(self, "effective_modulus", modulus)
         object.__setattr__(self, "elasticity", elasticity)
         object.__setattr__(self, "moduli", moduli)
         area_loss = self.area_loss
