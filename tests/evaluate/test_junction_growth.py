@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from stiction import Result, Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
 from stiction.evaluate.at_load import at_load
+from stiction.evaluate.member_values import member_values
 from stiction.mechanics.friction import FrictionLaw
 from stiction.solve.member_sums import MemberSums
 
@@ -136,6 +137,49 @@ def test_interface_stronger_than_the_bulk_gives_the_status_seizure():
     assert result.assessment == "Do not quote"
 
 
+def with_sums(result, **ratios):
+    """Return a result whose sums are multiples of the elastic load in all directions."""
+    dataset = result.dataset.copy(deep=True)
+    for name, ratio in ratios.items():
+        dataset[name][...] = (
+            (ratio * dataset["normal_elastic"]).broadcast_like(dataset[name]).transpose(*dataset[name].dims)
+        )
+    return Result.of(dataset)
+
+
+def find_area_ratios(result):
+    """Return the true area before shear per solved area, and the true area at the onset per true area."""
+    values = result.at().sel(statistic="mean")
+    before, onset = (float(values[name].squeeze()) for name in ("contact_area", "contact_area_at_onset"))
+    solved = result.dataset["contact_area"].sel(load=float(values["load"].squeeze()), method="nearest").mean()
+    return before / float(solved), onset / before
+
+
+def test_normal_load_of_a_member_counts_the_grown_area(growth_result):
+    area_ratio, growth = find_area_ratios(growth_result)
+    assert growth > 1.1
+    # Per unit load, the adhesive part of the normal load is -0.1 before contacts grow.
+    ratio = -0.1 / (area_ratio * INTERFACE_STRENGTH["tau0"])
+    values = with_sums(growth_result, normal_adhesive=ratio, normal_frictional=0.0).at(per_member=True)
+    load = float(values["load"].squeeze())
+    np.testing.assert_allclose(values["normal_load"], load * (1 - 0.1 * growth), rtol=1e-9)
+    assert (values["status"] == "ok").all()
+
+
+def test_member_that_loses_its_normal_load_as_contacts_grow_is_self_locked(growth_result):
+    area_ratio, growth = find_area_ratios(growth_result)
+    # The normal load is above 0 before contacts grow, and below 0 afterwards.
+    ratio = -1 / (area_ratio * INTERFACE_STRENGTH["tau0"] * math.sqrt(growth))
+    result = with_sums(growth_result, normal_adhesive=ratio, normal_frictional=0.0)
+    values = result.at(per_member=True)
+    assert (values["normal_load"] < 0).all()
+    assert (values["status"] == "self-locked").all()
+    assert values["friction_coefficient"].isnull().all()
+    study = result.study.with_changes({"contact.junction_growth": None})
+    without_growth = member_values(MemberSums.of(result).with_study(study), [float(values["load"].squeeze())])
+    assert (without_growth["status"] == "ok").all()
+
+
 @pytest.mark.parametrize(("tau0", "has_end"), [("60..90 MPa", True), ("70..130 MPa", False)])
 def test_friction_interval_has_no_upper_end_if_seizure_occurs_in_many_samples(tau0, has_end):
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": tau0}, junction_growth="20..27")
@@ -261,6 +305,29 @@ def test_interface_stronger_than_the_softer_body_gives_a_lower_limit(strength):
     assert 2 / 6.05 <= result.interval[0] <= result.value
     assert result.assessment == "Do not quote"
     assert np.isfinite(result.at()["friction_coefficient"].sel(statistic="mean")).all()
+
+
+def test_shear_of_the_softer_body_limits_friction_in_the_normal_load_too():
+    result = pair(*rough_surfaces(), **PLASTIC_OPTIONS, mu0=0.6)
+    ratios = {"normal_frictional": -0.5, "tangential_frictional": 1.0, "tangential_elastic": 0.0}
+    values = with_sums(result, **ratios).at(per_member=True)
+    load = float(values["load"].squeeze())
+    limited_mu0 = values["tangential_load"] / load
+    assert (values["status"] == "bulk-shear").all()
+    assert (limited_mu0 < 0.59).all()
+    np.testing.assert_allclose(values["normal_load"], load * (1 - 0.5 * limited_mu0), rtol=1e-9)
+
+
+def test_shear_of_the_softer_body_limits_the_adhesive_part_of_the_normal_load():
+    result = pair(*rough_surfaces(), **PLASTIC_OPTIONS, mu0=0.2, tau0=0.11)
+    area_ratio, growth = find_area_ratios(result)
+    ratios = {"normal_adhesive": -0.1 / (area_ratio * 0.11), "normal_frictional": 0.0, "tangential_adhesive": 0.0}
+    ratios |= {"tangential_frictional": 1.0, "tangential_elastic": 0.0}
+    values = with_sums(result, **ratios).at(per_member=True)
+    load = float(values["load"].squeeze())
+    friction_fraction = values["tangential_load"] / (0.2 * load)
+    assert (friction_fraction < 0.99).all()
+    np.testing.assert_allclose(values["normal_load"], load * (1 - 0.1 * growth * friction_fraction), rtol=1e-9)
 
 
 def test_elastic_pair_with_high_mu0_is_independent_of_slip_lines():
