@@ -9,10 +9,7 @@ import numpy as np
 
 from stiction._checks import validate_number
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, exact_quantity_text, quantity, short_repr, unit_names
-
-_CORE_UNITS = {"length": "um", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m^2"}
-"""Core unit of each kind of quantity. A number without a unit is in this unit."""
+from stiction._units import Quantity, core_quantity, quantity, short_repr, unit_names
 
 
 def split_values(value: Any) -> list[Any]:
@@ -40,10 +37,7 @@ def _split_required_values(name: str, value: Any) -> list[Any]:
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
     """Convert a string with a unit, or a number in core units, to a quantity of the given kind."""
     try:
-        return quantity(
-            value if isinstance(value, str) else exact_quantity_text(validate_number("", value), _CORE_UNITS[kind]),
-            kind,
-        )
+        return quantity(value, kind) if isinstance(value, str) else core_quantity(validate_number("", value), kind)
     except ValueError as error:
         raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
 

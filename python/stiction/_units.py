@@ -74,7 +74,6 @@ def quantity(text: object, kind: str) -> Quantity:
         )
     match = _QUANTITY_PATTERN.fullmatch(text)
     lowest, highest = VALID_QUANTITY_RANGES[kind]
-    core_unit = next(name for name, factor in units.items() if factor == "1")
     if match is None and _RANGE_OF_NUMBERS_PATTERN.search(text):
         raise ValueError(f"must be one number with a unit of {kind}, not a range, got {short_repr(text)}")
     if (
@@ -82,7 +81,7 @@ def quantity(text: object, kind: str) -> Quantity:
         and (number_match := _NUMBER_WITH_UNIT_PATTERN.fullmatch(text)) is not None
         and number_match[1] in units
     ):
-        raise ValueError(f"must be from {lowest:g} to {highest:g} {core_unit}, got {short_repr(text)}")
+        raise ValueError(f"must be from {lowest:g} to {highest:g} {_core_unit(kind)}, got {short_repr(text)}")
     if match is None:
         raise ValueError(f"must be a number with a unit of {kind} ({allowed}), got {short_repr(text)}")
     digits, unit = match.groups()
@@ -94,9 +93,25 @@ def quantity(text: object, kind: str) -> Quantity:
         )
     # Decimal arithmetic ensures that "100 nm" and "0.1 um" give the same number.
     value = float(Decimal(digits.replace("_", "")) * Decimal(units[unit]))
-    if value != 0 and not lowest <= abs(value) <= highest:
-        raise ValueError(f"must be from {lowest:g} to {highest:g} {core_unit}, got {short_repr(text)}")
-    return Quantity(value, f"{digits} {unit}")
+    return _check_magnitude(Quantity(value, f"{digits} {unit}"), kind, text)
+
+
+def core_quantity(value: float, kind: str) -> Quantity:
+    """Return a number in core units as a quantity. Raises a `ValueError` if its magnitude is out of range."""
+    text = exact_quantity_text(value, _core_unit(kind))
+    return _check_magnitude(Quantity(value, text), kind, text)
+
+
+def _core_unit(kind: str) -> str:
+    return next(name for name, factor in _UNIT_FACTORS[kind].items() if factor == "1")
+
+
+def _check_magnitude(value: Quantity, kind: str, text: str) -> Quantity:
+    lowest, highest = VALID_QUANTITY_RANGES[kind]
+    magnitude = abs(float(value))
+    if magnitude != 0 and not lowest <= magnitude <= highest:
+        raise ValueError(f"must be from {lowest:g} to {highest:g} {_core_unit(kind)}, got {short_repr(text)}")
+    return value
 
 
 def to_core_units(name: str, value: Any, kind: str) -> Any:

@@ -23,7 +23,7 @@ from stiction._arguments import (
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction._text import MAX_WORD_LENGTH
-from stiction._units import Quantity, exact_quantity_text, quantity, short_repr
+from stiction._units import Quantity, core_quantity, exact_quantity_text, short_repr
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.materials import material
@@ -420,7 +420,7 @@ class MeasuredPair:
             forces = {
                 force or float(f"{ZERO_LOAD_REPLACEMENT * self._max_cell_adhesion_force:.3g}") for force in forces
             }
-        return [quantity(exact_quantity_text(force, "mN"), "force") for force in sorted(forces)]
+        return [core_quantity(force, "force") for force in sorted(forces)]
 
     @property
     def _has_zero_load(self) -> bool:
@@ -575,7 +575,9 @@ class MeasuredPair:
         filtered_files = []
         for file, file_limits in zip(self.files, limits_by_file, strict=True):
             first_file, *other_files = (
-                scan.model_copy(update={"max_cut_off": _to_length_quantity(0.0 if limit is None else limit.cut_off)})
+                scan.model_copy(
+                    update={"max_cut_off": core_quantity(0.0 if limit is None else limit.cut_off, "length")}
+                )
                 for scan, limit in zip(file.scans, file_limits, strict=True)
             )
             filtered_files.append(first_file.model_copy(update={"others": tuple(other_files) or None}))
@@ -938,10 +940,6 @@ def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | Hid
         return None
     defects = find_scan_defects(body, scan.tip, textured=scan.texture is not None)
     return defects.instrument_limit if defects.instrument_limit.matters else defects.hidden_noise
-
-
-def _to_length_quantity(wavelength: float) -> Quantity:
-    return quantity(exact_quantity_text(wavelength, "um"), "length")
 
 
 def _sort_unique(values: list[Quantity]) -> list[Quantity]:
