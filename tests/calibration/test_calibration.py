@@ -279,6 +279,22 @@ def test_prediction_for_a_pair_equals_its_combined_interval_with_the_interface(t
     assert value == pytest.approx(result.value, abs=0.1 * width)
 
 
+def test_prediction_from_tests_of_yielding_pairs_differs_from_pair_only_by_shared_errors(tmp_path) -> None:
+    options = PAIR_OPTIONS | {"hardness": "2 GPa ± 10 %"}
+    tested_pair = pair(*rough_surface_pair(0.05), **options)
+    tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.004)] * 3
+    strength = calibrate(tests, common=0.0, sliding="all")
+    write_interface(strength, tmp_path / "film.csv")
+    options = {name: value for name, value in options.items() if name not in ("mu0", "tau0")}
+    result = pair(*rough_surface_pair(0.02), interface=tmp_path / "film.csv", **options)
+    _, low, high = strength.predict(result, "20 MPa")
+    assert result.interval[0] < low < high < result.interval[1]
+    assert high - low < 0.9 * np.ptp(result.interval)
+    fit = replace(strength.fits[0], scores={})
+    _, *ends = replace(strength, fits=(fit,)).predict(result, "20 MPa")
+    assert ends == pytest.approx(result.interval, abs=1e-6 * np.ptp(result.interval))
+
+
 def test_prediction_for_the_tested_pair_omits_the_error_of_its_contact_area() -> None:
     tested_pair = pair(*rough_surface_pair(0.03), hardness="0.8 GPa", **PAIR_OPTIONS)
     tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)] * 4

@@ -70,8 +70,9 @@ class Interface(InterfaceStrength):
             scatter of the area between positions. The upper limit is infinite if the interface may be
             stronger than the softer body. For measured bodies, the interval is
             the combined interval that `pair` computes with this interface, without alternative preparations of the
-            scans. If the tests have the same surfaces or a modulus with the same uncertainty, the interval includes
-            only these and the other inputs, because such errors cancel.
+            scans. This does not apply if tests and result share their surfaces or an uncertain input, such as the
+            exponent of bodies that yield or a modulus: their common errors cancel here, but not in `pair`, which
+            samples all inputs except the hardness and the junction growth again.
 
         Warns
         -----
