@@ -231,3 +231,20 @@ def test_profile_in_few_lines_has_a_caveat(tmp_path):
     heights = create_map(1, 125)[0]
     path.write_text(to_text(heights.reshape(5, 25)))
     assert [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats] == ["wrapped"]
+
+
+@pytest.mark.parametrize("shape", [(3, 32), (4, 25), (8, 12), (17, 16)])
+@pytest.mark.parametrize("seed", range(4))
+def test_rough_profile_in_lines_has_a_caveat(tmp_path, shape, seed):
+    path, rng = tmp_path / "a.txt", np.random.default_rng(seed)
+    profile = np.convolve(rng.normal(size=shape[0] * shape[1] + 20), np.hanning(9), "same")[10:-10]
+    path.write_text(to_text(profile.reshape(shape)))
+    assert [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats][:1] == ["wrapped"]
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_map_with_lay_along_its_rows_has_no_caveat_of_a_profile(tmp_path, seed):
+    path, rng = tmp_path / "a.txt", np.random.default_rng(seed)
+    grooves = np.convolve(rng.normal(size=46), np.hanning(5), "same")[3:-3, np.newaxis]
+    path.write_text(to_text(grooves + np.cumsum(rng.normal(size=(40, 24)), axis=1) / 20))
+    assert "wrapped" not in [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats]

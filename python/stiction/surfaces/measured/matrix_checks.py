@@ -24,11 +24,11 @@ MAX_STATISTIC_LINES = 6  # maximum number of outer rows or columns that contain 
 # Printed statistics of heights deviate less, and heights of a surface deviate more.
 MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per line of a profile that is written in lines
-MIN_WRAPPED_LINES = 5  # minimum number of lines of a profile that is written in lines
+MIN_WRAPPED_LINES = 3  # minimum number of lines of a profile that is written in lines
 # A wrapped profile has similar heights at the end of a line and at the start of the next line.
-# Their mean square difference is limited by a multiple of that between neighbours in a line (first factor).
-# It may also reach a fraction of that between neighbours in a column (second factor).
-MAX_WRAP_DIFFERENCE, MAX_WRAP_DIFFERENCE_OVER_COLUMN = 1.7, 0.25
+# Their mean square difference is limited by a multiple of that between neighbours in a line.
+# It may also reach the geometric mean of the differences in a line and in a column, unlike in a map.
+MAX_WRAP_DIFFERENCE = 1.7
 MAX_DEVIATION_IN_LINES = 8.0  # heights above this limit, in median deviations, are ignored in a wrapped profile
 MIN_COLUMN_DIFFERENCE = 2.0  # minimum mean square difference between neighbours in a column, relative to a line
 
@@ -172,7 +172,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
         float(np.nanmean(difference**2)) if np.isfinite(difference).any() else np.nan
         for difference in (np.diff(heights, axis=1), np.diff(heights, axis=0), heights[1:, 0] - heights[:-1, -1])
     )
-    max_wrap = max(MAX_WRAP_DIFFERENCE * difference_along, MAX_WRAP_DIFFERENCE_OVER_COLUMN * difference_across)
+    max_wrap = max(MAX_WRAP_DIFFERENCE * difference_along, (difference_along * difference_across) ** 0.5)
     if not (
         difference_at_wrap <= max_wrap
         and difference_across > 0
