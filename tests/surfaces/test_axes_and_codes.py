@@ -139,6 +139,39 @@ def test_value_that_is_much_more_frequent_than_similar_heights_is_reported(tmp_p
     assert "--missing-value" in text
 
 
+@pytest.mark.parametrize("fraction", [0.03, 0.06])
+@pytest.mark.parametrize("deviation", [0.04, 0.1, 1.0])
+def test_zeros_among_finely_rounded_heights_are_reported(tmp_path, deviation, fraction):
+    rng = np.random.default_rng(5)
+    heights = np.round(deviation * rng.normal(size=(40, 40)), 3)
+    heights[rng.random(heights.shape) < fraction] = 0
+    assert "repeated-height" in caveats_of(write_map(tmp_path / "a.csv", heights), unit="um", spacing="1 mm")
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("round_heights", [np.round, np.trunc, np.floor])
+@pytest.mark.parametrize("deviation", [6.0, 25.0, 120.0])
+def test_zeros_of_rounded_heights_are_not_reported(tmp_path, deviation, round_heights, seed):
+    heights = round_heights(deviation * np.random.default_rng(seed).normal(size=(60, 50)))
+    assert "repeated-height" not in caveats_of(write_map(tmp_path / "a.csv", heights), unit="nm", spacing="1 um")
+
+
+@pytest.mark.parametrize("copies", [2, 3])
+@pytest.mark.parametrize("kind", ["profile", "map"])
+def test_heights_that_are_listed_repeatedly_are_reported(tmp_path, kind, copies):
+    if kind == "profile":
+        path = tmp_path / "a.csv"
+        path.write_text("".join(f"{z}\n" for z in [*PROFILE] * copies))
+    else:
+        path = write_map(tmp_path / "a.csv", np.concatenate([MAP] * copies))
+    assert f"follow each other {copies} times" in caveats_of(path, unit="um", spacing="1 mm")["repeated-rows"]
+
+
+def test_wave_of_a_few_periods_is_not_reported(tmp_path):
+    (tmp_path / "a.csv").write_text("".join(f"{np.sin(np.pi * at / 25):.4f}\n" for at in range(200)))
+    assert not caveats_of(tmp_path / "a.csv", unit="um", spacing="1 um")
+
+
 def test_zeros_in_a_profile_are_reported(tmp_path):
     heights = PROFILE.copy()
     heights[7::20] = 0

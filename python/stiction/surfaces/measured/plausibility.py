@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._repr import format_with_unit
@@ -31,6 +32,10 @@ NUM_NEIGHBOURS = 12  # number of next lower and next higher heights with which a
 # In this formula, m is the median frequency of similar heights.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4  # range of the fraction of points that have a repeated height
+# Zeros count as repeated if their number is at least 2 m + a sqrt(2 m) + b, where m is the mean frequency of the
+# nearest heights, a the number of deviations and b the minimum number of zeros. The mean is taken over the given
+# numbers of heights on either side, and the largest mean is used.
+ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 # maximum fraction of rows that equal the row before; a map with a larger fraction is probably an extended profile
 MAX_REPEATED_ROWS = 0.9
 # minimum length of a run of equal heights in a profile that is reported, and maximum probability of such a run due
@@ -158,6 +163,8 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
     if values.size < MIN_DIFFERENT_HEIGHTS:
         return
     total = int(counts.sum())
+    if text := _describe_frequent_zeros(values, counts):
+        yield text
     for place in np.argsort(counts)[::-1][:MAX_MISSING_CODES].tolist():
         neighbours = np.delete(
             counts[max(0, place - NUM_NEIGHBOURS) : place + NUM_NEIGHBOURS + 1], min(place, NUM_NEIGHBOURS)
@@ -165,7 +172,8 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
         usual = float(np.median(neighbours))
         fraction = counts[place] / total
         if (
-            counts[place] >= MIN_REPEAT_RATIO * usual + MIN_REPEAT_DEVIATIONS * usual**0.5
+            values[place] != 0
+            and counts[place] >= MIN_REPEAT_RATIO * usual + MIN_REPEAT_DEVIATIONS * usual**0.5
             and MIN_REPEAT_FRACTION <= fraction <= MAX_REPEAT_FRACTION
         ):
             number = float(f"{values[place] / scan.factor:.12g}")
@@ -174,6 +182,30 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
                 f"{counts[place] / usual:.2g} times as frequent as similar heights, like a code for missing points"
                 f"|{number:.12g}"
             )
+
+
+def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str | None:
+    """Return the finding that more heights are exactly 0 than the frequencies of similar heights explain, or None.
+
+    Heights that are rounded towards zero are 0 twice as often as they have another value.
+    """
+    place = int(np.searchsorted(values, 0.0))
+    total = int(counts.sum())
+    if place == values.size or values[place] != 0 or not counts[place] >= MIN_REPEAT_FRACTION * total:
+        return None
+    first, end = max(0, place - NUM_NEIGHBOURS), place + NUM_NEIGHBOURS + 1
+    near_counts, distances = counts[first:end], np.abs(values[first:end])
+    step = float(np.diff(values[first:end]).min())  # resolution of the numbers
+    usual = max(
+        float(near_counts[(distances > 0) & (distances < (num + 0.5) * step)].sum()) / (2 * num)
+        for num in NUM_NEAREST_HEIGHTS
+    )
+    if counts[place] < 2 * usual + ZERO_DEVIATIONS * (2 * usual) ** 0.5 + MIN_ZEROS:
+        return None
+    return (
+        f"{100 * counts[place] / total:.2g} % of the heights are exactly 0, which is "
+        f"{counts[place] / max(usual, 1.0):.2g} times as frequent as similar heights, like a code for missing points|0"
+    )
 
 
 def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
@@ -190,6 +222,10 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
             scan.heights.size * fraction ** (longest_run - 1) < MAX_RUN_PROBABILITY
         ):
             yield f"{longest_run} heights in a row are equal, like points that were not measured"
+    if (copies := _count_copies(scan.heights)) > 1:
+        kind = "points" if scan.heights.ndim == 1 else "rows"
+        yield f"the same {scan.heights.shape[0] // copies} {kind} follow each other {copies} times"
+    if scan.heights.ndim == 1:
         return
     for kind, lines in (("rows", scan.heights), ("columns", scan.heights.T)):
         if min(lines.shape) < MIN_DISTINCT_HEIGHTS or np.unique(lines[:, : lines.shape[1] // 2 + 1][0]).size < (
@@ -206,6 +242,24 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
         count = int((np.ptp(lines[flat_rows], axis=1) == 0).sum())
         if 0 < count <= MAX_REPEATED_ROWS * lines.shape[0]:
             yield f"{count} of {lines.shape[0]} {kind} have equal heights, like {kind} that were not measured"
+
+
+def _count_copies(heights: Floats) -> int:
+    """Return how many times a file lists the same heights, one list after another. A wave has shorter periods."""
+    for copies in (2, 3):
+        length = heights.shape[0] // copies
+        if (
+            length < MIN_DISTINCT_HEIGHTS
+            or heights.shape[0] % copies
+            or not np.array_equal(heights[length], heights[0], equal_nan=True)
+        ):
+            continue
+        first, periods = heights[:length], range(1, length // 2 + 1)
+        if all(np.array_equal(part, first, equal_nan=True) for part in np.split(heights, copies)) and not any(
+            np.array_equal(first[period:], first[: length - period], equal_nan=True) for period in periods
+        ):
+            return copies
+    return 1
 
 
 def _find_whole_number_heights(scan: ScannedHeights) -> Iterator[str]:
