@@ -1118,3 +1118,11 @@ def test_number_in_another_notation_is_not_recommended_as_a_missing_point(tmp_pa
     with pytest.raises(FormatError, match=advice) as caught:
         read_measurement(tmp_path / "a.csv", unit="um", spacing="0.5 um")
     assert "--missing-value" not in str(caught.value)
+
+
+def test_wyko_file_with_two_blocks_of_heights_is_rejected(tmp_path):
+    text = wyko_text(intensity=False)
+    block = text[text.index("RAW_DATA") :]
+    (tmp_path / "a.asc").write_text(text + block.replace("RAW_DATA", "OPD"))
+    with pytest.raises(FormatError, match="has several blocks of heights, RAW_DATA and OPD; keep one block"):
+        read_measurement(tmp_path / "a.asc", missing="mask")

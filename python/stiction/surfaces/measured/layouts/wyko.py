@@ -32,6 +32,12 @@ _HEIGHT_BLOCK_NAMES = ("RAW_DATA", "RAW DATA", "OPD", "SAMPLE_DATA")
 _FIRST_LINE_START = "Wyko ASCII Data File"
 
 
+def _find_block_name(text: DecodedText, index: int) -> str | None:
+    """Return the name of the block of heights that a line begins, or None."""
+    line = text.line(index)
+    return next((name for name in _HEIGHT_BLOCK_NAMES if re.match(rf"{name}(?:\t|\s{{2,}}|$)", line)), None)
+
+
 def _read(text: DecodedText) -> RawHeights:
     header = {}
     first = None
@@ -48,6 +54,10 @@ def _read(text: DecodedText) -> RawHeights:
     if first + columns > len(text):
         raise FormatError(f"declares {columns} lines of heights, but ends earlier")
     decimal_comma = "," in "".join(text.line(first + index) for index in range(min(3, columns)))
+    if other := [name for index in range(first + columns, len(text)) if (name := _find_block_name(text, index))]:
+        raise FormatError(
+            f"has several blocks of heights, {_find_block_name(text, first - 1)} and {', '.join(other)}; keep one block"
+        )
     block = parse_number_block(text, first, first + columns - 1, Dialect(None, "," if decimal_comma else "."))
     if block.values.shape != (columns, rows):
         raise FormatError(
