@@ -50,7 +50,15 @@ def test_line_that_only_declares_the_spacing_is_used_without_a_caveat(read_text,
 
 
 @pytest.mark.parametrize(
-    "line", ["Pitch: 0.5 um", "Step: 0.5 um", "Interval: 0.5 um", "Scan pitch 0.5 um", "Abstand: 0,5 µm"]
+    "line",
+    [
+        "Pitch: 0.5 um",
+        "Step: 0.5 um",
+        "Interval: 0.5 um",
+        "Scan pitch 0.5 um",
+        "Abstand: 0,5 µm",
+        "Sample spacing 3 mm",
+    ],
 )
 def test_line_that_may_be_a_length_of_the_specimen_has_a_caveat_unless_the_spacing_is_given(read_text, line):
     reading = read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}")
@@ -122,7 +130,7 @@ def test_equal_spacings_along_both_axes_are_used(read_text, line):
      "values times 1000", "facteur: 0.001", "係数 0.001", "коэффициент 0.001", "exponent: -3", "1 digit = 0.01 um",
      "1 LSB = 0.5 nm", "Counts per um: 100", "Height per gray level: 0.02 um", "normalized by 0.8 um", "in 10 nm",
      "units of 0.1 um", "in thousandths of um", "normalised to 1", "z times 3", "LSB: 0.5 nm",
-     "add_offset 0 scale_factor 0.001"],
+     "add_offset 0 scale_factor 0.001", "times 1e3", "z/1000", "Z: 10 nm per step"],
 )  # fmt: skip
 def test_factor_in_words_adds_a_caveat(read_text, line):
     reading = read_text(f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
@@ -196,6 +204,58 @@ def test_unit_at_the_end_of_a_column_name_that_is_no_length_is_not_replaced(read
     assert "which is not a supported unit of length" in message
 
 
+@pytest.mark.parametrize(
+    ("names", "unit"),
+    [("x (mm);z_100nm", "100nm"), ("x mm;z 10 nm", "10 nm"), ("x_mm;z_0.1_um", "0.1_um"), ("x mm;z mm/100", "mm/100"),
+     ("X_mm;Z_x10nm", "x10nm"), ("x mm;z nm/nm", "nm/nm"), ("x_mm;z_Volt", "Volt"), ("x.mm;z.mils", "mils"),
+     ("x position mm;z grey levels", "grey levels"), ("Distance mm;Height Schritte", "Schritte"),
+     ("x-mm;surface height-km", "km"), ("x mm;Height u m", "u m"), ("X;Z\nmm;0.1 um", "0.1 um"),
+     ("Distance;Height\nmm;foo", "foo"), ("x_mm;z_foo", "foo")],
+)  # fmt: skip
+def test_given_unit_does_not_replace_a_unit_without_brackets(read_text, names, unit):
+    message = error_message(read_text, f"{names}\n{ROWS}", unit=("mm", "um"))
+    assert f"has heights in {unit!r}, which is not a supported unit of length" in message
+
+
+@pytest.mark.parametrize(
+    "names", ["X_my;Z_my", "x pollici;z pollici", "X_10nm;Z_10nm", "Position, \\mum;Height, \\mum"]
+)
+def test_given_unit_does_not_replace_an_unknown_unit_of_all_columns(read_text, names):
+    assert "which is not a supported unit of length" in error_message(read_text, f"{names}\n{ROWS}", unit="um")
+
+
+@pytest.mark.parametrize("name", ["height_1e-6m", "z 10⁻⁶ m", "z 10^-6 m", "z_1e-3mm", "z mm/1000", "z.um", "Z - um"])
+def test_power_of_ten_in_a_unit_without_brackets_is_read(read_text, name):
+    assert read_text(f"x (mm);{name}\n{ROWS}").body.heights == pytest.approx(PROFILE)
+
+
+@pytest.mark.parametrize("names", ["x left;z left", "X Profil1;Z Profil1", "x_mm;z_filtered", "x mm;Profile 10 um"])
+def test_words_after_a_name_that_are_no_units_are_ignored(read_text, names):
+    assert read_text(f"{names}\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
+
+
+@pytest.mark.parametrize("line", ["Z: MM", "z_my", "Height foo", "Z: 10 nm", "z 1e-4 m", "z = x10 nm", "Y unit: V"])
+def test_given_unit_does_not_replace_a_unit_after_the_name_of_the_heights(read_text, line):
+    message = error_message(read_text, f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
+    assert "which is not a supported unit of length" in message
+
+
+@pytest.mark.parametrize("line", ["Height map", "Height (trace)", "Z: 12.5 mm", "Height: 200 um\nWidth: 200 um"])
+def test_line_that_names_the_heights_without_their_unit_is_ignored(read_text, line):
+    options = {} if "Width" in line else {"spacing": "5 um"}
+    assert read_text(f"{line}\n{MAP_TEXT}", unit="um", **options).body.heights.tolist() == MAP.tolist()
+
+
+def test_unit_along_y_is_not_that_of_the_heights_of_a_map(read_text):
+    assert not read_text(f"Y unit: mm\n{MAP_TEXT}", unit="um", spacing="5 um").caveats
+
+
+@pytest.mark.parametrize("names", ["x (um);z (raw)", "x um;Height raw", "x;z\num;raw"])
+def test_raw_heights_without_a_unit_have_a_caveat(read_text, names):
+    rows = "".join(f"{at / 2:.1f};{z}\n" for at, z in enumerate(PROFILE))
+    assert caveat_names(read_text(f"{names}\n{rows}", unit="um")) == ["scale"]
+
+
 @pytest.mark.parametrize("name", ["data points", "z min", "height left", "Channel A", "Profile, left"])
 def test_last_word_of_a_column_name_is_not_always_a_unit(read_text, name):
     assert read_text(f"x (mm);{name}\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
@@ -267,3 +327,37 @@ def test_remark_in_a_column_name_is_not_a_unit(read_text, remark):
 def test_unit_of_positions_in_a_header_line_is_used_or_rejected(read_text):
     assert read_text(f"X unit: mm\nx;z\n{ROWS}", unit="um").body.spacing == pytest.approx(0.5)
     assert "has positions in 's', which is not" in error_message(read_text, f"X unit: s\nx;z\n{ROWS}", unit="um")
+
+
+# ---- Units of several quantities ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"),
+    [("Units: mm, nm\nx;z", "nm"), ("Units: x=mm, z=nm\nx;z", "nm"), ("mm;nm\nPosition;Height", "nm"),
+     ("# x;z\n# mm;nm", "nm")],
+)  # fmt: skip
+def test_units_of_the_columns_in_a_line_of_their_own_are_read(read_text, header, unit):
+    reading = read_text(f"{header}\n{ROWS}")
+    assert (reading.unit, reading.body.spacing) == (unit, pytest.approx(0.5))
+
+
+def test_units_between_names_separated_by_blanks_are_read(read_text):
+    rows = ROWS.replace(";", " ")
+    assert read_text(f"DISTANCE mm DEPTH nm\n{rows}").unit == "nm"
+    assert "has heights in 'FEET'" in error_message(read_text, f"DISTANCE mm DEPTH FEET\n{rows}", unit=("mm", "um"))
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["Units: x=mm, z=PSIA\nx;z", "mm;PSIA\nPosition;Height", "name: x\nunit: mm\nname: z\nunit: PSIA\nx;z",
+     "units.z: V\nx;z", "Channel unit: 1/mm\nx;z", "unit_z = V\nx;z"],
+)  # fmt: skip
+def test_given_unit_does_not_replace_a_unit_of_one_of_several_quantities(read_text, header):
+    message = error_message(read_text, f"{header}\n{ROWS}", unit=("mm", "um"))
+    assert "which is not a supported unit of length" in message
+
+
+def test_unit_in_the_header_that_contradicts_a_column_has_a_caveat(read_text):
+    reading = read_text(f"Units: nm\nx (mm);z (um)\n{ROWS}")
+    assert (reading.unit, caveat_names(reading)) == ("um", ["scale"])

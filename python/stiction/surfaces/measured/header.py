@@ -23,28 +23,60 @@ from stiction.surfaces.measured.split import Dialect
 
 COMMENT_CHARACTERS = "#%!/ "  # characters at the start of comment lines in various programs
 
+_FACTOR_PATTERN = (
+    r"(?:[x×*·]\s?)?(?:1/10+|10\s?\^?[-+][0-9]{1,2}|[0-9.,]*e[-+]?[0-9]{1,2}|10+|0[.,]0*1)[\s_]*[x×*·]?[\s_]*"
+)
+"""Pattern of the factor in a unit such as "10 nm", "1e-6m" and "1/100 mm"."""
+
 _UNIT_WORDS = (
     r"(?:units?|einheit(?:en)?|unités?|unidad(?:es)?(?: de valor)?|unità(?: valore)?|jednotk[ay](?: hodnot)?|"
     r"単位|値の単位|单位|값 단위|단위|единицы измерения)"
 )
+_HEIGHT_WORDS = r"(?:z|(?:image )?data|heights?|values?|amplitude|vertical|profile|channel|signal|image|topography)"
 _HEIGHT_UNIT_PATTERN = re.compile(
     r"\W*(?:(?:z|heights?|höhen?|hauteurs?|data|values?)\s+(?:are\s+)?in\s+(?:1(?:[.,]0*)?\s+)?|"
-    rf"(?:(?:z|data|height|value|amplitude|vertical|profile)[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}"
-    r"(?: (?:of )?(?:z|data|heights?|values?))?\s*[:=,;\t]\s*)[\"']?([^\s\"',;:]{1,20})[\"']?\W*",
+    rf"(?:{_HEIGHT_WORDS}[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}(?:[ ._-](?:of )?{_HEIGHT_WORDS})?"
+    r"\s*[:=,;\t]\s*)[\"']?([^\s\"',;:]{1,20})[\"']?\W*",
     re.IGNORECASE,
 )
 _UNKNOWN_UNIT_PATTERN = re.compile(
     r"\W*(?:(?:z|heights?|höhen?)\s+(?:are\s+)?in\s+(?!the\b|an?\b|this\b|columns?\b|rows?\b|lines?\b|files?\b)|"
-    rf"(?:(?:z|data|height|value|amplitude|vertical|profile)[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}"
-    r"(?: (?:of )?(?:z|data|heights?|values?))?(?:\s*[:=,;\t]\s*|\s+(?=[0-9])))"
+    rf"(?:{_HEIGHT_WORDS}[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}(?:[ ._-](?:of )?{_HEIGHT_WORDS})?"
+    r"(?:\s*[:=,;\t]\s*|\s+(?=[0-9])))"
     r"[\"']?((?:[^\"',;\t]|(?<=[0-9]),(?=[0-9])){1,40}?)[\"']?[\s,;]*",
     re.IGNORECASE,
 )
 """Pattern of a line that declares the unit of the heights in any words. The unit need not be known."""
 
 _UNIT_OF_Z_PATTERN = re.compile(
-    r"\W*z\s*[:=]\s*((?:1(?:0\^?|e)[-+][0-9]{1,2}\s*)?[^\W\d][^\d:=]{0,15}?)\W*", re.IGNORECASE
+    r"\W*(?:z\s*([:=])\s*|(?:z|(heights?|höhen?))[\s_/]+|(?:z[\s_-]*)?(?:units?|einheit)(\s+))([^:=]{1,16}?)[\s,;]*",
+    re.IGNORECASE,
 )
+"""Pattern of a line with a unit after the name of the heights. Its second group is a name that may denote a size."""
+
+_UNIT_WITH_FACTOR_PATTERN = re.compile(
+    rf"(?:{_FACTOR_PATTERN}|[0-9](?=[^\W\d]))([^\W\d_]+)(?:/10+)?|([^\W\d_]+)\s?[/*×·x]\s?10+", re.IGNORECASE
+)
+"""Pattern of a unit with a factor."""
+
+_UNIT_OF_Y_PATTERN = re.compile(
+    rf"\W*y[\s_-]*(?:axis[\s_-]*)?{_UNIT_WORDS}(?:[\s_-]*label)?\s*[:=,;\t]\s*[\"']?([^\"',;\t]{{1,20}}?)[\"']?[\s,;\t]*",
+    re.IGNORECASE,
+)
+"""Pattern of a line with the unit along y, which is the unit of the heights of a profile."""
+
+_PLAIN_UNIT_PATTERN = re.compile(
+    rf"\W*{_UNIT_WORDS}\s*[:=]\s*[\"']?([^\W\d][^\s\"',;]{{0,11}})[\"']?\W*", re.IGNORECASE
+)
+"""Pattern of a line with a unit that does not name its quantity."""
+
+_UNITS_OF_COLUMNS_PATTERN = re.compile(
+    rf"\W*{_UNIT_WORDS}\s*[:=]\s*(?:[^\W\d][\w ]{{0,20}}[=:]\s*)?([^\s,;=:]{{1,12}})\s*[,;]\s*"
+    r"(?:[^\W\d][\w ]{0,20}[=:]\s*)?([^\s,;=:]{1,12})\s*",
+    re.IGNORECASE,
+)
+"""Pattern of a line with the units of positions and of heights, as in "Units: mm, um" and "Units: x=mm, z=um"."""
+
 _POSITION_UNIT_PATTERN = re.compile(
     rf"\W*(?:x|lateral|horizontal|position|length)[\s_-]*(?:axis[\s_-]*)?{_UNIT_WORDS}\s*[:=,;\t]\s*"
     r"[\"']?([^\"',;]{1,20}?)[\"']?[\s,;]*",
@@ -59,7 +91,7 @@ _NO_UNIT_WORDS = ("", "-", "--", "1", "metric", "si", "none", "n/a", "default", 
 """Words that a line with the word "unit" may contain instead of a unit."""
 
 _POWER_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-−+])[0-9]{1,2}|1?e[-−+][0-9]{1,2})"
-_DIGIT_PATTERN = r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|gr[ae]y[ _-]?(?:levels?|values?))"
+_DIGIT_PATTERN = r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|levels?|gr[ae]y[ _-]?(?:levels?|values?))"
 _NOT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"  # a factor of 1 changes nothing
 _UNAPPLIED_FACTOR_PATTERN = re.compile(
     rf"\W*{_NOT_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"  # "1.0e-03 *" above a matrix
@@ -68,6 +100,8 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
     r".*\b(?:multiplied|multiply|divided|divide|scaled|normali[sz]ed|multipliziert|dividiert|skaliert|normiert)\s+"
     rf"(?:(?:by|mit|durch|um)\b{_NOT_ONE_PATTERN}|(?:to|auf)\b(?!\s*1\s*:\s*1\W*$)).*|"
     rf".*\b(?:z|heights?|data|values?|numbers?)\W+(?:are\s+)?times\s+{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}\b.*|"
+    rf"\W*(?:times\s+{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}|z\s*[/*×·]\s*10+)\W*|"
+    r"\W*(?:z|heights?|höhen?)\b.*[0-9]\s*[nuµpm]?m\s*(?:/|per\b|pro\b)\s*(?!s\b|sec|min)[^\W\d_]+.*|"
     r"(?!\W*(?:z|heights?|data|values?)\s+(?:are\s+)?in\s+1(?:[.,]0*)?\s)"  # "heights in 1 µm" declares a unit
     rf"\W*(?:(?:z|heights?|data|values?|numbers?)\W+)?(?:are\s+)?(?:in|units? of)\s+{DECIMAL_PATTERN}\s*[nuµpm]?m\W*|"
     rf"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|conversion|calibration|unit|multiplication|amplitude|"
@@ -122,11 +156,13 @@ _HISTORY_PREFIX = "# history: "
 
 NON_LENGTH_UNIT_PATTERN = re.compile(
     r"(?:[afpnuµμmcdhkMGT]|micror?|milli|nano|kilo)?[ -]?"
-    r"(?:rad(?:ians?)?|V|A|N|s|Hz|Pa|K|C|W|J|g|F|T|volts?|amp(?:ere)?s?|newtons?|seconds?|sec|min|deg(?:rees?)?|°|°C|"
-    r"counts?|cts|lsb|digits?|adu|dB|%|a\.?u\.?|arb\.?(?: ?units?)?|px|pixels?|pts?|points?|"
-    r"gr[ae]y ?(?:levels?|values?)|graustufen|inch(?:es)?|in|mils?|thou|zoll|ft|feet|foot|yd|yards?|ticks?|"
-    r"tenths|steps?|schritte|1/0|0/1|bool|waves?|fringes?|lines?|1)"
-    r"(?:/[\w.°µ]+)?|[kdhf]m|µm²|[µu]m\^?2|[nuµm]?m/(?:s|min|h|rev|N|V|nm|um|µm|mm)|"
+    r"(?:V|A|N|s|Hz|Pa|K|C|W|J|g|F|T|dB|%|°|°C|in|ft|yd|pts?|px|1/0|0/1|1|"
+    r"(?i:rad(?:ians?)?|volts?|amp(?:ere)?s?|newtons?|seconds?|sec|min|deg(?:rees?)?|"
+    r"(?:raw ?)?counts?|cts|lsb|digits?|adu|a\.?u\.?|arb\.?(?: ?units?)?|pixels?|points?|"
+    r"gr[ae]y ?(?:levels?|values?)|graustufen|inch(?:es)?|mils?|thou|zoll|feet|foot|yards?|ticks?|"
+    r"tenths|steps?|schritte|bool|waves?|fringes?|lines?|pollic[ei]|pouces?))"
+    r"(?:/[\w.°µ]+)?|[kdhf]m|"
+    r"[nuµmp] m|[NUMCP]M|[Mm][UuYy]m?|µ|\\\\?mum|[Mm]ic|[Aa]ng|µm²|[µu]m\^?2|[nuµm]?m/(?:s|min|h|rev|N|V|nm|um|µm|mm)|"
     r"(?:tenths?|hundredths?|thousandths?) of .{1,12}"
 )
 """Pattern of units of quantities other than lengths, and of ambiguous units of length."""
@@ -160,7 +196,7 @@ _LENGTH_AXIS_PATTERN = re.compile(
 """Pattern of the names of positions along a profile in several languages."""
 
 _CALCULATION_PATTERN = re.compile(
-    r"[*×·^√]|\|\w[^|]*\||/\s*(?:[0-9]|[RS][aqz]\b)|^\W*[-−]\s*z\b|"
+    r"[*×·^√]|(?<![^\W_])x\s?10+(?![0-9])|\|\w[^|]*\||/\s*(?:[0-9]|[RS][aqz]\b)|^\W*[-−]\s*z\b|"
     r"\b(?:log(?:10)?|ln|sqrt)\b|\b(?:abs|exp)\s*(?:[0-9]|z\b)|\bd\w\s*/\s*d\w\b|"
     r"\b(?:scaled|normali[sz]ed|skaliert|normiert)\b",
     re.IGNORECASE,
@@ -181,18 +217,35 @@ _REMARK_PATTERN = re.compile(
     r"\W*|[0-9.]+|.{13,}|(?:(?:un)?(?:raw|filtered|level(?:l?ed)?|corrected|calibrated|measured|smoothed|processed)|trace|retrace|"
     r"forwards?|backwards?|fwd|bwd|mean|average|avg|left|right|abs|absolute|rel|relative|top|bottom|upper|lower|primary|"
     r"roughness|waviness|profile|p|r|w|heights?|depth|x|y|z|pos\w*|lateral|vertical|no|yes|optional|nominal|text|numbers?|"
-    r"rows?|columns?|ch(?:annel)?|sensor|data|all)[\s_-]*[0-9]*",
+    r"rows?|columns?|ch(?:annel)?|sensor|data|all|maps?|image|matrix|field|signal|surface|values?|werte?|ax[ei]s|achse|coord\w*|points?)[\s_-]*[0-9]*",
     re.IGNORECASE,
 )
 """Pattern of remarks in a column name that are not units, as in "Height (trace)"."""
 
+_AXIS_NAME_PATTERN = (
+    r"(?:[xyz]|(?:(?:surface|total|measured|profile?)[ _-]?)?(?:heights?|höhen?)|hauteur|altura|altezza|topography|"
+    r"depth|profile?|pos(?:itions?)?|distances?|lengths?|weg|abstand|lateral)"
+    r"(?:[ _-]?(?:axis|achse|pos(?:ition)?|coord\w*|values?|wert))?"
+)
 _UNIT_AFTER_NAME_PATTERN = re.compile(
-    r"(?:[xyz]|heights?|höhen?|hauteur|altura|altezza|profile?|positions?|distances?|lengths?|weg|abstand|lateral)"
-    r"(?:[ _-]?(?:axis|achse|pos(?:ition)?|coord\w*))?"
-    r"\s*(?:/|\bin\b|,(?=\s*(?:[0-9]|[^\W\d_]{1,8}$)))\s*(\S{1,12}(?: \S{1,12})?)",
+    rf"{_AXIS_NAME_PATTERN}\s*(?:/|\bin\b|,(?=\s*(?:[0-9]|\S{{1,8}}(?: \S{{1,8}})?$)))\s*(\S{{1,12}}(?: \S{{1,12}})?)",
     re.IGNORECASE,
 )
 """Pattern of a column name with any unit after a stroke, a comma or "in"."""
+
+_REST_AFTER_NAME_PATTERN = re.compile(rf"{_AXIS_NAME_PATTERN}[\s_.:|-]+((?!\d+$)[^\s_].{{0,20}})", re.IGNORECASE)
+"""Pattern of a column name with further words, which may be its unit."""
+
+_SCALED_UNIT_PATTERN = re.compile(
+    r"(.*?[^\W_])[\s_,.:/|-]+"
+    rf"((?:{_FACTOR_PATTERN}|[0-9]+[.,][0-9]+[\s_]*|[0-9]+)([^\W\d_]+)(?:/10+)?|([^\W\d_]+)\s?[/*×·x]\s?10+|"
+    r"[nuµmp] m|(?:tenth|hundredth|thousandth)s? of [^\W\d_]+)",
+    re.IGNORECASE,
+)
+"""Pattern of a column name and a unit with a factor or in two parts, as in "z 10 nm", "z mm/100" and "z u m"."""
+
+_NUMBERED_NAME_PATTERN = re.compile(r".*\b(?:profile?|scan|trace|line|track|messung|nr\.?|no\.?)", re.IGNORECASE)
+"""Pattern of words before the number of a profile, as in "Profile 10 um"."""
 
 _WORDS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "sec", "px", "pixel", "pixels")
 """Last words of column names that are not units, as in "data point" and "z min"."""
@@ -214,18 +267,24 @@ def normalise_line(line: str) -> str:
     """Replace full-width characters, unit ligatures, inch marks and entities in a line, and remove double quotes."""
     line = html.unescape(line) if "&" in line else line
     line = _INCH_MARK_PATTERN.sub(r"\1inch\2", unicodedata.normalize("NFKC", line))
-    return line.replace('"', "").replace("\u03bc", "µ")
+    return line.replace('"', "").replace("\u03bc", "µ").replace("\u2212", "-")
 
 
-def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> HeaderDeclarations:
-    """Parse the declarations above and below the numbers. The first match of each kind is used."""
+def parse_declarations(
+    header: Sequence[str], *, footer: Sequence[str] = (), is_profile: bool = False
+) -> HeaderDeclarations:
+    """Parse the declarations above and below the numbers. The first match of each kind is used.
+
+    The axis y of a profile is that of its heights.
+    """
+    header = [line for line in header if not line.startswith(_HISTORY_PREFIX)]
     lines = [normalise_line(line) for line in (*header, *footer) if not line.startswith(_HISTORY_PREFIX)]
     spacings = parse_spacing_declarations(lines)
     factor_lines = [
         line for line in lines if (match := _HEIGHT_FACTOR_PATTERN.fullmatch(line)) and _parse_factor_unit(match)
     ]
     factor_line = next((line for line in factor_lines if _CONVERSION_WORD_PATTERN.search(line)), "")
-    unit, unit_line = _parse_height_unit(lines)
+    unit, unit_line = _parse_height_unit(lines, is_profile, spacings.size is not None)
     factor = None
     if factor_line and (match := _HEIGHT_FACTOR_PATTERN.fullmatch(factor_line)):
         unit = _parse_factor_unit(match)
@@ -237,7 +296,10 @@ def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> 
     is_count = [
         match[1] is None and code.is_integer() and code >= 0 for match, code in zip(code_lines, codes, strict=True)
     ]
+    column_units = find_first_match(_UNITS_OF_COLUMNS_PATTERN, lines, lambda match: match) if is_profile else None
     position_units = [match[1] for line in lines if (match := _POSITION_UNIT_PATTERN.fullmatch(line))]
+    if column_units is not None and column_units.end() == len(column_units.string):
+        position_units, unit = [column_units[1]], parse_length_unit(column_units[2]) or column_units[2]
     position_units += [
         match[1]
         for line in lines
@@ -263,13 +325,21 @@ def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> 
     )
 
 
-def _parse_height_unit(lines: Sequence[str]) -> tuple[str | None, str]:
-    """Return the unit of the heights and the line that declares it. An unknown unit is returned unchanged."""
+def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -> tuple[str | None, str]:
+    """Return the unit of the heights and the line that declares it. An unknown unit is returned unchanged.
+
+    With `has_size`, the header declares the size of a map, and "Height 10 um" is a part of it.
+    """
+    plain_units = {match[1]: line for line in lines if (match := _PLAIN_UNIT_PATTERN.fullmatch(line))}
+    if len({parse_length_unit(unit) or unit for unit in plain_units}) > 1:  # one for each quantity or column
+        return " and ".join(plain_units), next(iter(plain_units.values()))
     for line in lines:
         if (match := _HEIGHT_UNIT_PATTERN.fullmatch(line)) and is_unit(match[1]):
             return parse_length_unit(match[1]) or match[1], line
     for line in lines:
-        if (match := _UNIT_OF_Z_PATTERN.fullmatch(line)) and is_unit(match[1]):
+        if (unit := _find_unit_after_height_name(line, is_profile, has_size)) is not None:
+            return parse_length_unit(unit) or unit, line
+        if is_profile and (match := _UNIT_OF_Y_PATTERN.fullmatch(line)) and match[1].casefold() not in _NO_UNIT_WORDS:
             return parse_length_unit(match[1]) or match[1], line
         if (match := _UNKNOWN_UNIT_PATTERN.fullmatch(line)) is None:
             continue
@@ -278,6 +348,20 @@ def _parse_height_unit(lines: Sequence[str]) -> tuple[str | None, str]:
         if not (text.casefold() in _NO_UNIT_WORDS or (has_known_unit and not re.search("[0-9]", text))):
             return parse_length_unit(text) or text, line
     return None, ""
+
+
+def _find_unit_after_height_name(line: str, is_profile: bool, has_size: bool) -> str | None:
+    """Return the unit in a line such as "Z: nm" and "z 10 nm", also if it is not known, unlike a remark or a factor."""
+    if (match := _UNIT_OF_Z_PATTERN.fullmatch(line)) is None:
+        return None
+    colon, size_name, space, text = match.groups()
+    scaled = None if size_name and has_size else _UNIT_WITH_FACTOR_PATTERN.fullmatch(text)
+    if is_unit(text) or (scaled and parse_length_unit(scaled[1] or scaled[2])):
+        return text
+    if (colon or space) and text.casefold() == "raw":
+        return text
+    is_word = is_profile and re.fullmatch(r"[^\s0-9(\[{<]\S{0,7}", text)
+    return None if not is_word or _REMARK_PATTERN.fullmatch(text) or is_unapplied_factor(line) else text
 
 
 def is_unapplied_factor(text: str) -> bool:
@@ -304,13 +388,16 @@ def _is_declaration(line: str) -> bool:
     full_patterns = (
         _UNKNOWN_UNIT_PATTERN,
         _POSITION_UNIT_PATTERN,
+        _UNIT_OF_Y_PATTERN,
+        _UNITS_OF_COLUMNS_PATTERN,
         _HEIGHT_UNIT_PATTERN,
         _HEIGHT_FACTOR_PATTERN,
         _MISSING_CODE_PATTERN,
         _POINT_COUNT_PATTERN,
         _HEIGHT_RANGE_PATTERN,
     )
-    return any(pattern.fullmatch(line) for pattern in full_patterns) or is_spacing_declaration(line)
+    is_unit_of_z = (match := _UNIT_OF_Z_PATTERN.fullmatch(line)) is not None and bool(match[1] or match[3])
+    return is_unit_of_z or any(pattern.fullmatch(line) for pattern in full_patterns) or is_spacing_declaration(line)
 
 
 def _find_last_line_with_letters(lines: Sequence[str]) -> str | None:
@@ -398,6 +485,11 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
         *(uncommented_line.split(separator) for separator in "\t;,|"),
         re.split(r"\s{2,}", uncommented_line.strip()),
     ]
+    words = uncommented_line.split()
+    if dialect.separator is None and len(words) == 2 * width and any(map(parse_length_unit, words[1::2])):
+        return [
+            f"{name} [{unit}]" for name, unit in zip(words[::2], words[1::2], strict=True)
+        ]  # "DISTANCE mm DEPTH um"
     for number, cells in enumerate(candidates):
         cells = [cell.strip(" \"'") for cell in cells]
         while len(cells) > width and not cells[-1]:
@@ -421,18 +513,26 @@ def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> t
     if names is None:
         return (), False
     units = [cell.strip("[]() ") for cell in names]
+    previous_names = (split_column_names(lines[-2], width, dialect) if len(lines) > 1 else None) or []
     is_unit_line = all(not unit or is_unit(unit) for unit in units) or (
-        any(map(parse_length_unit, units)) and all(len(unit) <= MAX_UNIT_LENGTH for unit in units)
+        (any(map(parse_length_unit, units)) or (_names_axes(previous_names) and not _names_axes(units) and all(units)))
+        and all(len(unit) <= MAX_UNIT_LENGTH for unit in units)
     )
-    if (
-        len(lines) > 1
-        and is_unit_line
-        and (previous_names := split_column_names(lines[-2], width, dialect)) is not None
-    ):
+    previous_units = [cell.strip("[]() ") for cell in previous_names]
+    if any(map(parse_length_unit, previous_units)) and not _names_axes(previous_units) and _names_axes(names):
+        return tuple(
+            f"{name} [{unit}]" if unit else name for name, unit in zip(names, previous_units, strict=True)
+        ), True
+    if previous_names and is_unit_line:
         return tuple(
             f"{name} [{unit}]" if unit else name for name, unit in zip(previous_names, units, strict=True)
         ), True
     return tuple(names), False
+
+
+def _names_axes(names: Sequence[str]) -> bool:
+    """Return whether any of several column names denotes positions or heights."""
+    return any(is_length_axis(name) or _HEIGHT_NAME_PATTERN.search(name) for name in names)
 
 
 def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | None, ...]:
@@ -443,22 +543,29 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
     cells = split_column_names(name_line, width, dialect) if width > 1 else None
     if _has_number_outside_brackets(name_line):  # only a number in a unit, as in "z in 1e-9 m", is part of a name
         is_names = cells is not None and all(
-            _UNIT_AFTER_NAME_PATTERN.fullmatch(cell) or not _has_number_outside_brackets(cell) for cell in cells
+            _UNIT_AFTER_NAME_PATTERN.fullmatch(cell)
+            or _find_scaled_unit(cell)
+            or is_unit(_find_unknown_unit(cell) or "")
+            or not _has_number_outside_brackets(cell)
+            for cell in cells
         )
         return tuple(map(unit_in_column_name, cells)) if cells is not None and is_names else (None,) * width
     if cells is not None and any(unit_in_column_name(cell) for cell in cells):
-        # beside "x mm", the last letter of "z V" is a unit, too
-        last_words = [re.split(r"[\s_]+", cell)[-1] for cell in cells]
+        # beside "x mm", the last letter of "z V" and the last word of "z foo" are units, too
+        last_words = [_split_name(cell)[-1] for cell in cells]
         are_last_words = any(map(parse_length_unit, last_words))
         return tuple(
             unit_in_column_name(cell)
             or (word if are_last_words and word != cell and NON_LENGTH_UNIT_PATTERN.fullmatch(word) else None)
+            or (_find_unknown_unit(cell) if are_last_words else None)
             for cell, word in zip(cells, last_words, strict=True)
         )
+    if cells is not None and len(set(map(_find_unknown_unit, cells))) == 1:  # "x foo; z foo"
+        return tuple(map(_find_unknown_unit, cells))
     units = _find_units(name_line)
     name = _BRACKETED_WORD_PATTERN.sub(" ", name_line)
     mentions_heights = _HEIGHT_NAME_PATTERN.search(name) and not _POSITION_NAME_PATTERN.search(name)
-    if not units and width == 1 and mentions_heights:
+    if width == 1 and mentions_heights and (not units or _find_scaled_unit(name_line)):
         return (unit_in_column_name(name_line),)
     if len(units) == width:
         return tuple(units)
@@ -473,22 +580,55 @@ def unit_in_column_name(cell: str) -> str | None:
     """
     bracketed_texts = _BRACKETED_WORD_PATTERN.findall(cell)
     last = bracketed_texts[-1].strip() if bracketed_texts else cell.strip(" \"'")
-    if NON_LENGTH_UNIT_PATTERN.fullmatch(last):
+    is_point_number = not bracketed_texts and last.casefold() in _WORDS_LIKE_UNITS and not last.islower()  # "Pixel"
+    if not is_point_number and NON_LENGTH_UNIT_PATTERN.fullmatch(last):
         return last
+    if not bracketed_texts and (unit := _find_scaled_unit(last)) is not None:
+        return parse_length_unit(unit) or unit
     after_name = None if bracketed_texts else _UNIT_AFTER_NAME_PATTERN.fullmatch(last)
-    if after_name is not None and re.search("[0-9]", after_name[1]):  # "z in 0.1 um"
+    if after_name is not None and is_unit(after_name[1]):
         return parse_length_unit(after_name[1]) or after_name[1]
-    unit = parse_length_unit((last if bracketed_texts else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))
+    if "/" in (word := _split_name(last)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):  # "z_nm/nm"
+        return word
+    unit = parse_length_unit((last if bracketed_texts else _split_name(last)[-1].rpartition("/")[2]).strip(" \"'.:"))
     if unit is not None:
         return unit
-    words = re.split(r"[\s_]+", last)
+    words = _split_name(last)
     if after_name is not None:
         last = after_name[1]
-    elif not bracketed_texts and len(words) > 1 and len(words[-1]) > 1 and words[-1] not in _WORDS_LIKE_UNITS:
-        return words[-1] if NON_LENGTH_UNIT_PATTERN.fullmatch(words[-1]) else None
+    elif not bracketed_texts and len(words) > 1 and len(words[-1]) > 1:
+        return words[-1] if _is_unit_word(words[-1]) else None
     elif not bracketed_texts:
         return None
     known_units = {unit for word in re.split(r"[\s,;]+", last) if (unit := parse_length_unit(word)) is not None}
     if len(known_units) == 1 and not re.search(r"[0-9/*^×]|\b(?:of|per|pro)\b", last):  # "µm RMS", "nm, filtered"
         return known_units.pop()
     return None if not known_units and _REMARK_PATTERN.fullmatch(last) else last
+
+
+def _split_name(name: str) -> list[str]:
+    """Return the words of a column name."""
+    return re.split(r"[\s_]+|(?<=[^\W\d_])[-.:|](?=\S)", name.rstrip(" ."))
+
+
+def _find_unknown_unit(name: str) -> str | None:
+    """Return the words after the name of an axis if they may be its unit, unlike a remark or a profile number."""
+    match = _REST_AFTER_NAME_PATTERN.fullmatch(name)
+    if match is None:
+        return None
+    is_other = _REMARK_PATTERN.fullmatch(match[1]) or re.search(r"[^\W\d_]{3,}[\s_-]*[0-9]+$", match[1])
+    return None if is_other and not is_unit(match[1]) else match[1]
+
+
+def _is_unit_word(word: str) -> bool:
+    """Return whether the last word of a column name is a unit, unlike "point" in "data point"."""
+    return word.casefold() not in _WORDS_LIKE_UNITS and NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
+
+
+def _find_scaled_unit(name: str) -> str | None:
+    """Return the unit of length at the end of a column name together with its factor, as in "1e-6m", or None."""
+    match = _SCALED_UNIT_PATTERN.fullmatch(name)
+    if match is None or (re.match(r"[0-9]+[\s_]", match[2]) and _NUMBERED_NAME_PATTERN.fullmatch(match[1])):
+        return None
+    unit = match[3] or match[4]
+    return match[2] if unit is None or parse_length_unit(unit) is not None else None

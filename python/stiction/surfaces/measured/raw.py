@@ -21,7 +21,7 @@ LENGTH_UNITS = {
     "millimetre": 1e3, "millimeter": 1e3, "millimetres": 1e3, "millimeters": 1e3,
     "micrometre": 1.0, "micrometer": 1.0, "micrometres": 1.0, "micrometers": 1.0, "micron": 1.0, "microns": 1.0,
     "nanometre": 1e-3, "nanometer": 1e-3, "nanometres": 1e-3, "nanometers": 1e-3,
-    "angstrom": 1e-4, "ångström": 1e-4, "mikrometer": 1.0, "mikron": 1.0,
+    "angstrom": 1e-4, "angstroms": 1e-4, "ångström": 1e-4, "mikrometer": 1.0, "mikron": 1.0,
     "micromètre": 1.0, "micromètres": 1.0, "micrómetro": 1.0, "micrómetros": 1.0, "micrometro": 1.0, "micrometri": 1.0,
     "nanomètre": 1e-3, "nanomètres": 1e-3, "nanómetros": 1e-3, "nanometri": 1e-3,
     "millimètre": 1e3, "millimètres": 1e3, "milímetros": 1e3, "millimetri": 1e3,

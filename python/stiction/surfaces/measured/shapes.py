@@ -28,6 +28,7 @@ from stiction.surfaces.measured.matrix_checks import (
     reject_separate_blocks,
 )
 from stiction.surfaces.measured.raw import (
+    LENGTH_UNITS,
     ColumnTable,
     DeclaredLength,
     FileCaveat,
@@ -65,13 +66,14 @@ _NUMBERING_NAME_PATTERN = re.compile(
     r"(?:data ?)?points?|pt\.?|番号|序号|번호|номер|"
     r"(?:mess)?punkt\w*|"
     r"zeile|line|row|dataline|trace|samples?|frames?|pixels?|px|counter|"
-    r"(?:points?|samples?|punkt)[ _-]?(?:no|nr|number|index)\.?",
+    r"(?:points?|samples?|punkt|pos(?:ition)?)[ _-]?(?:no|nr|number|index)\.?",
     re.IGNORECASE,
 )
 _VALID_NAME_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
 # column names that do not show whether 1 marks valid or invalid points
 _FLAG_NAME_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
+_RAW_HEIGHTS_PATTERN = re.compile(r"\W*(?:z|heights?|höhe\w*|profile?|topography)(?:[ _-]?a\w+)?[\W_]*raw\W*", re.I)
 _X_COLUMN_PATTERN, _Y_COLUMN_PATTERN = (
     re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy"
 )
@@ -230,6 +232,14 @@ def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = Fa
         bare_spacing=None if declared.bare_spacing is None else declared.bare_spacing[-1:],
     )  # fmt: skip
     raw = replace(raw, caveats=(*raw.caveats, *_find_calculation_caveat(table, places[-1])))
+    if (
+        declared.factor is None
+        and declared.unit in LENGTH_UNITS
+        and raw.unit in LENGTH_UNITS
+        and LENGTH_UNITS[declared.unit] != LENGTH_UNITS[raw.unit]
+    ):
+        text = f"its header line {printable_text(declared.line)!r} contradicts the unit of its column, {raw.unit}"
+        raw = replace(raw, caveats=(*raw.caveats, FileCaveat("scale", text, "accept it if the column is right")))
     if len(places) == 1:
         filled_rows = np.flatnonzero(~np.isnan(heights))
         end = int(filled_rows[-1]) + 1 if filled_rows.size and table.values.shape[1] > 1 else heights.size
@@ -324,6 +334,10 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
 def _find_calculation_caveat(table: ColumnTable, place: int) -> tuple[FileCaveat, ...]:
     """Return a caveat if the name of a column of heights contains a calculation, such as "z x 1000"."""
     name = table.names[place] if table.names else ""
+    is_raw = _RAW_HEIGHTS_PATTERN.fullmatch(name) is not None and _column_units(table)[place] is None
+    if is_raw and table.declared.unit is None:
+        text = f"its column {printable_text(name)!r} may contain counts of a converter instead of heights"
+        return (FileCaveat("scale", text, "accept it if the column contains heights in their unit"),)
     if table.declared.scale or not is_computed_height(name):
         return ()
     text = f"its column {printable_text(name)!r} may contain multiples or functions of the heights"

@@ -46,6 +46,14 @@ _SPACING_PATTERN = re.compile(
 _UNQUALIFIED_NAME_PATTERN = re.compile(r"(?:scan[\s_-]*)?(?:step|pitch|interval|abstand)", re.IGNORECASE)
 """Pattern of names that may also denote lengths of a specimen or of a path, such as the pitch of a grating."""
 
+MIN_SPECIMEN_DISTANCE = 100.0  # a larger "sample spacing" (µm) may be a distance between specimens
+
+_POINTS_REMARK_PATTERN = re.compile(
+    r"\W*(?:nominal|mean|average|fast|along|in|lateral|horizontal|sampl\w*|points?|pixels?|px|x|axis|direction|\W)*",
+    re.IGNORECASE,
+)
+"""Pattern of remarks in brackets after the name of a spacing that leave no doubt that it is along x."""
+
 _POINT_WORDS = r"px|pix|pixels?|points?|pts?|punkte?|samples?|steps?"
 _LENGTH_PATTERN = (
     rf"({DECLARED_NUMBER_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}"
@@ -166,6 +174,8 @@ def _parse_spacing_line(
     qualifier, noun, bracket, text = name.groups()
     is_resolution, is_pixel = noun.casefold() == "resolution", "pixel" in (qualifier + noun).casefold()
     match = _LENGTHS_PATTERN.fullmatch(text.strip())
+    if bracket is not None and parse_length_unit(bracket) is None and not _POINTS_REMARK_PATTERN.fullmatch(bracket):
+        return UnclearSpacing(line.strip())  # "Scan spacing (slow axis): 0.3 um"
     if match is None:
         has_length = (start := re.match(_LENGTH_PATTERN, text, re.IGNORECASE)) and _unit_or_none(start[2] or bracket)
         return UnclearSpacing(line.strip()) if has_length and not is_resolution else None
@@ -196,8 +206,10 @@ def _parse_spacing_line(
         return UnclearSpacing(line.strip(), in_micrometres)
     if axes[0] == "y":
         return UnclearSpacing(line.strip())
-    if _UNQUALIFIED_NAME_PATTERN.fullmatch((qualifier + noun).strip()):
-        return UnclearSpacing(line.strip(), (parsed_lengths[0].length * LENGTH_UNITS[parsed_lengths[0].unit],))
+    length_in_micrometres = parsed_lengths[0].length * LENGTH_UNITS[parsed_lengths[0].unit]
+    is_of_specimens = re.match("sample(?!d|r)", qualifier, re.I) and length_in_micrometres >= MIN_SPECIMEN_DISTANCE
+    if is_of_specimens or _UNQUALIFIED_NAME_PATTERN.fullmatch((qualifier + noun).strip()):
+        return UnclearSpacing(line.strip(), (length_in_micrometres,))
     return (parsed_lengths[0], parsed_lengths[0]) if is_pixel and not axes[0] else parsed_lengths[0]
 
 

@@ -101,7 +101,9 @@ def _to_table(
     )
     width = block.values.shape[1]
     column_heads = parse_column_headings(header, width, block.dialect)
-    declarations = parse_declarations(text.nonempty_lines(0, first) if header_start else header, footer=footer)
+    declarations = parse_declarations(
+        text.nonempty_lines(0, first) if header_start else header, footer=footer, is_profile=width <= 2
+    )
     if block.short is not None and not any(column_heads.names):
         raise FormatError(
             f"{text.describe_line(block.short)} has fewer cells than the lines above it, and the columns have no "
