@@ -361,3 +361,35 @@ def test_given_unit_does_not_replace_a_unit_of_one_of_several_quantities(read_te
 def test_unit_in_the_header_that_contradicts_a_column_has_a_caveat(read_text):
     reading = read_text(f"Units: nm\nx (mm);z (um)\n{ROWS}")
     assert (reading.unit, caveat_names(reading)) == ("um", ["scale"])
+
+
+# ---- Slopes ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["L(mm)  R1 slope x 1E6  /urad", "#slope profile along the central axis\nx;y", "x[mm]  slope_error[urad]",
+     "Type: slope", "second column contains slopes\nx;y",
+     "scan 3\n05/08/2011 at 9:33\nNo ref/No gravity\n817.1\n-1.0\n120"],
+)  # fmt: skip
+@pytest.mark.parametrize("columns", [None, (0, 1)])
+def test_given_unit_does_not_make_heights_of_slopes(read_text, header, columns):
+    message = error_message(read_text, f"{header}\n{ROWS.replace(';', ' ')}", unit=("mm", "nm"), columns=columns)
+    assert "slope" in message or "has heights in 'urad'" in message
+
+
+@pytest.mark.parametrize("line", ["Slope: 0.3 mrad", "Rms slope (rad): 0.02", "Slope removed", "Slope error: 2 urad"])
+def test_slope_of_measured_heights_is_ignored(read_text, line):
+    assert read_text(f"{line}\nx;z\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
+
+
+@pytest.mark.parametrize(("file_format", "is_rejected"), [(1, True), (3, True), (2, False)])
+def test_description_beside_a_file_names_slopes(tmp_path, file_format, is_rejected):
+    (tmp_path / "dabam-900.txt").write_text(f'{{\n  "FILE_FORMAT": {file_format},\n  "X1_FACTOR": 1.0e-3\n}}\n')
+    (tmp_path / "dabam-900.dat").write_text(ROWS.replace(";", " "))
+    if is_rejected:
+        with pytest.raises(FormatError, match=f"slopes, not heights, according to FILE_FORMAT {file_format}"):
+            read_with_interpretation(tmp_path / "dabam-900.dat", unit=("mm", "um"))
+    else:
+        reading = read_with_interpretation(tmp_path / "dabam-900.dat", unit=("mm", "um"))
+        assert reading.body.heights.tolist() == PROFILE.tolist()

@@ -175,6 +175,15 @@ NON_HEIGHT_NAME_PATTERN = re.compile(
 )
 """Pattern of the names of quantities that are not heights."""
 
+_SLOPE_LINE_PATTERN = re.compile(
+    r"\W*(?:[^\W\d]+[\s_]+)?slopes?[\s_-]*(?:errors?|profiles?|data|scan|values?)\b(?!.*(?:remov|correct|subtract)).*|"
+    r"\W*(?:ordinates?|[yz]|data|values?|quantity|type|(?:second |2nd )?column(?: 2)?)\W+(?:(?:are|is|contains?)\W+)?"
+    r"slopes?\b.*",
+    re.IGNORECASE,
+)
+_SLOPE_NAME_PATTERN = re.compile(r".*(?<![^\W_])slopes?(?![^\W_]).*(?<![^\W_])(?:micro|milli|[nuµm])?rad\w*\b.*", re.I)
+"""Patterns of a header line, and of the line above the numbers, by which they are slopes."""
+
 _NON_POSITION_NAME_PATTERN = re.compile(
     r"(?<![^\W_])(?:(wave[ _-]?(?:lengths?|numbers?|vectors?)|wellenlängen?|lambda|λ|frequenc(?:y|ies)|frequenz(?:en)?|"
     r"freq|lag|load|force|kraft|(?:time|zeit)\w*)|temps|t|seconds?|sekunden?|sec|minutes?|date|angles?|winkel|theta|phi|degrees?|"
@@ -271,11 +280,11 @@ def normalise_line(line: str) -> str:
 
 
 def parse_declarations(
-    header: Sequence[str], *, footer: Sequence[str] = (), is_profile: bool = False
+    header: Sequence[str], *, footer: Sequence[str] = (), is_profile: bool = False, has_names: bool = False
 ) -> HeaderDeclarations:
     """Parse the declarations above and below the numbers. The first match of each kind is used.
 
-    The axis y of a profile is that of its heights.
+    The axis y of a profile is that of its heights. With `has_names`, the last line contains the names of the columns.
     """
     header = [line for line in header if not line.startswith(_HISTORY_PREFIX)]
     lines = [normalise_line(line) for line in (*header, *footer) if not line.startswith(_HISTORY_PREFIX)]
@@ -322,7 +331,18 @@ def parse_declarations(
         height_range=find_first_match(_HEIGHT_RANGE_PATTERN, lines, parse_bracketed_length),
         tip_radius=find_first_match(_TIP_RADIUS_PATTERN, lines, parse_bracketed_length),
         line=factor_line or unit_line,
+        slope_line=_find_slope_line(lines[: len(header)], has_names) if is_profile else "",
     )
+
+
+def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
+    """Return the line by which the numbers are slopes, unlike a line with the value of a slope, or an empty string."""
+    name_line = "" if has_names else _find_last_line_with_letters(lines) or ""
+    lines = lines[:-1] if has_names else lines
+    if _SLOPE_NAME_PATTERN.fullmatch(name_line) and not _HEIGHT_NAME_PATTERN.search(name_line):
+        return name_line
+    is_value = re.compile(r"[:=(]\s*[-+]?[0-9]")
+    return next((line for line in lines if _SLOPE_LINE_PATTERN.fullmatch(line) and not is_value.search(line)), "")
 
 
 def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -> tuple[str | None, str]:

@@ -234,6 +234,7 @@ class HeaderDeclarations:
     points: int | None = None  # number of points of a profile
     tip_radius: DeclaredLength | None = None  # radius of the stylus tip
     line: str = ""  # line that declares the unit or the factor
+    slope_line: str = ""  # line by which the numbers of a profile are slopes
 
 
 @dataclass(frozen=True)

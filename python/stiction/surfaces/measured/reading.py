@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -63,6 +64,10 @@ _FILE_SIGNATURES = {
     b"PK": ((".x3p", ".xlsx"), "a zip archive, as X3P and workbooks are"),
 }
 """First bytes of certain file types, with the usual file name extensions and a description of each type."""
+
+MAX_DESCRIPTION_BYTES = 100_000  # maximum size of a description of a file
+# In dabam, the formats 1 and 3 are slopes, and 2 and 4 are heights.
+_DABAM_FORMAT_PATTERN = re.compile(rb'\A\s*\{.*"FILE_FORMAT"\s*:\s*([13])\s*[,}]', re.DOTALL)
 
 MissingValueCodes = str | float | Sequence[str | float]
 _Body = TypeVar("_Body", bound=Profile | Surface)
@@ -418,6 +423,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
         raise FormatError("is empty")
     if size > MAX_FILE_BYTES:
         raise FormatError(f"has {size} bytes; at most {MAX_FILE_BYTES} can be read")
+    _reject_described_slopes(path)
     reader = READERS.get(suffix)
     with path.open("rb") as file:
         first_bytes = file.read(4096)
@@ -442,6 +448,19 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
     if reader in (read_text, read_excel):
         return reader(path.read_bytes(), words)
     return reader(path.read_bytes())
+
+
+def _reject_described_slopes(path: Path) -> None:
+    """Raise `FormatError` if the description beside a file of the mirror database dabam names slopes."""
+    description = path.with_suffix(".txt")
+    if path.suffix.lower() != ".dat" or not description.is_file() or description.stat().st_size > MAX_DESCRIPTION_BYTES:
+        return
+    match = _DABAM_FORMAT_PATTERN.search(description.read_bytes())
+    if match is not None:
+        raise FormatError(
+            f"contains slopes, not heights, according to FILE_FORMAT {match[1].decode()} in {description.name}; "
+            "integrate them to heights first"
+        )
 
 
 def _read_binary_file(path: Path) -> ReaderResult:

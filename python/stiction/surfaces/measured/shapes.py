@@ -224,6 +224,11 @@ def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
 def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = False) -> RawHeights:
     """Return the heights of one column, or the positions and heights of rows where both columns contain numbers."""
     heights, declared = table.values[:, places[-1]], table.declared
+    if declared.slope_line and not (table.names and _HEIGHT_COLUMN_PATTERN.match(table.names[places[-1]])):
+        raise FormatError(
+            f"contains slopes, not heights, according to its line {printable_text(declared.slope_line)!r}; integrate "
+            "them to heights first"
+        )
     layout = "heights, a column" if len(places) == 1 else "positions and heights"
     raw = _to_raw_heights(
         table, heights, _find_height_unit(table, places[-1]),

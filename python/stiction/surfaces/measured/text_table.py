@@ -102,7 +102,10 @@ def _to_table(
     width = block.values.shape[1]
     column_heads = parse_column_headings(header, width, block.dialect)
     declarations = parse_declarations(
-        text.nonempty_lines(0, first) if header_start else header, footer=footer, is_profile=width <= 2
+        text.nonempty_lines(0, first) if header_start else header,
+        footer=footer,
+        is_profile=width <= 2,
+        has_names=any(column_heads.names),
     )
     if block.short is not None and not any(column_heads.names):
         raise FormatError(
