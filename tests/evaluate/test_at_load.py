@@ -36,7 +36,7 @@ from stiction.solve.member_sums import MemberSums
 from stiction.study.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
 from stiction.study.members import load_bodies
 from stiction.study.study import parse_study
-from stiction.views.quantities import quantity_label
+from stiction.views.quantities import quantities_paragraph, quantity_label
 from stiction.views.rows import summary_table, values_frame
 from support.rough_surfaces import rough_maps
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
@@ -201,6 +201,13 @@ def test_mean_pressure_of_an_ensemble_is_the_load_divided_by_the_mean_area():
     np.testing.assert_allclose(
         values["mean_pressure"], (values["load"] / area).transpose(*values["mean_pressure"].dims)
     )
+
+
+def test_mean_pressure_of_an_ensemble_has_three_digits_in_tables_as_in_caveats():
+    point = run_generated_study("yielding").summary().points[0]
+    (table,) = quantities_paragraph([point])
+    (text,) = (row[1] for row in table.rows if row[0].startswith("mean pressure"))
+    assert text == f"{1e3 * point.mean_pressure:.3g}"
 
 
 def test_ensembles_of_asperities_have_a_caveat_about_overlapping_contacts():

@@ -75,7 +75,8 @@ def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: 
         is_bound = has_pull_off_bound and bool(QUANTITIES[name].bound_fraction)
         label = quantity_label(name, first_point.study) + " at least" * is_bound
         if name in first_point.numbers:
-            yield QuantityRow(name, label, [Estimate(point.numbers[name]) for point in points], num_digits=2)
+            num_digits = 2 if QUANTITIES[name].unit == "1" else 3
+            yield QuantityRow(name, label, [Estimate(point.numbers[name]) for point in points], num_digits)
             continue
         estimates = [point.quantities[name] for point in points]
         num_digits = 1 if name == "error" else None
