@@ -765,12 +765,13 @@ def test_exactly_one_of_two_studies_started_at_once_gets_a_new_folder(tmp_path):
         assert_same_bits(store.read(tmp_path / str(index)), run(winners[0]).dataset)
 
 
-SCRIPT_THAT_WAITS = """
-import sys, time
+SCRIPT_THAT_WAITS = r"""
+import os, time
 from pathlib import Path
 from stiction import Study, run
 from stiction.solve import runner
-runner.compute_member_arrays = lambda *_: print("computing", flush=True) or time.sleep(600)
+# One write for each line: the lines of print() may mix with lines of another thread.
+runner.compute_member_arrays = lambda *_: os.write(1, b"computing\n") and time.sleep(600)
 run(Study.from_toml("s.toml"), store="r")
 """
 
