@@ -184,7 +184,7 @@ def test_uncertainty_of_a_shared_hardness_cancels_in_the_prediction(tmp_path) ->
         pair(*rough_surface_pair(rms), hardness=hardness, **PAIR_OPTIONS) for rms in (0.03, 0.02)
     )
     tests = [FrictionTest(tested_pair, load, coefficient=0.25, uncertainty=0.005) for load in ("20 MPa", "50 MPa")]
-    strength = calibrate(tests)
+    strength = calibrate(tests, sliding="all")
     assert strength.draws["hardness"].quantile([0.025, 0.975]).to_numpy() == pytest.approx([0.5, 1.5], rel=0.1)
     value, lower, upper = strength.predict(predicted_pair, "50 MPa")
     assert value == pytest.approx(0.25, rel=0.02)
@@ -217,7 +217,7 @@ def test_friction_tests_at_several_dwell_times_separate_mu0_from_tau0() -> None:
     for wait, seconds in (("1 s", 1.0), ("1 h", 3600.0), ("300 d", 300 * 86400.0)):
         y = 0.2 + 0.05 * ratio * seconds**0.05
         tests.append(FrictionTest(rough_result, "20 MPa", coefficient=y, uncertainty=0.002, wait=wait))
-    strength = calibrate(tests)
+    strength = calibrate(tests, sliding="all")
     assert strength.separated
     assert strength.mu0[0] == pytest.approx(0.2, abs=0.01)
     assert strength.tau0[0] == pytest.approx(0.05, rel=0.1)
@@ -298,7 +298,7 @@ def test_prediction_from_tests_of_yielding_pairs_differs_from_pair_only_by_share
 def test_prediction_for_the_tested_pair_omits_the_error_of_its_contact_area() -> None:
     tested_pair = pair(*rough_surface_pair(0.03), hardness="0.8 GPa", **PAIR_OPTIONS)
     tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)] * 4
-    strength = calibrate(tests, common=0.0)
+    strength = calibrate(tests, common=0.0, sliding="all")
     prediction_for_same_pair = strength.predict(tested_pair, "20 MPa")
     prediction_for_other_pair = strength.predict(
         pair(*rough_surface_pair(0.02), hardness="0.8 GPa", **PAIR_OPTIONS), "20 MPa"

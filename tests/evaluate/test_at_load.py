@@ -41,6 +41,8 @@ from stiction.views.rows import summary_table, values_frame
 from support.rough_surfaces import rough_maps
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 SCANS = Path(__file__).parents[2] / "examples/scans"
 
 ROUND_OFF = 1e-9

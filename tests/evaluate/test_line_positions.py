@@ -22,6 +22,8 @@ from stiction import (
 from stiction.evaluate import intervals
 from support.studies_of_files import pair_study
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 LOADS = [0.003, 0.03]
 INTERFACE_OPTIONS = {"mu0": 0.3, "tau0": 0.1}
 ROOT_TOLERANCE = 1e-9  # relative error of values at a load; the approach at this load is accurate to 1e-12

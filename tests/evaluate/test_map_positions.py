@@ -27,6 +27,8 @@ from stiction.surfaces.pairing import MIN_PIECE_SIDE_POINTS, MapPairs
 from support.rough_surfaces import rough_maps, self_affine_map
 from support.studies_of_files import pair_study
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 LOADS = (0.02, 0.1)
 ASPERITY_OPTIONS = {"mechanics": "asperities", "level": "mean", "direction": [0, 45]}
 ROOT_TOLERANCE = 1e-9  # relative error of values at a load; the approach at this load is accurate to 1e-12

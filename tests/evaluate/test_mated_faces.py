@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from stiction import Profile, Surface, pair, self_affine, self_affine_surface
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 
 @pytest.fixture(scope="module")
 def mated_faces():

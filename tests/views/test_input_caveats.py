@@ -22,6 +22,8 @@ from support.rough_surfaces import rough_maps, self_affine_map
 from support.studies_of_files import pair_study
 from support.synthetic_results import measured_study
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 
 @pytest.fixture(autouse=True)
 def ignore_caveats_of_files(monkeypatch):

@@ -14,6 +14,8 @@ from stiction import Study, half_space, material, open_result, pair, run, self_a
 from stiction.study.members import load_bodies
 from support.command import assert_rejected, call_stiction, check_stiction
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 ROOT = Path(__file__).parents[2]
 SCANS = ROOT / "examples/scans"
 UNIT_SYSTEMS = {"mm,N,MPa": (1e3, 1e-3), "m,N,Pa": (1e6, 1e-9), "um,mN,GPa": (1.0, 1.0)}  # µm and GPa per unit

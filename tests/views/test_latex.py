@@ -13,6 +13,8 @@ from stiction.views.latex import latex_table
 from support.rough_surfaces import rough_maps
 from support.synthetic_results import generated_result, generated_study, measured_result, measured_study
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 SUMMARIES = {
     "pair": summarize(measured_result(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study()),
     "readings": summarize(measured_result(cut_offs=(0.0, 0.5)), measured_study()),

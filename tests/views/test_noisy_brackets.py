@@ -8,6 +8,8 @@ from scipy.ndimage import grey_dilation
 from stiction import Surface, pair
 from support.rough_surfaces import rough_maps
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 NUM_POINTS, SPACING = 128, 0.02
 PAIR_OPTIONS = {
     "load": "20 MPa", "mu0": 0.2, "tau0": "100 MPa", "effective_modulus": "80 GPa", "hardness": "8 GPa", "shifts": 4,
