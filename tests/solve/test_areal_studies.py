@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from stiction import (
+    Result,
     Study,
     Surface,
     area_map,
@@ -21,7 +22,8 @@ from stiction import (
 from stiction.mechanics.half_space import half_space
 from stiction.mechanics.quantities import DIRECTED_SUM_QUANTITIES
 from stiction.solve import store
-from stiction.views.figures.standard import select_figures
+from stiction.views.figures.standard import draw_figures, select_figures
+from stiction.views.report import report_page
 
 ENSEMBLE_STUDY_CHANGES = {
     "surfaces.fractal_dimension": [1.2, 1.5],
@@ -93,6 +95,14 @@ def compute_curves(study, upper, lower):
                 hardness=contact.hardness and float(contact.hardness), compliance_share=contact.compliance_share,
                 direction=contact.direction or "+x", sliding=rule,
             )  # fmt: skip
+
+
+def test_every_contact_model_has_all_figures_and_a_report(result, tmp_path):
+    """Half-space results lack the quantities of asperities that figures use for the limits of the asperity model."""
+    result = Result(result)
+    names = {path.stem for path in draw_figures(result, tmp_path)}
+    assert {name.split("_")[0] for name in names} >= {"friction", "area"}
+    assert report_page(result).startswith("<!doctype html>")
 
 
 @pytest.mark.parametrize("name", STUDIES)

@@ -16,7 +16,7 @@ MIN_ADDRESS_SPACE = 2**30
 ALLOCATIONS_PER_COLLECTION = 100_000
 """Number of new objects after which Python's garbage collector searches for unused cycles of objects.
 
-With Python's default of 700, the collector traverses the objects of the imported libraries so often that
+With Python's default, 700 in Python 3.11, the collector traverses the objects of the imported libraries so often that
 `stiction pair` takes a tenth longer.
 """
 

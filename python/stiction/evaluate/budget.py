@@ -34,6 +34,7 @@ from stiction.evaluate.response import ContactResponse, InputValues, build_closu
 from stiction.mechanics.friction import LOAD_SUM_NAMES, sums_per_load
 from stiction.mechanics.quantities import INTERVAL_KIND_ATTRIBUTE, ZERO_LOAD_SUM_QUANTITIES, quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
+from stiction.solve.layout import share
 from stiction.solve.member_sums import MemberSums
 from stiction.study.inputs import Input, Inputs
 from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, InterfaceStrength, round_median_strength
@@ -101,10 +102,14 @@ def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[Altern
     """
     cache = result.compute_once(_create_cache)
     points = tuple(at[name].values.tobytes() for name in ("load", "mu0", "tau0"))
-    if points not in cache:
-        cache.clear()
-        cache[points] = _evaluate_alternatives_uncached(result, at)
-    return cache[points]
+    alternatives = cache.get(points)
+    if alternatives is None:
+        values = _evaluate_alternatives_uncached(result, at)
+        alternatives = {name: share(dataset) for name, dataset in values.items()}
+        if alternatives:  # alternatives that do not exist may be computed later
+            cache.clear()
+            cache[points] = alternatives
+    return alternatives
 
 
 def _create_cache(_: MemberSums) -> dict[Any, dict[AlternativeName, xarray.Dataset]]:

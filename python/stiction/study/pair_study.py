@@ -50,7 +50,7 @@ from stiction.study.measured_bodies import MACHINING_PROCESSES, MeasuredBody, Me
 from stiction.study.measured_surfaces import DEFAULT_NUM_SHIFTS, DEFAULT_NUM_SURROGATES
 from stiction.study.member_sources import BodyAttributes
 from stiction.study.members import find_body_attributes
-from stiction.study.moduli import find_default_area_loss
+from stiction.study.moduli import DEFAULT_YIELD_EXPONENT, find_default_area_loss
 from stiction.study.pair_options import (
     CONTACT_MODEL_NAMES,
     OPTION_CHECK_ORDER,
@@ -79,7 +79,6 @@ DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4
 ZERO_LOAD_REPLACEMENT = 1e-3  # load that replaces a load of zero, as a fraction of the attraction on a grid cell
 DEFAULT_CONTACT_LAW = "hertz-sphere"  # default contact law of the asperity model
-DEFAULT_YIELD_EXPONENT = "uniform 0.7 .. 1.6"  # exponent of the area of yielding contacts of rough surfaces
 HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
 
 GAP_REMARK = (

@@ -32,7 +32,7 @@ from stiction.mechanics.hardness import estimate_indentation_depth, size_effect_
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS, softest_material
 from stiction.study.input_distributions import UncertainInput, parse_input_value
 from stiction.study.inputs import Inputs, find_interface, find_materials
-from stiction.study.moduli import ELASTOMER_AREA_LOSS
+from stiction.study.moduli import DEFAULT_YIELD_EXPONENT, ELASTOMER_AREA_LOSS
 
 if TYPE_CHECKING:
     import xarray
@@ -804,7 +804,9 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         text = "the true area is up to 30 % too small, because yielding below the surface is neglected"
         yield Caveat(
             text,
-            "use a smaller load" if study.contact.adheres else "compute the pair again with this version",
+            "use a smaller load"
+            if study.contact.adheres
+            else f'set contact.yield_exponent = "{DEFAULT_YIELD_EXPONENT}" in the study',
             "caution",
         )
 

@@ -382,24 +382,18 @@ class Evaluation(MemberSums):
         >>> table.reference.pressure.value, table.reference.estimates["closure"].unit
         (10.0, 'mm')
         """
-        if load is None and mu0 is None and tau0 is None:
-            return build_joint_table(self.compute_once(Evaluation._evaluate_joint), self.study, units)
-        at = self._evaluate_joint(load, mu0, tau0)
-        for name, values in (("mu0", mu0), ("tau0", tau0)):
+        loads = choose_joint_loads(self.study, self.nominal_area)
+        loads = loads if load is None else self._to_forces(load)
+        friction = self.study.friction
+        strengths: dict[str, Any] = {
+            "mu0": friction.mu0[:1] if mu0 is None else mu0,
+            "tau0": friction.tau0[:1] if tau0 is None else tau0,
+        }
+        at = self.at(loads, **strengths, quantities=JOINT_QUANTITIES)
+        for name, values in strengths.items():
             if at.sizes.get(name, 1) > 1:
                 raise ValueError(f"{name} must be a single value, got {short_repr(values)}")
         return build_joint_table(at, self.study, units)
-
-    def _evaluate_joint(self, load: Any = None, mu0: Any = None, tau0: Any = None) -> xarray.Dataset:
-        """Evaluate the quantities of a joint table. Arguments are as for `joint_table`."""
-        loads = choose_joint_loads(self.study, self.nominal_area)
-        friction = self.study.friction
-        return self.at(
-            loads if load is None else load,
-            mu0=friction.mu0[:1] if mu0 is None else mu0,
-            tau0=friction.tau0[:1] if tau0 is None else tau0,
-            quantities=JOINT_QUANTITIES,
-        )
 
     # ---- Reported values ---------------------------------------------------------------------------------------------
 
