@@ -34,9 +34,11 @@ study = Study().with_changes(
         "contact.mechanics": "half-space",
         "contact.effective_modulus": "10 GPa",
         "contact.hardness": "0.6 GPa",
+        "contact.yield_exponent": "uniform 0.7 .. 1.6",
+        "contact.junction_growth": "slip-line",
         "contact.load": ["20 uN", "60 uN", "200 uN"],
-        "friction.mu0": [0.3],
-        "friction.tau0": ["50 MPa"],
+        "friction.mu0": [0.1],
+        "friction.tau0": ["20 MPa"],
         "friction.load": ["60 uN"],
         "ensemble.repetitions": 16 if has_files else 8,  # number of relative positions of the two maps
     }

@@ -57,7 +57,7 @@ friction_axes.set(ylabel=r"$\mu_s$, friction at opposing contacts", ylim=(0, Non
 area_axes.set(xlabel="angle between the lays (degrees)", ylabel="true area (%)", ylim=(0, None))
 figure.legend(
     loc="outside lower center", ncols=2, handlelength=3,
-    title=r"ground steel on ground steel, $\mu_0$ = 0.2, 20 MPa; shaded: 95 % intervals of the mean",
+    title=r"ground steel on ground steel, $\mu_0$ = 0.2, 20 MPa; shaded: 95 % intervals",
 )  # fmt: skip
 figure.savefig("ground_faces.png", dpi=200)
 for angle, percent, table in zip(ANGLES, area_percent, tables, strict=True):
