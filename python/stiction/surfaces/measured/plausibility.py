@@ -67,9 +67,14 @@ class ScannedHeights:
         return self.heights[~is_missing] if is_missing.any() else self.heights.ravel()
 
     @cached_property
+    def extremes(self) -> tuple[float, float]:
+        """Lowest and highest height that are not missing."""
+        return float(self.non_missing_heights.min()), float(self.non_missing_heights.max())
+
+    @property
     def height_range(self) -> float:
         """Range of the heights that are not missing."""
-        return float(self.non_missing_heights.max() - self.non_missing_heights.min())
+        return self.extremes[1] - self.extremes[0]
 
 
 class PlausibilityCheck(NamedTuple):
@@ -99,7 +104,7 @@ def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
 def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
     """Find extreme values that repeat exactly and are far from all other heights, like codes for missing points."""
     heights = scan.non_missing_heights
-    for code, count, distance in _find_missing_point_codes(heights):
+    for code, count, distance in _find_missing_point_codes(heights, scan.extremes):
         number = float(f"{code / scan.factor:.12g}")
         yield (
             f"{count} of {scan.heights.size} heights are exactly {number:.12g}, which is "
@@ -107,8 +112,10 @@ def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
         )
 
 
-def _find_missing_point_codes(heights: Floats) -> list[tuple[float, int, float]]:
+def _find_missing_point_codes(heights: Floats, extremes: tuple[float, float]) -> list[tuple[float, int, float]]:
     """Return suspected codes for missing points among the extreme heights, with their counts and distances.
+
+    `extremes` are the lowest and the highest height.
 
     Several codes may be at the same end, and their distances from each other are not limited.
     """
@@ -119,11 +126,14 @@ def _find_missing_point_codes(heights: Floats) -> list[tuple[float, int, float]]
     median = float(np.median(sample))
     limit = MIN_CODE_DEVIATION * float(np.median(np.abs(sample - median)))
     near_sample = sample[np.abs(sample - median) <= limit]
+    max_gap = MIN_MISSING_CODE_DISTANCE * float(np.ptp(near_sample))
+    has_gap = max(float(near_sample.min()) - extremes[0], extremes[1] - float(near_sample.max())) > max_gap
+    if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
+        return []
     is_far = (heights < median - limit) | (heights > median + limit)
     # a gap beside a code is at least as wide between the sampled heights as between all heights
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
-    is_wide = gaps > MIN_MISSING_CODE_DISTANCE * float(np.ptp(near_sample))
-    if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not is_wide.any()):
+    if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []
     near_heights = heights[~is_far]
     far_values, counts = np.unique(heights[is_far], return_counts=True)
@@ -165,7 +175,8 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
     total = int(counts.sum())
     if text := _describe_frequent_zeros(values, counts):
         yield text
-    for place in np.argsort(counts)[::-1][:MAX_MISSING_CODES].tolist():
+    places = np.flatnonzero(counts >= MIN_REPEAT_FRACTION * total)
+    for place in places[np.argsort(counts[places])[::-1][:MAX_MISSING_CODES]].tolist():
         neighbours = np.delete(
             counts[max(0, place - NUM_NEIGHBOURS) : place + NUM_NEIGHBOURS + 1], min(place, NUM_NEIGHBOURS)
         )
@@ -174,7 +185,7 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
         if (
             values[place] != 0
             and counts[place] >= MIN_REPEAT_RATIO * usual + MIN_REPEAT_DEVIATIONS * usual**0.5
-            and MIN_REPEAT_FRACTION <= fraction <= MAX_REPEAT_FRACTION
+            and fraction <= MAX_REPEAT_FRACTION
         ):
             number = float(f"{values[place] / scan.factor:.12g}")
             yield (
@@ -191,7 +202,9 @@ def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str |
     """
     place = int(np.searchsorted(values, 0.0))
     total = int(counts.sum())
-    if place == values.size or values[place] != 0 or not counts[place] >= MIN_REPEAT_FRACTION * total:
+    if place == values.size or values[place] != 0:
+        return None
+    if not MIN_REPEAT_FRACTION <= counts[place] / total <= MAX_REPEAT_FRACTION:
         return None
     first, end = max(0, place - NUM_NEIGHBOURS), place + NUM_NEIGHBOURS + 1
     near_counts, distances = counts[first:end], np.abs(values[first:end])
