@@ -335,7 +335,8 @@ def test_unit_of_positions_in_a_header_line_is_used_or_rejected(read_text):
 @pytest.mark.parametrize(
     ("header", "unit"),
     [("Units: mm, nm\nx;z", "nm"), ("Units: x=mm, z=nm\nx;z", "nm"), ("mm;nm\nPosition;Height", "nm"),
-     ("# x;z\n# mm;nm", "nm")],
+     ("# x;z\n# mm;nm", "nm"), ('[{"name": "x", "unit": "mm"}, {"name": "z", "unit": "nm"}]', "nm"),
+     ("name: x\nunit: mm\nname: z\nunit: mm\nx;z", "mm")],
 )  # fmt: skip
 def test_units_of_the_columns_in_a_line_of_their_own_are_read(read_text, header, unit):
     reading = read_text(f"{header}\n{ROWS}")
@@ -351,7 +352,7 @@ def test_units_between_names_separated_by_blanks_are_read(read_text):
 @pytest.mark.parametrize(
     "header",
     ["Units: x=mm, z=PSIA\nx;z", "mm;PSIA\nPosition;Height", "name: x\nunit: mm\nname: z\nunit: PSIA\nx;z",
-     "units.z: V\nx;z", "Channel unit: 1/mm\nx;z", "unit_z = V\nx;z"],
+     "units.z: V\nx;z", "figure units: z = V\nx;z", "Channel unit: 1/mm\nx;z", "unit_z = V\nx;z"],
 )  # fmt: skip
 def test_given_unit_does_not_replace_a_unit_of_one_of_several_quantities(read_text, header):
     message = error_message(read_text, f"{header}\n{ROWS}", unit=("mm", "um"))

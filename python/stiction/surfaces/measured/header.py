@@ -35,13 +35,15 @@ _UNIT_WORDS = (
 _HEIGHT_WORDS = r"(?:z|(?:image )?data|heights?|values?|amplitude|vertical|profile|channel|signal|image|topography)"
 _HEIGHT_UNIT_PATTERN = re.compile(
     r"\W*(?:(?:z|heights?|höhen?|hauteurs?|data|values?)\s+(?:are\s+)?in\s+(?:1(?:[.,]0*)?\s+)?|"
-    rf"(?:{_HEIGHT_WORDS}[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}(?:[ ._-](?:of )?{_HEIGHT_WORDS})?"
+    rf"(?:(?:{_HEIGHT_WORDS}|figure|plot)[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}"
+    rf"(?:\s?[ ._:-]\s?(?:of )?{_HEIGHT_WORDS}(?![^\W_]))?"
     r"\s*[:=,;\t]\s*)[\"']?([^\s\"',;:]{1,20})[\"']?\W*",
     re.IGNORECASE,
 )
 _UNKNOWN_UNIT_PATTERN = re.compile(
     r"\W*(?:(?:z|heights?|höhen?)\s+(?:are\s+)?in\s+(?!the\b|an?\b|this\b|columns?\b|rows?\b|lines?\b|files?\b)|"
-    rf"(?:{_HEIGHT_WORDS}[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}(?:[ ._-](?:of )?{_HEIGHT_WORDS})?"
+    rf"(?:(?:{_HEIGHT_WORDS}|figure|plot)[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}"
+    rf"(?:\s?[ ._:-]\s?(?:of )?{_HEIGHT_WORDS}(?![^\W_]))?"
     r"(?:\s*[:=,;\t]\s*|\s+(?=[0-9])))"
     r"[\"']?((?:[^\"',;\t]|(?<=[0-9]),(?=[0-9])){1,40}?)[\"']?[\s,;]*",
     re.IGNORECASE,
@@ -69,6 +71,9 @@ _PLAIN_UNIT_PATTERN = re.compile(
     rf"\W*{_UNIT_WORDS}\s*[:=]\s*[\"']?([^\W\d][^\s\"',;]{{0,11}})[\"']?\W*", re.IGNORECASE
 )
 """Pattern of a line with a unit that does not name its quantity."""
+
+_UNIT_IN_RECORD_PATTERN = re.compile(rf"[{{,]\s*{_UNIT_WORDS}\s*[:=]\s*([^\s,;}}\]]{{1,12}})", re.IGNORECASE)
+"""Pattern of the unit of a column in a line such as ``{"name": "x", "unit": "mm"}, {"name": "z", "unit": "um"}``."""
 
 _UNITS_OF_COLUMNS_PATTERN = re.compile(
     rf"\W*{_UNIT_WORDS}\s*[:=]\s*(?:[^\W\d][\w ]{{0,20}}[=:]\s*)?([^\s,;=:]{{1,12}})\s*[,;]\s*"
@@ -305,10 +310,9 @@ def parse_declarations(
     is_count = [
         match[1] is None and code.is_integer() and code >= 0 for match, code in zip(code_lines, codes, strict=True)
     ]
-    column_units = find_first_match(_UNITS_OF_COLUMNS_PATTERN, lines, lambda match: match) if is_profile else None
     position_units = [match[1] for line in lines if (match := _POSITION_UNIT_PATTERN.fullmatch(line))]
-    if column_units is not None and column_units.end() == len(column_units.string):
-        position_units, unit = [column_units[1]], parse_length_unit(column_units[2]) or column_units[2]
+    if is_profile and (column_units := _find_column_units(lines)) is not None:
+        position_units, unit = [column_units[0]], parse_length_unit(column_units[1]) or column_units[1]
     position_units += [
         match[1]
         for line in lines
@@ -343,6 +347,17 @@ def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
         return name_line
     is_value = re.compile(r"[:=(]\s*[-+]?[0-9]")
     return next((line for line in lines if _SLOPE_LINE_PATTERN.fullmatch(line) and not is_value.search(line)), "")
+
+
+def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
+    """Return the units of positions and of heights in a line with both, or in several lines with the same unit."""
+    for line in lines:
+        if (match := _UNITS_OF_COLUMNS_PATTERN.fullmatch(line)) is not None:
+            return match[1], match[2]
+        if len(record_units := _UNIT_IN_RECORD_PATTERN.findall(line)) > 1:
+            return record_units[0], record_units[-1]
+    plain_units = [match[1] for line in lines if (match := _PLAIN_UNIT_PATTERN.fullmatch(line))]
+    return (plain_units[0], plain_units[0]) if len(plain_units) > 1 and len(set(plain_units)) == 1 else None
 
 
 def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -> tuple[str | None, str]:
