@@ -9,6 +9,7 @@ from stiction.evaluate.at_load import at_load
 from stiction.evaluate.member_values import member_values
 from stiction.mechanics.friction import FrictionLaw
 from stiction.solve.member_sums import MemberSums
+from stiction.views.latex import latex_table
 
 pytestmark = pytest.mark.usefixtures("no_contact_pictures")
 
@@ -304,6 +305,11 @@ def test_interface_stronger_than_the_softer_body_gives_a_lower_limit(strength):
     assert math.isinf(result.interval[1])
     assert 2 / 6.05 <= result.interval[0] <= result.value
     assert result.assessment == "Do not quote"
+    limit_lines = str(result).splitlines()[:2]
+    assert limit_lines[0].startswith(f"μ_s ≥ {result.value:.2f} [")
+    assert limit_lines[1].startswith("    ≥ 0.")
+    assert rf"$\geq$ {result.value:.2f} [" in latex_table(result.summary())
+    assert str(result).count("interface is stronger than the softer body") == 1
     assert np.isfinite(result.at()["friction_coefficient"].sel(statistic="mean")).all()
 
 
@@ -328,6 +334,25 @@ def test_shear_of_the_softer_body_limits_the_adhesive_part_of_the_normal_load():
     friction_fraction = values["tangential_load"] / (0.2 * load)
     assert (friction_fraction < 0.99).all()
     np.testing.assert_allclose(values["normal_load"], load * (1 - 0.1 * growth * friction_fraction), rtol=1e-9)
+
+
+@pytest.mark.parametrize(("growth", "tau0", "names_load"), [
+    ("slip-line", "uniform 25 MPa .. 45 MPa", False), ("0..100", "uniform 35 MPa .. 65 MPa", True),
+])  # fmt: skip
+def test_remedy_for_unlimited_samples_is_a_smaller_load_only_if_the_load_matters(growth, tau0, names_load):
+    result = pair(*rough_surfaces(), **PLASTIC_OPTIONS, mu0=0.2, tau0=tau0, junction_growth=growth)
+    (caveat,) = (each for each in result.summary().first.caveats if "softer body for" in each.text)
+    assert ("reduce the load" in caveat.remedy) == names_load
+
+
+@pytest.mark.parametrize("mu0", [0.2, 0.6])
+def test_elastic_contacts_have_bounds_for_finer_scans_unless_yielding_contacts_would_shear_the_body(mu0):
+    options = PLASTIC_OPTIONS | {"hardness": 50.0, "shifts": 16}
+    point = pair(*rough_surfaces(0.01), **options, mu0=mu0, junction_growth="slip-line").summary().first
+    assert point.status == "ok"
+    assert point.value == pytest.approx(mu0, rel=0.01)
+    assert (point.bracket is None) == (mu0 > 2 / 5.6)
+    assert (point.roughness_contribution is None) == (mu0 > 2 / 5.6)
 
 
 def test_elastic_pair_with_high_mu0_is_independent_of_slip_lines():

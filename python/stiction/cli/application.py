@@ -89,7 +89,7 @@ def print_output(text: str) -> None:
             raise
 
 
-_BOLD_TEXT_PATTERN = re.compile("^(μ_s = [^ ]+( \\[.*?\\])?|Quote it|Quote with care|Do not quote)(?![^ ;])")
+_BOLD_TEXT_PATTERN = re.compile("^(μ_s [=≥] [^ ]+( \\[.*?\\])?|Quote it|Quote with care|Do not quote)(?![^ ;])")
 """Pattern of the text that is printed in bold on terminals: the friction coefficient and the assessment."""
 
 

@@ -213,7 +213,8 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
 def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
     """Return lower bounds on mu_s and the area fraction for all finer scans, or None if contacts cannot yield.
 
-    The bound on mu_s, with friction at all contacts, is mu0 + tau0/H'. The bound on the area fraction is p/H, where p
+    The bound on mu_s, with friction at all contacts, is mu0 + tau0/H', or k/(H/2) if the interface is stronger than the
+    softer body, with its shear strength k. The bound on the area fraction is p/H, where p
     is the nominal pressure.
     """
     if (plastic_friction := compute_plastic_friction(point, study)) is None:

@@ -252,10 +252,19 @@ def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
 def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | None:
     """Return the friction coefficient if all contacts yield and friction acts at all of them.
 
-    The shear strength of the softer body does not limit it. The value is NaN at seizure, or None without a hardness.
+    It is a lower limit if the interface is stronger than the softer body. The value is NaN at seizure, or None without
+    a hardness.
     """
     hardness = get_contact_hardness(point, study)
     if math.isnan(hardness) or not study.uses_half_space:
         return None
     law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))
-    return float(law.force(1.0, 1.0 / law.yield_pressure(hardness)))
+    return float(law.plastic_coefficient(hardness))
+
+
+def is_stronger_than_body(point: xarray.Dataset, study: Study) -> bool:
+    """Return whether the interface of contacts that yield is stronger than the softer body."""
+    if study.contact.hardness is None:
+        return False
+    law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))
+    return bool(law.is_stronger_than_body(get_contact_hardness(point, study)))

@@ -341,7 +341,7 @@ def find_point_caveats(
     yield from find_caveats_of_failed_checks(
         (_build_value_checks(study), [STEEP_SURFACE_CHECK], *pressure_checks), numbers
     )
-    yield from _find_growth_caveats(point, study)
+    yield from _find_growth_caveats(point, study, status)
     yield from _find_size_effect_caveats(point, study, value)
     yield from _find_area_loss_caveats(point, study, value)
     yield from find_caveats_of_failed_checks(([EQUALS_MU0_CHECK],), numbers)
@@ -521,7 +521,7 @@ def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
     return ASSESSMENTS_BY_SEVERITY["fault" if "fault" in severities else "caution" if severities else ""]
 
 
-def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
+def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> Iterator[Caveat]:
     """Yield caveats about the growth of contacts under shear, and about interfaces stronger than the softer body."""
     hardness = study.contact.hardness
     if hardness is None or not (mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS):
@@ -540,7 +540,8 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat
         yield Caveat(text, "give the calibration and the pair the same --junction-growth", "caution")
     law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))
     if growth is not None:
-        yield from _find_unlimited_caveats(point, get_contact_hardness(point, study), law, growth)
+        if status != friction.STATUS_BULK_SHEAR:
+            yield from _find_unlimited_caveats(point, get_contact_hardness(point, study), law, growth)
         return
     effect = law.growth_effect(float(hardness))
     if study.contact.junction_growth is not None or abs(effect) <= NEGLIGIBLE_GROWTH_EFFECT:
@@ -626,7 +627,9 @@ def _find_unlimited_caveats(
             + ("; the interval has no upper limit" if unlimited_fraction > MAX_UNLIMITED_FRACTION else "")
         )
         severity: Severity = "fault" if unlimited_fraction > MAX_UNLIMITED_FRACTION else "caution"
-        yield Caveat(text, "measure the hardness, μ0 and τ0, or reduce the load", severity)
+        # With slip lines, contacts that yield carry the same pressure at any load.
+        remedy = "measure the hardness, and determine μ0 and τ0 with stiction calibrate"
+        yield Caveat(text, remedy + ("" if growth.uses_slip_lines else ", or reduce the load"), severity)
     elif not growth.uses_slip_lines and strength_ratio > NEARLY_BULK_STRENGTH_RATIO:
         text = (
             f"the interface is nearly as strong as the bulk: τ0 is {strength_ratio:.2f} of H/√α at α = {growth.high:g}"

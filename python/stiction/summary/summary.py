@@ -28,6 +28,7 @@ from stiction.evaluate.point import (
     get_adhesion_ranges,
     get_contact_hardness,
     get_roughness_exponent,
+    is_stronger_than_body,
     is_unloaded,
     iterate_points,
     list_sliding_rules_reported_first,
@@ -641,10 +642,13 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
 
     Friction acts at all contacts. The contribution of the inputs alone is mu0 and, with a hardness H, tau0/H if all
     contacts yield. With adhesion the result is None, because the load on the contacts also depends on the scans. It is
-    also None for a gap, which does not contain the roughness of the two faces.
+    also None for a gap, which does not contain the roughness of the two faces, and if the interface of contacts that
+    yield is stronger than the softer body.
     """
     contributions = _compute_friction_contributions(point, study, rule)
     if contributions is None or not study.is_measured or study.is_gap or study.contact.adheres:
+        return None
+    if is_stronger_than_body(point, study):
         return None
     plastic_friction = compute_plastic_friction(point, study)
     return rule.value - (contributions[0] if plastic_friction is None else plastic_friction)
@@ -664,14 +668,15 @@ def _find_bounds_for_finer_scans(
     """Return bounds, valid to second order in the slope, on the friction coefficient for all finer scans.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
-    between contacts of different members. The bounds may be equal.
+    between contacts of different members. The bounds may be equal. There are none if the interface of contacts that
+    yield is stronger than the softer body.
     """
     hardness = study.contact.hardness
     has_bracket = study.is_measured and study.uses_half_space and not study.contact.adheres
     if hardness is None or not has_bracket or all_rub.rule != "all" or not math.isfinite(all_rub.value):
         return None
     mu0, plastic_friction = float(point["mu0"]), compute_plastic_friction(point, study)
-    if plastic_friction is None or math.isnan(plastic_friction) or all_rub.status == friction.STATUS_BULK_SHEAR:
+    if plastic_friction is None or math.isnan(plastic_friction) or is_stronger_than_body(point, study):
         return None
     upper = all_rub.upper if math.isfinite(all_rub.upper) else None
     num_contacts = mean_over_directions(point, "contact_count") * mean_over_directions(point, "members")

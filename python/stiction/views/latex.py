@@ -13,12 +13,14 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import column_title_and_factor
 from stiction.study.study_description import describe_study
 from stiction.summary.summary import PointSummary, Summary
-from stiction.views.point import cutoff_text
+from stiction.views.point import coefficient_text, cutoff_text
 from stiction.views.sentence import covered_inputs_text, shared_conditions_text
 
 _RULE_HEADINGS = {"all": r"$\mu_s$, all contacts", "opposing": r"$\mu_s$, opposing contacts"}
 _COORDINATE_HEADINGS = {"hurst_exponent": "$H$", "fractal_dimension": "$D$", "mu0": r"$\mu_0$"}
-_LATEX_ESCAPES = str.maketrans({character: f"\\{character}" for character in "&%$#_{}"} | {"∞": r"$\infty$"})
+_LATEX_ESCAPES = str.maketrans(
+    {character: f"\\{character}" for character in "&%$#_{}"} | {"∞": r"$\infty$", "≥": r"$\geq$"}
+)
 _LATEX_SYMBOLS = {character: f"\\{character}" for character in "&%$#_{}"} | {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": "$<$", ">": "$>$",
     "μ_s": r"$\mu_s$", "μ0": r"$\mu_0$", "τ0": r"$\tau_0$", "E*": "$E^*$", "A/A0": "$A/A_0$", "H′": "$H'$",
@@ -104,7 +106,7 @@ def _to_latex(text: str) -> str:
 
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
     """Return the table cells of a point: coefficients of all sliding rules, area fraction and assessment."""
-    texts = [str(rule) for rule in point.rules]
+    texts = [coefficient_text(point, rule) for rule in point.rules]
     if has_area:
         fraction = point.quantities["contact_area_fraction"].in_unit("%", 0.01)
         is_printed = point.contact_status == STATUS_OK and not math.isnan(fraction.value)

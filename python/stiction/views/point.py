@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._number_format import choose_prefixed_unit, format_with_unit
-from stiction.mechanics.friction import STATUS_OK
+from stiction.mechanics.friction import STATUS_BULK_SHEAR, STATUS_OK
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -85,9 +85,12 @@ def point_load_text(point: PointSummary) -> str:
 
 
 def coefficient_text(point: PointSummary, coefficient: SlidingRuleCoefficient) -> str:
-    """Return a coefficient of a point with its interval, or the reason why it is missing."""
+    """Return a coefficient of a point with its interval, or the reason why it is missing.
+
+    A coefficient that is only a lower limit starts with "≥".
+    """
     if math.isfinite(coefficient.value):
-        return str(coefficient)
+        return f"≥ {coefficient}" if coefficient.status == STATUS_BULK_SHEAR else str(coefficient)
     return "none" if point.status == STATUS_OK else point.status
 
 

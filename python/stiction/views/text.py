@@ -293,13 +293,13 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
     varying_names = sorted(_list_varying_coordinates(points), key=lambda name: name != "hurst_exponent")
     if len(points) == 1:
         (point,) = points
-        rule_lines = [
-            f"{coefficient_text(point, rule)}  {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in point.rules
-        ]
-        lines = [
-            WrappedText(f"{'      ' if index else 'μ_s = '}{line}", hanging_indent=" " * 8)
-            for index, line in enumerate(rule_lines)
-        ]
+        lines = []
+        for index, rule in enumerate(point.rules):
+            symbol, relation = ("   ", "  ") if index else ("μ_s", "= ")
+            text = coefficient_text(point, rule)
+            relation = "" if text.startswith("≥") else relation
+            line = f"{symbol} {relation}{text}  {SLIDING_RULE_DESCRIPTIONS[rule.rule]}"
+            lines.append(WrappedText(line, hanging_indent=" " * 8))
         return [*lines, roughness_text(point)]
     headings = (f"μ_s {SLIDING_RULE_TITLES[rule.rule]}" for rule in points[0].rules)
     rows = [[*(COORDINATE_LABELS.get(name, name) for name in varying_names), *headings, "assessment"]]
