@@ -94,6 +94,16 @@ def test_unknown_indentation_adds_a_caveat_for_metals_only():
     assert "as hard as large ones" not in texts[1] + texts[2]
 
 
+def test_caveats_of_hardened_metals_advise_against_an_indentation():
+    options = {"hardness": 5.0, "tau0": 0.3, "load": "200 MPa"}
+    texts = [
+        " ".join(caveat.text for caveat in press(**options, indent=indent).summary().first.caveats)
+        for indent in (None, "2 um")
+    ]
+    assert "as hard as large ones" not in texts[0]
+    assert "metals as hard as 5 GPa have a smaller indentation size effect than assumed" in texts[1]
+
+
 @pytest.mark.parametrize("name", ["closure", "closure_stiffness", "normal_stiffness", "unloading_stiffness"])
 def test_closure_and_stiffness_keep_the_measured_hardness(name):
     without_indent, result = (each.at()[name].values.ravel() for each in (press(), press(indent="2 um")))
@@ -125,3 +135,10 @@ def test_pair_function_rejects_invalid_indentations(options, term):
     defaults = {"junction_growth": None, "yield_exponent": None} if len(options) > 1 else {}
     with pytest.raises(ValueError, match=term):
         press(**defaults | options)
+
+
+def test_indentation_is_rejected_unless_the_softer_body_is_a_metal():
+    options = {"effective_modulus": None, "hardness": None, "upper": "steel", "indent": "2 um"}
+    assert press(**options, lower="brass").summary().first.value > 0.2
+    with pytest.raises(ValueError, match=r"^indent must not be given for PMMA, because .* metals"):
+        press(**options, lower="PMMA")

@@ -26,7 +26,7 @@ from stiction._text import MAX_WORD_LENGTH
 from stiction._units import Quantity, core_quantity, exact_quantity_text, short_repr
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.mechanics.law import JacksonGreen
-from stiction.mechanics.materials import material
+from stiction.mechanics.materials import Material, material, softest_material
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.study.contact_tables import choose_load_steps
 from stiction.study.elasticity import (
@@ -376,8 +376,12 @@ class MeasuredPair:
         if self._hardness is not None:
             values["hardness"] = self._hardness
         moduli = ([parse_input_value(name, value) for value in entries.get(name, ())] for name in ("young", "poisson"))
-        materials = tuple(material(name) for name in self.elasticity.materials or ())
-        return Inputs.from_values(values, tuple(zip(*moduli, strict=True)), materials)
+        return Inputs.from_values(values, tuple(zip(*moduli, strict=True)), self._materials)
+
+    @property
+    def _materials(self) -> tuple[Material, ...]:
+        """Materials of both bodies, or an empty tuple if the bodies are not given by name."""
+        return tuple(material(name) for name in self.elasticity.materials or ())
 
     def _parse_single_strength(self, name: str) -> InputValue:
         """Parse mu0 or tau0, which must be one value or one range."""
@@ -771,6 +775,11 @@ class MeasuredPair:
             raise ArgumentError(
                 "{indent} must not be combined with {work_of_adhesion}, because areas of adhesive contacts "
                 "are computed with the measured hardness"
+            )
+        softer = softest_material(*self._materials)
+        if softer is not None and softer.kind != "metal":
+            raise ArgumentError(
+                f"{{indent}} must not be given for {softer.name}, because the size effect is that of metals"
             )
         depth = self._parse_quantity("indent", value)
         if not depth > 0:

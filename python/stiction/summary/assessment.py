@@ -20,6 +20,7 @@ from stiction.evaluate.point import (
     find_contact_status,
     get_adhesion_ranges,
     get_contact_hardness,
+    get_study_hardness,
     has_limited_pressure,
     has_nominal_area,
     is_unloaded,
@@ -83,6 +84,9 @@ MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 
 TYPICAL_SIZE_EFFECT_LENGTH = 0.5
 """Typical length h* (µm) of the indentation size effect, used if the depth of the indentation is unknown."""
+
+MIN_SIZE_EFFECT_MODULUS_RATIO = 25.0
+"""Smallest ratio of E* to the hardness for which h* of metals is within its range; h* falls as (G/H)²."""
 MIN_METAL_MODULUS = 20.0
 """E* (GPa) above which a body that yields and has no name is taken for a metal."""
 
@@ -563,16 +567,24 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
 
 
 def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat if metals would slide at a lower coefficient because small contacts are harder."""
+    """Yield a caveat if small contacts of metals are harder than assumed, or less hard."""
     contact, softer_material = study.contact, softest_material(*find_materials(study))
-    if contact.yield_exponent is None or contact.indent is not None:
+    if contact.yield_exponent is None:
         return
     is_metal = (
         effective_modulus_at(point, study) > MIN_METAL_MODULUS
         if softer_material is None
         else softer_material.kind == "metal"
     )
-    if not is_metal:
+    hardness = get_study_hardness(study)
+    is_hardened = effective_modulus_at(point, study) < MIN_SIZE_EFFECT_MODULUS_RATIO * hardness
+    if is_metal and is_hardened and contact.indent is not None:
+        text = (
+            f"metals as hard as {format_with_unit(hardness, 'GPa')} have a smaller indentation size effect than "
+            "assumed, so the contacts are computed too hard"
+        )
+        yield Caveat(text, "leave out the depth of the indentation", "caution")
+    if not is_metal or is_hardened or contact.indent is not None:
         return
     names = ("contact_area", "contact_count", "rms_gradient", "load_share_at_hardness")
     area, count, slope, plastic_fraction = (mean_over_directions(point, name) for name in names)
