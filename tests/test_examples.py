@@ -1,6 +1,7 @@
 """Run the examples of docstrings, pages and scripts unchanged."""
 
 import ast
+import codeop
 import contextlib
 import doctest
 import functools
@@ -118,6 +119,30 @@ def test_documentation_page_has_only_code_blocks_that_are_run(page):
         assert "file_format: mystnb" in page.read_text(encoding="utf-8").split("---")[1], (
             "without this header, the code cells of the page would be shown but not run"
         )
+
+
+def find_prompt_error(code):
+    """Return the message of the first statement that an interactive prompt rejects, or None."""
+    lines = []
+    for line in [*code.splitlines(), ""]:
+        lines.append(line)
+        try:
+            is_complete = codeop.compile_command("\n".join(lines)) is not None
+        except SyntaxError as error:
+            return f"{error}: {line}"
+        if is_complete:
+            lines = []
+    return None
+
+
+@parametrize_pages(PAGE_FILES)
+def test_python_block_of_a_page_can_be_pasted_into_an_interactive_prompt(page):
+    for block in code_blocks(page):
+        if block.kind not in {"python", *LANGUAGES_RUN_BY_DOCS_BUILD} or re.search(r"^%%\w+", block.text, re.MULTILINE):
+            continue
+        code = re.sub(r"\A(---\n(.*\n)*?---\n|(:.*\n)+)", "", block.text)  # options of the cell
+        error = find_prompt_error(code)
+        assert error is None, f"{page.name}: {error}; put an empty line after each loop and function"
 
 
 SMALL_STUDY_CHANGES = {
