@@ -121,6 +121,10 @@ def test_documentation_page_has_only_code_blocks_that_are_run(page):
         )
 
 
+CELL_OPTIONS = r"\A(---\n(.*\n)*?---\n|(:.*\n)+)"
+"""Pattern of the options at the start of a code cell, such as the tags that hide it on the built page."""
+
+
 def find_prompt_error(code):
     """Return the message of the first statement that an interactive prompt rejects, or None."""
     lines = []
@@ -140,9 +144,16 @@ def test_python_block_of_a_page_can_be_pasted_into_an_interactive_prompt(page):
     for block in code_blocks(page):
         if block.kind not in {"python", *LANGUAGES_RUN_BY_DOCS_BUILD} or re.search(r"^%%\w+", block.text, re.MULTILINE):
             continue
-        code = re.sub(r"\A(---\n(.*\n)*?---\n|(:.*\n)+)", "", block.text)  # options of the cell
-        error = find_prompt_error(code)
+        error = find_prompt_error(re.sub(CELL_OPTIONS, "", block.text))
         assert error is None, f"{page.name}: {error}; put an empty line after each loop and function"
+
+
+@parametrize_pages(PAGE_FILES)
+def test_hidden_cell_of_a_page_states_that_it_is_for_the_built_page_only(page):
+    for block in code_blocks(page):
+        options = re.match(CELL_OPTIONS, block.text)
+        if block.kind in LANGUAGES_RUN_BY_DOCS_BUILD and options and re.search("remove-(cell|input)", options[0]):
+            assert block.text[options.end() :].startswith("# for the built page only: ")
 
 
 SMALL_STUDY_CHANGES = {
