@@ -75,13 +75,12 @@ def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: 
         is_bound = has_pull_off_bound and bool(QUANTITIES[name].bound_fraction)
         label = quantity_label(name, first_point.study) + " at least" * is_bound
         if name in first_point.numbers:
-            num_digits = 2 if QUANTITIES[name].unit == "1" else 3
-            yield QuantityRow(name, label, [Estimate(point.numbers[name]) for point in points], num_digits)
+            numbers = [Estimate(point.numbers[name]) for point in points]
+            yield QuantityRow(name, label, numbers, num_digits=2 if QUANTITIES[name].unit == "1" else 3)
             continue
         estimates = [point.quantities[name] for point in points]
-        num_digits = 1 if name == "error" else None
         statuses = [point.contact_status for point in points] if name == "contact_area_fraction" else ()
-        yield QuantityRow(name, label, estimates, num_digits, statuses)
+        yield QuantityRow(name, label, estimates, num_digits=1 if name == "error" else None, statuses=statuses)
     for name, fraction in _VERBOSE_QUANTILES if verbose else ():
         if name in first_point.distributions:
             label = f"{QUANTITIES[name].table_label}, {100 * fraction:.0f}th percentile"
