@@ -97,7 +97,7 @@ def compute_curves(study, upper, lower):
             )  # fmt: skip
 
 
-def test_every_contact_model_has_all_figures_and_a_report(result, tmp_path):
+def test_figures_and_report_are_drawn_for_every_contact_model(result, tmp_path):
     """Half-space results lack the quantities of asperities that figures use for the limits of the asperity model."""
     result = Result(result)
     names = {path.stem for path in draw_figures(result, tmp_path)}
