@@ -385,16 +385,35 @@ def test_surfaces_in_full_contact_have_infinite_initial_tangential_stiffness():
     curve = half_space(flat_like(lower), lower, [3.0], boundary="periodic")
     onset = curve.onset(0, mu0=0.2, steps=10)
     assert onset.stiffness == np.inf
-    assert onset.displacement[0] == pytest.approx(0, abs=1e-12 * onset.displacement_at_sliding)
+    assert onset.displacement[0] == 0
     assert onset.displacement[-1] > 0
     with pytest.raises(ValueError, match="full contact"):
         onset.iwan()
     flat = flat_like(lower)
     onset = half_space(flat, flat, [1.0], boundary="periodic").onset(0, mu0=0.2, steps=4)
-    np.testing.assert_allclose(onset.displacement, 0, atol=1e-15)
     np.testing.assert_allclose(onset.traction(0), 0.05, rtol=1e-9)
     assert onset.slipped_area.tolist() == [0, 0, 0, 1]
-    assert onset.energy_lost(onset.sliding_load) == pytest.approx(0, abs=1e-15)
+    assert onset.displacement.tolist() == [0, 0, 0, 0]
+    assert onset.energy_lost(onset.sliding_load) == 0
+    with pytest.raises(ValueError, match="full contact"):
+        onset.iwan()
+
+
+@pytest.mark.parametrize("shape", [(31,), (32,), (12, 21), (16, 16)])
+def test_surfaces_in_full_contact_do_not_move_before_a_point_slips(shape):
+    heights = np.random.default_rng(3).normal(0, 1e-4, shape)
+    lower = Profile(heights, spacing=0.1) if heights.ndim == 1 else Surface(heights, spacing=0.1)
+    curve = half_space(flat_like(lower), lower, [0.5], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic")
+    pressure = curve.contact(0).pressure
+    assert pressure.min() > 0
+    first_slip_fraction = pressure.min() / pressure.mean()  # The traction is uniform before a point slips.
+    fractions = np.concatenate([np.linspace(0.1, 0.999, 8) * first_slip_fraction, [0.5 + 0.5 * first_slip_fraction, 1]])
+    onset = curve.onset(0, mu0=0.2, steps=fractions)
+    assert onset.displacement[:8].tolist() == [0.0] * 8
+    assert (np.diff(onset.displacement[7:]) > 0).all()
+    # Every displacement above 0 has one load, above the load of the first slip.
+    at_displacement = curve.onset(0, mu0=0.2, displacements=onset.displacement[8:])
+    np.testing.assert_allclose(at_displacement.tangential_load, onset.tangential_load[8:], rtol=1e-5)
 
 
 def test_flat_punch_slips_everywhere_at_the_same_load():

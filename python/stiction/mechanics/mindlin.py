@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
     from stiction.mechanics.half_space_problem import ContactSolution
 
+# Traction bounds count as uniform if they differ by less than this fraction.
+UNIFORMITY_TOLERANCE = 1e-12
 NUM_QUADRATURE_NODES = 24  # number of Gauss-Legendre nodes for integrating a smooth function of an angle
 
 
@@ -240,7 +242,10 @@ class HalfSpaceTangentialProblem:
                 f"no solution at {load:g} mN ({load_fraction:g} of the sliding load): error {solution.error:.2g} after "
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
-        return self._make_slip_state(load, solution.pressure[self.points], solution.approach * self.ratio)
+        traction = solution.pressure[self.points]
+        # Surfaces in full contact do not move before a point slips; the approach of the solver is then round-off.
+        is_at_rest = self.stiffness == np.inf and not (traction >= self.bound).any()
+        return self._make_slip_state(load, traction, 0.0 if is_at_rest else solution.approach * self.ratio)
 
     def dissipated_energy(self, slip: SlipState) -> float:
         """Return the energy (mN µm) dissipated by slip: the sum of traction bound times slip over all points.
@@ -267,6 +272,8 @@ class HalfSpaceTangentialProblem:
 
     def _displacements(self, traction: Floats) -> Floats:
         """Return the displacements (µm) of the points in contact under given tractions."""
+        if self.stiffness == np.inf and np.ptp(traction) <= UNIFORMITY_TOLERANCE * traction.max():
+            return np.zeros(traction.size)  # the exact displacement under a uniform traction in full contact
         displacements = (
             self.grids.displacement(self._spread_over_grid(traction), threads=solver_thread_count()) * self.ratio
         )

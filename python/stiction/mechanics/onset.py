@@ -92,7 +92,8 @@ class Onset(PlotReprMixin):
         Ascending, by default up to `sliding_load`.
     displacement : (k,) ndarray, µm
         Displacement of the upper surface since the tangential load was 0, measured at points far away, or at the mean
-        plane if periodic. NaN on a free half-plane, where points far away have no finite displacement.
+        plane if periodic. NaN on a free half-plane, where points far away have no finite displacement. In full periodic
+        contact, 0 until the first point slips.
     slipped_area : (k,) ndarray
         Fraction of the real contact area that slips.
     slipped_load : (k,) ndarray

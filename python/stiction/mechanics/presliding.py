@@ -13,8 +13,6 @@ from stiction._repr import TextReprMixin
 from stiction._units import short_repr
 
 MIN_FIT_POINTS = 3  # minimum number of points for a fit of two parameters
-# The first displacement counts as round-off if it is below this fraction of the last displacement.
-ROUND_OFF_DISPLACEMENT_RATIO = 1e-12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -169,7 +167,7 @@ def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuG
 def _check_curve(displacement: Floats, load: Floats, min_points: int) -> None:
     if not np.isfinite(displacement).all():
         raise ValueError("a fit requires displacements, which are undefined for a free half-plane")
-    if not displacement[0] > ROUND_OFF_DISPLACEMENT_RATIO * displacement[-1]:
+    if not displacement[0] > 0:
         raise ValueError("a fit requires displacements, but surfaces in full contact do not move before they slide")
     if load.size < min_points:
         raise ValueError(
