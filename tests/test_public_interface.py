@@ -571,7 +571,7 @@ REJECTED_ARGUMENT_CASES = [
     ({"upper": "steel"}, "not both effective_modulus and upper and lower"),
     ({"mechanics": "fem"}, "mechanics must be half-space or asperities, got 'fem'"),
     ({"lines": 3}, "shifts is for the areas of two maps, without lines"),
-    ({"unit": "nm"}, "unit must not be given for a body in memory"),
+    ({"unit": "nm"}, "unit applies to files, but a body is an array or an object in memory"),
     ({"first": [0.0, 1.0]}, "first must be a Profile or a Surface, or an object from .* got float"),
     ({"second": "nowhere.npy"}, "nowhere.npy"),
     ({"first": "a\0b"}, "first must be a path of printable characters, got 'a\\\\x00b'"),

@@ -107,7 +107,7 @@ def test_calibrate_command_warns_about_a_ball_loaded_beyond_yield(tmp_path):
         ("load,coefficient", (1, 0.2), "load (mN)"),
         ("load (mN),friction", (1, 0.2), "friction"),
         ("load (mN),force (mN),coefficient", (1, 1, 1), "either force or coefficient"),
-        ("load (mN),force (mN),uncertainty", (1, 1, 1), "needs a unit"),
+        ("load (mN),force (mN),uncertainty", (1, 1, 1), "needs a unit if there is a column force"),
         ("load (mN),coefficient,pair", (1, 0.2, "lapped"), "line 3: pair must be one of ball"),
         ("load (mN),coefficient,slid", (1, 0.2, "maybe"), "slid must be 1"),
         ("load (mN),coefficient", (1,), "line 3: has 1 cells"),

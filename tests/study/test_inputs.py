@@ -66,7 +66,10 @@ def test_one_entry_of_a_study_has_the_central_value_and_the_range_of_an_input(ke
     ({"contact.young": "80 GPa", "contact.compliance_share": 0.5}, "contact.compliance_share",
      "must not be given together with young, which determines it"),
     ({"contact.young": "80 GPa", "contact.poisson": None}, "contact.poisson", "must be given together with young"),
-    ({"friction.mu0": ["0.2 ± 0.02", 0.3]}, "friction.mu0", "must be one value if it has a range or an uncertainty"),
+    (
+        {"friction.mu0": ["0.2 ± 0.02", 0.3]}, "friction.mu0",
+        "must be a list of exact values, or one value with a range or an uncertainty",
+    ),
     ({"friction.interface": "MoS2 on bearing steel, dry air", "friction.mu0": [0.2]}, "friction.mu0",
      "must not be given together with interface, which determines it"),
     ({"friction.interface": "no such film"}, "friction.interface", "must be a file or one of "),

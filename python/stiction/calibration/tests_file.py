@@ -114,7 +114,7 @@ def _parse_column_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
     if "uncertainty" in columns:
         unit = columns["uncertainty"][1]
         if "force" in columns and not unit:
-            raise ValueError('uncertainty with a force needs a unit, as in "uncertainty (mN)" or "uncertainty (%)"')
+            raise ValueError('the column uncertainty needs a unit if there is a column force, as in "uncertainty (mN)"')
         if unit == "%" and columns.get("coefficient", (0, ""))[1] == "%":
             raise ValueError(
                 "uncertainty (%) is ambiguous if coefficients are in %, because it could be absolute or relative; "

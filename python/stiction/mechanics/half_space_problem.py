@@ -302,10 +302,11 @@ def make_problem(
         )
     gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
     gap -= gap.min() if missing is None else gap[~missing].min()
-    if not gap.max() <= MAX_GAP_TO_LENGTH_RATIO * max(spacing) * max(gap.shape):
+    max_gap = MAX_GAP_TO_LENGTH_RATIO * max(spacing) * max(gap.shape)
+    if not gap.max() <= max_gap:
         raise ValueError(
-            f"upper and lower must have a gap of at most {MAX_GAP_TO_LENGTH_RATIO:g} times their length, "
-            f"got {gap.max():.3g} µm"
+            f"upper and lower must have a gap of at most {max_gap:.3g} µm ({MAX_GAP_TO_LENGTH_RATIO:g} times their "
+            f"length), got {gap.max():.3g} µm"
         )
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic)
     return HalfSpaceProblem(

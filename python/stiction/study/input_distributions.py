@@ -498,7 +498,9 @@ def _parse_single_value(name: str, values: Any, parse_list: Callable[[Any], Any]
     items = list(values) if isinstance(values, (list, tuple)) else [values]
     if any(isinstance(item, InputValue) or (isinstance(item, str) and _is_uncertain(item)) for item in items):
         if len(items) > 1:
-            raise ValueError(f"must be one value if it has a range or an uncertainty, got {short_repr(items)}")
+            raise ValueError(
+                f"must be a list of exact values, or one value with a range or an uncertainty, got {short_repr(items)}"
+            )
         return (parse_input_value(name, items[0]),)
     if not isinstance(values, (list, tuple)) and isinstance(values, str) and not INPUT_KINDS[name]:
         items = [float(parse_input_value(name, values))]

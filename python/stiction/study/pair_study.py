@@ -181,8 +181,8 @@ class MeasuredPair:
                     continue
                 if options.option_value(name) not in (None, "error", "keep"):
                     raise ArgumentError(
-                        f"{{{name}}} must not be given for a body in memory, got {{{name}}}; "
-                        "if the option is for the other file, read that file into memory first"
+                        f"{{{name}}} applies to files, but a body is an array or an object in memory; if the other "
+                        f"body is a file, read it into memory with {{{name}}} first, and pass both as objects"
                     )
             body = self._build_body_from_array(side, index, body) if is_array else body
             return MeasuredBodySettings.from_body(body, side).model_copy(update=properties)
