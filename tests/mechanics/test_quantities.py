@@ -185,7 +185,7 @@ def test_table_of_quantities_contains_the_names_of_core_sums_and_validity_fields
     assert {*LOAD_FRACTION_FORMULAS} <= {name for name, quantity in QUANTITIES.items() if "measured" in quantity.stored}
     assert ADHESION_QUANTITIES[0] == "contact_load"
     assert not {*HALF_SPACE_SUM_QUANTITIES} & {*ADHESION_QUANTITIES}
-    assert [QUANTITIES[name].numerator for name in ZERO_LOAD_SUM_QUANTITIES] == list(LOAD_SUM_NAMES[3:])
+    assert [QUANTITIES[name].sum_under_load for name in ZERO_LOAD_SUM_QUANTITIES] == list(LOAD_SUM_NAMES[3:])
 
 
 def test_fields_of_quantities_in_the_table_are_consistent_with_each_other():

@@ -62,10 +62,10 @@ class ResultQuantity:
     kind: QuantityKind
     along: tuple[QuantityAxis, ...] = ()
     dtype: type = float
-    # Name of the numerator of a validity indicator, or of the stiffness in a stiffness per area.
-    # For a sum at zero load, name of the sum under load.
+    # Quantity that is divided: by `denominator` (validity indicator) or by the area (stiffness per area).
     numerator: str = ""
     denominator: tuple[str, ...] = ()  # names of the quantities whose sum is the denominator of a validity indicator
+    sum_under_load: str = ""  # name of the same sum under load, if this quantity is a sum at zero load
     bounds: tuple[float, float] = (-math.inf, math.inf)  # limits for the ends of an interval
     # limits of the values that a result may store; stored values may be infinite if a limit is infinite
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
@@ -161,7 +161,7 @@ def _directed_sum_quantities() -> dict[str, ResultQuantity]:
 def _zero_load_quantity(part: str, unit: str) -> ResultQuantity:
     return ResultQuantity(
         unit=unit, words=f"{part} part of the tangential load without a normal load", kind="sum", along=_MOTION_AXES,
-        numerator=f"tangential_{part}", stored=frozenset({"adhesion"}),
+        sum_under_load=f"tangential_{part}", stored=frozenset({"adhesion"}),
     )  # fmt: skip
 
 
@@ -585,8 +585,8 @@ DISTRIBUTION_QUANTITIES = select_quantity_names(lambda each: "fraction_below" in
 GAP_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored and "step" not in each.along)
 """Quantities of the gap of each member, which do not depend on the load."""
 
-STATISTIC_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored and each.along == _STEP_AXIS)
-"""Statistics (including the status) that a result of measured bodies stores for each member at each load."""
+LOAD_STEP_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored and each.along == _STEP_AXIS)
+"""Statistics, and the status, that a result of measured bodies stores for each member at each load."""
 
 COMMON_VALIDITY_QUANTITIES = select_quantity_names(
     lambda each: each.kind == "validity" and {each.numerator, *each.denominator} <= {*SUM_QUANTITIES}

@@ -21,8 +21,8 @@ from stiction.mechanics.friction import STATUSES
 from stiction.mechanics.quantities import (
     DISTRIBUTION_QUANTITIES,
     GAP_QUANTITIES,
+    LOAD_STEP_QUANTITIES,
     QUANTITIES,
-    STATISTIC_QUANTITIES,
     quantity_attributes,
 )
 from stiction.solve.contact_statistics import QUANTILE_PROBABILITIES
@@ -129,7 +129,7 @@ def list_variable_names(study: Study) -> tuple[str, ...]:
     if not study.is_measured:
         return study.contact_sum_names()
     return tuple(
-        dict.fromkeys((*study.contact_sum_names(), *STATISTIC_QUANTITIES, *DISTRIBUTION_QUANTITIES, *GAP_QUANTITIES))
+        dict.fromkeys((*study.contact_sum_names(), *LOAD_STEP_QUANTITIES, *DISTRIBUTION_QUANTITIES, *GAP_QUANTITIES))
     )
 
 

@@ -229,7 +229,7 @@ def _solve_half_space(
             values["pull_off"][...], values["pull_off_is_bound"][...] = solution_at_no_load.pull_off_bound
         curves = [] if solution_at_no_load is None else derive_motion_curves(solution_at_no_load)
         for name in ZERO_LOAD_SUM_QUANTITIES if curves else ():
-            values[name][...] = stack_over_motions(curves, QUANTITIES[name].numerator)[..., 0]
+            values[name][...] = stack_over_motions(curves, QUANTITIES[name].sum_under_load)[..., 0]
 
 
 def _solve_asperities(
