@@ -369,7 +369,7 @@ def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):
     assert json.loads(completed.stdout)["limit_um"] == comparison.limit
 
 
-def test_characterise_command_excludes_spikes_from_spectra_of_several_scans_and_names_their_scan(tmp_path):
+def test_characterise_command_ignores_spikes_in_several_scans_and_names_the_scan_that_has_them(tmp_path):
     surface = self_affine_surface(
         2, hurst_exponent=0.8, rms=0.05, shape=(96, 96), spacing=0.02, shortest_wavelength=0.2
     )

@@ -58,7 +58,7 @@ def test_tabor_friction_is_nan_for_an_interface_stronger_than_the_bulk():
 
 
 @pytest.mark.parametrize("alpha", [0.0, 9.0, 27.0])
-def test_half_space_friction_at_hardness_under_shear_equals_tabor_friction(alpha):
+def test_half_space_friction_of_fully_plastic_contacts_equals_tabor_friction(alpha):
     interface = {"mu0": 0.2, "tau0": 0.02}
     roughness_options = {"hurst_exponent": 0.8, "rms": 0.01, "shape": (64, 64), "spacing": 1.0}
     bodies = (self_affine_surface(3, side=side, **roughness_options) for side in ("upper", "lower"))

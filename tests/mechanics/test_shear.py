@@ -376,7 +376,7 @@ def test_strips_without_measured_points_are_left_out():
     assert shear_test(create_mate(face), holed, **options).attrs["strips"] == 4
 
 
-def test_shear_test_rejects_a_single_strip_with_measured_points():
+def test_shear_test_rejects_strips_if_only_one_has_measured_points():
     face = create_rough_map(32)
     missing = np.zeros(face.heights.shape, bool)
     missing[:17] = True

@@ -117,11 +117,11 @@ class TestProfileHurstExponent:
             # The spectrum consists of separate lines, so it scatters more than a continuous spectrum.
             assert result.dispersion > 1
 
-    def test_fitted_band_of_weierstrass_mandelbrot_profiles_contains_only_dense_harmonics(self):
-        # The fitted band contains only the longest wavelengths.
-        # Below a wavelength of about 0.04 µm the harmonics of the 40 directions are separate lines.
+    def test_fitted_band_of_weierstrass_mandelbrot_profiles_ends_where_harmonics_become_separate_lines(self):
+        # Below a wavelength of about 0.04 µm, the harmonics of the 40 directions are separate lines in the spectrum.
         profile = weierstrass_mandelbrot(random_phases(1), 1.4, points=150_000)
         result = estimate_hurst_exponent(profile)
+        assert 0.04 < result.shortest_wavelength < 0.05
         assert result.longest_wavelength > 0.5
         assert result.lower < 1.2 < result.upper
 

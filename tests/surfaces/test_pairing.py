@@ -91,7 +91,7 @@ class TestMapPairs:
     def test_pieces_paired_from_equal_maps_have_three_quarters_of_the_map_length(self):
         upper, lower = create_surface(side="upper"), create_surface()
         pairs = MapPairs(upper, lower)
-        assert pairs.area == pytest.approx(4.8**2)
+        assert pairs.piece_area == pytest.approx(4.8**2)
         assert pairs.used_fractions == pytest.approx((0.5625, 0.5625))
 
     def test_pairing_of_maps_rejects_overlaps_with_too_few_points(self):

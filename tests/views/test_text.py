@@ -332,7 +332,7 @@ def test_headings_of_quantities_state_the_fractal_dimension():
         assert ("D = 1.1" in table) == (len(dimensions) > 1)
 
 
-def test_fraction_without_an_interval_has_three_digits_or_is_none():
+def test_percentage_has_three_digits_or_is_none():
     assert [percent_text(fraction) for fraction in (0.1087, 0.06353, 0.0, np.nan)] == [
         "10.9 %",
         "6.35 %",
