@@ -376,7 +376,7 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 
 // Return the approach if no pressure lies strictly between the bounds.
 // Points at their bound must not have a gap, and points without pressure must not overlap.
-// If both conditions can be satisfied, the approach is the highest potential of the points under pressure.
+// If both conditions can be satisfied, the approach is the largest potential among the points under pressure.
 // Otherwise, the approach lies midway between the two limits, so that some points of each kind become free.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();

@@ -518,7 +518,7 @@ class CalibrationProblem:
     # ---- Density of mu0 and tau0 for given nuisance parameters ------------------------------------------------------
 
     def _evaluate_probability_grids(self, points: Floats) -> _ProbabilityGrid:
-        """Return the grids of mu0 and tau0 for the given sets of nuisance parameters.
+        """Return the log probability of each (mu0, tau0) of a grid, for each given set of nuisance parameters.
 
         The last coordinate of a point is the logarithm of the scale of the errors.
         """

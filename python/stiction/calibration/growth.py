@@ -56,11 +56,11 @@ def find_tau0_range(
 
     Parameters
     ----------
-    squares : callable
+    sum_of_squares : callable
         Function from tau0 (points, n) to the sums of squares (points, n) at the best mu0.
-    highest : (points,) array of float, GPa
+    max_tau0 : (points,) array of float, GPa
         Upper bound on tau0.
-    depth : float
+    deviance_range : float
     """
     low, high = np.zeros(max_tau0.shape), max_tau0
     fractions = np.linspace(0.0, 1.0, NUM_TAU0_SEARCH_POINTS)
@@ -69,9 +69,10 @@ def find_tau0_range(
         tau0 = low[:, np.newaxis] + np.multiply.outer(high - low, fractions)
         deviances = sum_of_squares(tau0)
         is_within = deviances <= deviances.min(axis=1, keepdims=True) + deviance_range
-        first, last = is_within.argmax(axis=1), NUM_TAU0_SEARCH_POINTS - 1 - is_within[:, ::-1].argmax(axis=1)
+        first_inside = is_within.argmax(axis=1)
+        last_inside = NUM_TAU0_SEARCH_POINTS - 1 - is_within[:, ::-1].argmax(axis=1)
         low, high = (
-            tau0[row_indices, np.maximum(first - 1, 0)],
-            tau0[row_indices, np.minimum(last + 1, NUM_TAU0_SEARCH_POINTS - 1)],
+            tau0[row_indices, np.maximum(first_inside - 1, 0)],
+            tau0[row_indices, np.minimum(last_inside + 1, NUM_TAU0_SEARCH_POINTS - 1)],
         )
     return low, high

@@ -116,7 +116,7 @@ class InputSampler:
         self._cache: dict[Any, _InputSamples] = {}
         self._areas: dict[Any, AreasBeforeShear] = {}
         self._closures: tuple[Any, Floats] = (None, np.empty(0))
-        self.intervals: dict[Any, Interval] = {}  # sampled intervals of coefficients
+        self.intervals: dict[Any, Interval] = {}  # cache of coefficient intervals that were computed from samples
 
     def draw(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
@@ -124,7 +124,7 @@ class InputSampler:
         """Draw samples of the named inputs and sources. Inputs in `fixed` have a given quantile instead."""
         key = tuple(inputs), names, tuple(fixed.items())
         if key not in self._cache:
-            self._cache[key] = self._draw_uncached(inputs, names, fixed)
+            self._cache[key] = self._generate_samples(inputs, names, fixed)
         return self._cache[key]
 
     def find_areas(self, key: Any, response: ContactResponse, inputs: InputValues) -> AreasBeforeShear:
@@ -144,7 +144,7 @@ class InputSampler:
             self._closures = key, response.closures_at_computed_loads(inputs)
         return self._closures[1]
 
-    def _draw_uncached(
+    def _generate_samples(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
     ) -> _InputSamples:
         from scipy.special import ndtri

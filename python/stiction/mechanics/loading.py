@@ -111,7 +111,7 @@ def approach_at_load(
 
 
 class SurfacePair:
-    """Pair of surfaces that caches the minima of the gap for repeated evaluation."""
+    """Pair of surfaces that caches the minima of its gap, so that pressing it again is fast."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)

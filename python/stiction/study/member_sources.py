@@ -222,7 +222,7 @@ class MapMemberSource:
                 for shortest_wavelength in wavelengths
             ]
         return SharedMemberProperties(
-            pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used_fractions, scans
+            pairs.upper, pairs.lower, pairs.piece_area, pairs.shape, pairs.spacing, pairs.used_fractions, scans
         )
 
 

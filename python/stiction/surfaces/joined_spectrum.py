@@ -22,9 +22,9 @@ MIN_POINTS_PER_WAVELENGTH = (
     # Averaging over a pixel transmits 95 % of the power of this wavelength.
     8
 )
-MAX_WAVELENGTH_FRACTION = (
+MAX_WAVELENGTH_TO_SIDE = (
     1 / 3
-    # Longest wavelength that is used from a scan, as a fraction of the shortest side of the scan.
+    # Longest wavelength that is used from a scan, divided by the shortest side of the scan.
     # At longer wavelengths, the measured spectrum depends on the window.
 )
 # Number of wave vectors per independent value.
@@ -310,7 +310,7 @@ def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | No
             if noise_limit.wavelength > pixel_limit
             else (pixel_limit, "pixels")
         )
-    longest_wavelength = MAX_WAVELENGTH_FRACTION * side_length
+    longest_wavelength = MAX_WAVELENGTH_TO_SIDE * side_length
     if not shortest_wavelength < longest_wavelength:
         raise ValueError(
             f"scans must have a reliable band, but a scan with a side of {side_length:g} µm is reliable only "

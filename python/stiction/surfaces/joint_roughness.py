@@ -14,7 +14,7 @@ import numpy as np
 from stiction._checks import Floats
 
 SAMPLING_INTERVAL = 1270.0  # interval (µm) for which the relation between Z2 and JRC was fitted
-MAX_INTERVAL_DEVIATION = 0.2  # maximum relative deviation from `SAMPLING_INTERVAL` for which a JRC is given
+MAX_SAMPLING_INTERVAL_DEVIATION = 0.2  # maximum relative deviation from `SAMPLING_INTERVAL` for which a JRC is given
 MIN_Z2, MAX_Z2 = 0.1, 0.42  # range of Z2 for which the relation was fitted
 
 
@@ -41,7 +41,7 @@ class JointRoughness:
     def jrc(self) -> float:
         """Joint roughness coefficient 32.2 + 32.47 log10 Z2; NaN outside the range for which it was fitted."""
         deviation = abs(self.sampling_interval / SAMPLING_INTERVAL - 1)
-        if not (MIN_Z2 <= self.z2 <= MAX_Z2 and deviation <= MAX_INTERVAL_DEVIATION):
+        if not (MIN_Z2 <= self.z2 <= MAX_Z2 and deviation <= MAX_SAMPLING_INTERVAL_DEVIATION):
             return math.nan
         return 32.2 + 32.47 * math.log10(self.z2)
 

@@ -16,7 +16,7 @@ from stiction._caching import cached_property
 from stiction._checks import check_choice, validate_number, validate_whole_number
 from stiction._units import short_repr
 from stiction.surfaces.cut_off import cut_off
-from stiction.surfaces.joined_spectrum import MAX_WAVELENGTH_FRACTION, JoinedSpectrum, joined_spectrum
+from stiction.surfaces.joined_spectrum import MAX_WAVELENGTH_TO_SIDE, JoinedSpectrum, joined_spectrum
 from stiction.surfaces.preparation import (
     ProfileTrend,
     SurfaceTrend,
@@ -327,7 +327,7 @@ class MapPairs:
         return rows, columns
 
     @property
-    def area(self) -> float:
+    def piece_area(self) -> float:
         """Nominal area of a piece, µm²."""
         return float(np.prod(self.shape) * np.prod(self.spacing))
 
@@ -425,7 +425,7 @@ class SquarePiecePairs:
         return points, points
 
     @property
-    def area(self) -> float:
+    def piece_area(self) -> float:
         """Nominal area of a piece, µm²."""
         return float(np.prod(self.shape) * np.prod(self.spacing))
 
@@ -504,7 +504,7 @@ class SpectralSurfacePairs(SquarePiecePairs):
 
     @cached_property
     def _num_side_points(self) -> int:  # type: ignore[override]
-        longest_period = max(self.upper.longest, self.lower.longest) / MAX_WAVELENGTH_FRACTION
+        longest_period = max(self.upper.longest, self.lower.longest) / MAX_WAVELENGTH_TO_SIDE
         return min(MAX_SURROGATE_SIDE_POINTS, int(longest_period / self._grid_spacing))
 
     @property

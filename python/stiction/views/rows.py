@@ -60,7 +60,7 @@ _COEFFICIENT_COLUMNS = {
 
 _VALUE_COLUMNS = ("name", "value", "unit", "lower", "upper", "kind", "status")
 
-_MOTION_LABEL_FORMATTERS = {"axis": "along {:g}".format, "direction": "{:g}".format}
+_DIRECTION_LABEL_FORMATTERS = {"axis": "along {:g}".format, "direction": "{:g}".format}
 
 
 # ---- Data frame ------------------------------------------------------------------------------------------------------
@@ -162,7 +162,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
             continue  # the values of a single direction equal the means over all directions
         selected_rows = rows[rows["name"] == name]
         motion_column = (
-            selected_rows[motion_label].map(_MOTION_LABEL_FORMATTERS[motion_label])
+            selected_rows[motion_label].map(_DIRECTION_LABEL_FORMATTERS[motion_label])
             if motion_label in dataset[name].dims
             else _COEFFICIENT_COLUMNS["mean_friction"]
         )

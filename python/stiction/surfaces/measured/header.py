@@ -124,7 +124,7 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
 )
 """Pattern of a line that describes a factor in words. The factor may apply to the heights."""
 
-_NO_HEIGHT_FACTOR_PATTERN = re.compile(
+_OTHER_FACTOR_PATTERN = re.compile(
     r"objective|objektiv|magnif|zoom|lens|shape|form|crest|filter|quality|aspect|exaggerat|spring|frequency|defl|piezo|bias|"
     r"feedback|\bdB\b",
     re.IGNORECASE,
@@ -403,7 +403,7 @@ def is_unapplied_factor(text: str) -> bool:
     """Return whether a header line or a column name contains a factor that may apply to the heights."""
     return (
         _UNAPPLIED_FACTOR_PATTERN.fullmatch(text) is not None
-        and _NO_HEIGHT_FACTOR_PATTERN.search(text) is None
+        and _OTHER_FACTOR_PATTERN.search(text) is None
         and not (is_spacing_declaration(text) and not re.search(r"/|\bper\b", text))
     )
 

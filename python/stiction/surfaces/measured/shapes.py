@@ -547,7 +547,7 @@ def _read_matrix(table: ColumnTable) -> RawHeights:
     raw = replace(raw, stated=raw.stated or table.declared.row_spacing, caveats=(*raw.caveats, *caveats))
     if (spacings := table.declared.spacings) is None:
         return raw
-    spacing = tuple(stated.to_micrometres() for stated in spacings)
+    spacing = tuple(declared_spacing.to_micrometres() for declared_spacing in spacings)
     return replace(
         raw, spacing=spacing, position_unit="um", size=None, stated=None, bare_spacing=None, stated_spacings=None
     )

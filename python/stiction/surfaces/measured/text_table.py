@@ -47,7 +47,10 @@ MIN_BLOCK_ROWS = 2
 
 
 def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
-    """Parse the longest run of numeric lines, with its header, as a table. Runs of equal width become channels."""
+    """Parse the longest run of numeric lines, with its header, as a table.
+
+    If other runs have as many columns as the longest, each run is a channel.
+    """
     text, word_columns = replace_word_columns(text)
     runs = find_numeric_line_runs(text)
     if not runs:
@@ -221,7 +224,10 @@ def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_runs_of_equal_width(
     text: DecodedText, runs: list[tuple[int, int]], main_run: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs of numeric lines that have as many columns as the main run."""
+    """Return the runs of numeric lines that have as many columns as the main run.
+
+    Short runs of one or two columns above the first of these runs are left out, because they may be counts or sizes.
+    """
     width = len(dialect.split_line(text.line(main_run[0])))
     equal_runs: list[tuple[int, int]] = []
     for first, last in runs:

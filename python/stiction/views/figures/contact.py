@@ -30,13 +30,13 @@ from stiction.views.style import (
     place_axes,
 )
 
-_MIN_ZOOM_SPACINGS = 40  # minimum distance, in grid spacings, that is shown on each side of the magnified contact
+_MIN_FORCE_ZOOM_HALF_WIDTH = 40  # minimum half width of the magnified range in the figure of forces, in grid spacings
 _MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which the axis is labelled in nm
 _MAX_ARROW_LENGTH = 0.45  # maximum length of an arrow, inches
 EDGE_CONTACT_COLOUR = "#e00030"  # colour of contacts that are cut by the edge of the map
 # number of neighbouring contacts in the magnified range, in addition to the strongest contact
 NUM_NEIGHBOURING_CONTACTS = 5
-MIN_ZOOM_POINTS = 60  # minimum number of points that are shown on each side of the strongest contact
+_MIN_PROFILE_ZOOM_HALF_WIDTH = 60  # minimum half width of the magnified range of two profiles, in grid spacings
 
 
 def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
@@ -61,7 +61,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
     if contact_force.size:
         largest_contact_index = int(contact_force.argmax())
         half_width = max(
-            _MIN_ZOOM_SPACINGS * float(forces.attrs["spacing_um"]),
+            _MIN_FORCE_ZOOM_HALF_WIDTH * float(forces.attrs["spacing_um"]),
             6 * float(forces["contact_radius"].values[largest_contact_index]),
         )
         zoom_centre = float(centre_x[largest_contact_index])
@@ -385,7 +385,7 @@ def _zoom_range(x: Floats, centre_positions: Floats, width: Floats, force: Float
     """Return the ends of the magnified range around the contact with the largest load."""
     zoom_centre = centre_positions[np.argmax(force)]
     distances = np.sort(np.abs(centre_positions - zoom_centre))
-    min_half_width = max(MIN_ZOOM_POINTS * (x[1] - x[0]), 4 * float(width.max()))
+    min_half_width = max(_MIN_PROFILE_ZOOM_HALF_WIDTH * (x[1] - x[0]), 4 * float(width.max()))
     half_width = float(
         np.clip(1.3 * distances[min(NUM_NEIGHBOURING_CONTACTS, distances.size - 1)], min_half_width, x[-1] / 7)
     )
