@@ -428,6 +428,15 @@ def test_first_number_with_fewer_decimals_than_the_others_adds_a_caveat(tmp_path
     assert not read_with_interpretation(path, **options).caveats
 
 
+def test_last_number_of_a_column_that_counts_the_others_adds_a_caveat(tmp_path):
+    path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
+    heights = "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS)
+    for last_number, is_count in ((f"{LINE_HEIGHTS.size}", True), (f"{LINE_HEIGHTS.size - 1}", False)):
+        path.write_text(f"{heights}{last_number}\n")
+        names = [caveat.name for caveat in read_with_interpretation(path, **options).caveats]
+        assert ("first-number" in names) == is_count
+
+
 @pytest.mark.parametrize("first_number", ["0.5000", "0.0005", "500.0000"])
 def test_first_number_that_equals_the_given_spacing_in_any_unit_adds_a_caveat(tmp_path, first_number):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}

@@ -322,13 +322,17 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the first number of a column has fewer decimals than all others."""
+    """Return a caveat if the first number of a column has fewer decimals than all others, or the last counts them."""
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1
         or table.row_digits is None
     ):
         return ()
+    heights, last = table.values[:-1, 0], table.values[-1, 0]
+    if last == heights.size and (heights % 1 != 0).any():
+        text = f"the last number, {last:.0f}, is the count of the others"
+        return (FileCaveat("first-number", text, "delete it if it is a count instead of a height, or accept it"),)
     first, *following = (float(table.row_digits(index)[0]) for index in range(MIN_COMPARED_NUMBERS + 1))
     if len(set(following)) > 1 or not first > 50 * following[0]:
         return ()
