@@ -397,6 +397,8 @@ def test_surfaces_in_full_contact_have_infinite_initial_tangential_stiffness():
     assert onset.energy_lost(onset.sliding_load) == 0
     with pytest.raises(ValueError, match="full contact"):
         onset.iwan()
+    with pytest.raises(ValueError, match="displacements must not be given for flat surfaces in full contact"):
+        half_space(flat, flat, [1.0], boundary="periodic").onset(0, mu0=0.2, displacements=[1e-3])
 
 
 @pytest.mark.parametrize("shape", [(31,), (32,), (12, 21), (16, 16)])
@@ -662,6 +664,27 @@ def test_onset_method_rejects_invalid_indices_and_steps_and_amplitudes(ball_curv
             onset.energy_lost(amplitude)
     assert onset.energy_lost(0.0) == 0
     assert onset.energy_lost([[0.0, onset.sliding_load]]).shape == (1, 2)
+
+
+def test_onset_rejects_loads_and_displacements_that_round_off_dominates(ball_curve_and_radius):
+    for curve in (ball_curve_and_radius[0], press_single_ball()):
+        onset = curve.onset(0, mu0=0.3, steps=2)
+        for amplitude in (1e-300, 0.9e-12 * onset.sliding_load):
+            for compute in (onset.energy_lost, onset.loop):
+                with pytest.raises(ValueError, match=r"amplitude must be between .* the sliding load"):
+                    compute(amplitude)
+            with pytest.raises(ValueError, match="steps are fractions of the sliding load and must be between 1e-12"):
+                curve.onset(0, mu0=0.3, steps=[amplitude / onset.sliding_load, 1.0])
+        with pytest.raises(ValueError, match=r"displacements must be between .* at which the surfaces slide"):
+            curve.onset(0, mu0=0.3, displacements=[1e-300])
+        # While almost all of the contact sticks, the displacement is the load divided by the initial stiffness.
+        smallest = curve.onset(0, mu0=0.3, steps=[1e-12])
+        assert smallest.displacement[0] * onset.stiffness == pytest.approx(smallest.tangential_load[0], rel=1e-6)
+        at_displacement = curve.onset(0, mu0=0.3, displacements=[1e-12 * onset.displacement_at_sliding])
+        assert at_displacement.displacement[0] * onset.stiffness == pytest.approx(
+            at_displacement.tangential_load[0], rel=1e-6
+        )
+        assert onset.loop(smallest.tangential_load[0])[1].max() == smallest.tangential_load[0]
 
 
 def test_onset_of_sliding_of_a_ball_equals_closed_form_if_mu0_is_zero(ball_curve_and_radius):

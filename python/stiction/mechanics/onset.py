@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 # Two loads have the same solution if they differ by less than this fraction of the sliding load.
 LOAD_TOLERANCE = 1e-9
+# Smallest tangential load and displacement, as fractions of those at sliding. Smaller ones are lost in round-off.
+MIN_SLIDING_FRACTION = 1e-12
 # Tolerance of a requested displacement, as a fraction of the displacement at which the surfaces begin to slide.
 DISPLACEMENT_TOLERANCE = 1e-7
 
@@ -81,8 +83,8 @@ class Onset(PlotReprMixin):
     tau0 : float, GPa
         Adhesive shear strength.
     steps : int or sequence of float
-        Number of equal steps of the tangential load up to the sliding load, or fractions of the sliding load, above 0
-        and up to 1. By default 20.
+        Number of equal steps of the tangential load up to the sliding load, or fractions of the sliding load, from
+        1e-12 to 1. By default 20.
     displacements : (k,) array_like of float, µm, optional
         Displacements instead of steps. On the half-space, about ten contact problems are solved for each displacement.
 
@@ -181,12 +183,13 @@ class Onset(PlotReprMixin):
         Parameters
         ----------
         amplitude : array_like of float, mN
-            From 0 to the sliding load. Loads that are not in `tangential_load` are solved.
+            0, or from 1e-12 of the sliding load to the sliding load. Loads that are not in `tangential_load` are
+            solved.
 
         Raises
         ------
         ValueError
-            If an amplitude is negative or above the sliding load, where the loss depends on the path.
+            If an amplitude is outside this range. Above the sliding load, the loss depends on the path.
         """
         loads = self._validate_amplitudes(amplitude)
         losses = [
@@ -272,9 +275,11 @@ class Onset(PlotReprMixin):
 
     def _validate_amplitudes(self, amplitude: ArrayLike) -> Floats:
         loads = float_array("amplitude", amplitude)
-        if not ((loads >= 0) & (loads <= self.sliding_load * (1 + LOAD_TOLERANCE))).all():
+        min_load = MIN_SLIDING_FRACTION * self.sliding_load
+        is_in_range = (loads >= min_load) & (loads <= self.sliding_load * (1 + LOAD_TOLERANCE))
+        if not (is_in_range | (loads == 0)).all():
             raise ValueError(
-                f"amplitude must be between 0 and {self.sliding_load:g} mN, the sliding load, "
+                f"amplitude must be between {min_load:g} and {self.sliding_load:g} mN, the sliding load, "
                 f"got {short_repr(amplitude)}"
             )
         return np.minimum(loads, self.sliding_load)
@@ -383,8 +388,11 @@ def parse_load_fractions(steps: int | Sequence[float]) -> Floats:
         raise ValueError(
             f"steps must be fractions of the sliding load, above 0 and strictly increasing, got {short_repr(steps)}"
         )
-    if not fractions[-1] <= 1:
-        raise ValueError(f"steps are fractions of the sliding load and must be at most 1, got {short_repr(steps)}")
+    if not (fractions[0] >= MIN_SLIDING_FRACTION and fractions[-1] <= 1):
+        raise ValueError(
+            f"steps are fractions of the sliding load and must be between {MIN_SLIDING_FRACTION:g} and 1, "
+            f"got {short_repr(steps)}"
+        )
     return fractions
 
 
@@ -397,9 +405,16 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
             "displacements must not be given for a free half-plane, because its displacement is infinite at any load; "
             "give steps, or press with boundary='periodic'"
         )
-    if not displacement_array[-1] <= limit:
+    if not limit > 0:
         raise ValueError(
-            f"displacements must be at most {limit:g} µm, at which the surfaces slide, got {short_repr(displacements)}"
+            "displacements must not be given for flat surfaces in full contact, because they do not move before they "
+            "slide; give steps"
+        )
+    min_displacement = MIN_SLIDING_FRACTION * limit
+    if not (displacement_array[0] >= min_displacement and displacement_array[-1] <= limit):
+        raise ValueError(
+            f"displacements must be between {min_displacement:g} and {limit:g} µm, at which the surfaces slide, "
+            f"got {short_repr(displacements)}"
         )
     return displacement_array
 
