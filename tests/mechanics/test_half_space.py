@@ -832,7 +832,7 @@ def test_half_space_rejects_invalid_approaches(arguments, message):
         half_space(flat_like(body), body, **({"boundary": "periodic"} | arguments))
 
 
-@pytest.mark.parametrize("spacing", [1e-320, (0.1, 1e-13), (1e-160, 1e-160)])
+@pytest.mark.parametrize("spacing", [1e-320, (0.1, 1e-13), (1e-160, 1e-160), 1e300])
 def test_half_space_rejects_invalid_spacing(spacing):
     heights = periodic_body((16, 16)).heights
     with pytest.raises(ValueError, match="spacing must"):

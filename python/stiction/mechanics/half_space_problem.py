@@ -294,7 +294,7 @@ def make_problem(
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(f"upper and lower must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}")
     spacing = upper.spacings
-    cell_area = float(np.prod(spacing))
+    cell_area = math.prod(spacing)  # may overflow without a warning
     if not (np.finfo(np.float64).tiny <= cell_area < np.inf and max(spacing) <= MAX_CELL_ASPECT_RATIO * min(spacing)):
         raise ValueError(
             f"spacing must give grid cells of at least {np.finfo(np.float64).tiny:.0e} µm² with sides that differ by a "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from typing import Any, Literal
 
 import numpy as np
@@ -99,6 +100,7 @@ def self_affine(
     hurst, rms = _validate_hurst_exponent_and_rms(hurst_exponent, rms)
     points = validate_whole_number("points", points, minimum=MIN_POINTS, maximum=MAX_POINTS)
     spacing = validate_number("spacing", spacing, unit="µm", above=0)
+    _check_wave_numbers_are_finite(spacing, spacing)
     extent = points * spacing
     shortest = _validate_shortest_wavelength(shortest_wavelength, 2 * spacing, "spacing")
     longest = extent
@@ -135,6 +137,14 @@ def _validate_hurst_exponent_and_rms(hurst_exponent: Any, rms: Any) -> tuple[flo
     if hurst > 2:
         raise ValueError(f"hurst_exponent must be above 0 and at most 2, got {short_repr(hurst_exponent)}")
     return hurst, validate_number("rms", rms, unit="µm", above=0)
+
+
+def _check_wave_numbers_are_finite(spacing: Any, smaller_spacing: float) -> None:
+    if not math.pi / smaller_spacing < math.inf:
+        raise ValueError(
+            f"spacing must be at least {math.pi / sys.float_info.max:.1g} µm, because wave numbers are infinite "
+            f"otherwise, got {short_repr(spacing)}"
+        )
 
 
 def _validate_shortest_wavelength(wavelength: Any, finest_wavelength: float, spacing_name: str) -> float:
@@ -227,6 +237,7 @@ def self_affine_surface(
     hurst, rms = _validate_hurst_exponent_and_rms(hurst_exponent, rms)
     rows, columns = parse_shape(shape, least=4)
     spacing_y, spacing_x = parse_lengths("spacing", spacing)
+    _check_wave_numbers_are_finite(spacing, min(spacing_y, spacing_x))
     extent_y, extent_x = rows * spacing_y, columns * spacing_x
     longer_extent = max(extent_y, extent_x)
     shortest = _validate_shortest_wavelength(shortest_wavelength, 2 * max(spacing_y, spacing_x), "larger spacing")
