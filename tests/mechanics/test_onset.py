@@ -266,6 +266,21 @@ def test_sliding_load_equals_sum_of_friction_at_all_contacts(half_space_curve):
     assert onset.displacement[-1] == onset.displacement_at_sliding
 
 
+@pytest.mark.parametrize("slopes", [(0.2,), (0.3, 0.4)])
+def test_traction_at_sliding_contains_adhesive_strength_times_inclined_area(slopes):
+    """Press two inclined planes, equal within 1e-9 µm, whose interface has one slope and is completely in contact."""
+    grid = np.indices((24,) * len(slopes)) * 0.1
+    heights = sum(slope * coordinate for slope, coordinate in zip(slopes, grid, strict=True))
+    create_body = Profile if len(slopes) == 1 else Surface
+    rough_heights = heights + np.random.default_rng(2).uniform(0, 1e-9, heights.shape)
+    curve = half_space(create_body(rough_heights, spacing=0.1), create_body(heights, spacing=0.1), [1.0])
+    onset = curve.onset(0, mu0=0.3, tau0=0.05, steps=2)
+    bound = 0.3 * curve.contact(0).pressure + 0.05 * np.sqrt(1 + np.square(slopes).sum())
+    np.testing.assert_allclose(onset.traction(-1), bound.ravel(), rtol=1e-8)
+    assert onset.sliding_load == pytest.approx(0.3 * 1.0 + 0.05 * curve.contact_area[0], rel=1e-9)
+    assert (onset.traction(0) <= onset.traction(-1)).all()
+
+
 def test_onset_quantities_increase_with_tangential_load(half_space_curve):
     onset = half_space_curve.onset(0, mu0=0.3, tau0=0.02, steps=40)
     for name in ("tangential_load", "displacement", "slipped_area", "slipped_load"):

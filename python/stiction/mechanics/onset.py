@@ -116,11 +116,14 @@ class Onset(PlotReprMixin):
     Notes
     -----
     The traction q along the motion is at most mu0 p + tau0 on the real contact area. Points with a smaller traction
-    move with the upper surface; points at the bound slip and lag behind. On the half-space, this is the normal contact
-    problem with a hardness that differs from point to point. The kernel is that of pressures, with E* divided by the
-    mean of (2 - ν)/(2 (1 - ν)) of both bodies, weighted with their compliances (Mindlin 1949); on profiles, for loading
-    along the profile, it is E* itself. Not included are the dependence of the kernel on the direction, displacements
-    across the motion, the effect of tractions on the pressure of dissimilar bodies, and slopes.
+    move with the upper surface; points at the bound slip and lag behind. On the half-space, q is per projected area:
+    at each point, tau0 is multiplied by the fraction in contact and by sqrt(1 + s²), with the slope s of the interface.
+
+    The half-space problem is the normal contact problem with a hardness that differs from point to point. The kernel is
+    that of pressures, with E* divided by the mean of (2 - ν)/(2 (1 - ν)) of both bodies, weighted with their
+    compliances (Mindlin 1949); on profiles, for loading along the profile, it is E* itself. Not included are the
+    dependence of the kernel on the direction, displacements across the motion, the effect of tractions on the pressure
+    of dissimilar bodies, and slopes except in the area.
 
     After a reversal, the same curve applies from the point of reversal, scaled by two in both axes (Masing). The
     energies follow without integration: the dissipation in first loading is the sum of bound times slip, and the
