@@ -666,6 +666,30 @@ def test_oversized_files_are_rejected_before_reading(tmp_path, monkeypatch):
     assert "contains 9 points; at most 8" in error_message(tmp_path / "b.npy")
 
 
+def test_reading_of_a_large_map_does_not_copy_its_text(write_file):
+    heights = np.random.default_rng(0).normal(size=(512, 512)).cumsum(axis=1)
+    stream = io.StringIO()
+    np.savetxt(stream, heights, fmt="%.6f", delimiter="\t")
+    path = write_file(stream.getvalue())
+    surface = read_surface(path, unit="um", spacing="1 um")
+    np.testing.assert_allclose(surface.heights, heights, rtol=0, atol=5.1e-7)
+    # The text, the heights and temporary arrays take 2.3 times the size of the file, and 3.1 times with two copies.
+    assert peak_memory(lambda: read_surface(path, unit="um", spacing="1 um")) < 2.7 * path.stat().st_size
+
+
+def test_missing_points_are_found_in_all_pieces_of_a_long_text(write_file):
+    heights = np.random.default_rng(0).normal(size=60_000)
+    is_missing = np.zeros(heights.size, dtype=bool)
+    is_missing[[3, 30_000, -2]] = True
+    words = iter(["bad", "--", "NaN"])
+    lines = [next(words) if gap else f"{height:.6f}" for height, gap in zip(heights, is_missing, strict=True)]
+    path = write_file("z (um)\n" + "\n".join(lines))
+    profile = read_profile(path, spacing="1 um", missing="mask")
+    assert path.stat().st_size > 2 * text_files.PIECE_LENGTH
+    assert np.array_equal(profile.missing, is_missing)
+    np.testing.assert_allclose(profile.heights[~is_missing], heights[~is_missing], rtol=0, atol=5.1e-7)
+
+
 @pytest.mark.parametrize("separator", [",", ", ", ";", "|", "\t", " "])
 def test_text_file_with_too_many_lines_or_cells_is_rejected(write_file, monkeypatch, separator):
     monkeypatch.setattr(text_files, "MAX_LINES", 20)

@@ -334,9 +334,11 @@ def parse_number_block(
     if (row_widths > usual_width).any():  # the additional cells may be due to trailing separators
         rows = [
             row.rstrip(cell_separator) if n > usual_width else row
-            for n, row in zip(row_widths, blob.split(b"\n"), strict=True)
+            for n, row in zip(row_widths, blob.splitlines(), strict=True)
         ]
-        blob = b"\n".join(row + cell_separator * max(0, usual_width - 1 - row.count(cell_separator)) for row in rows)
+        blob = b"".join(
+            row + cell_separator * max(0, usual_width - 1 - row.count(cell_separator)) + b"\n" for row in rows
+        )
         _, row_widths = _row_offsets_and_widths(blob, cell_separator)
     if (has_wrong_width := row_widths != usual_width).any():
         is_tail = ragged and bool(has_wrong_width[np.argmax(has_wrong_width) :].all())
@@ -347,11 +349,10 @@ def parse_number_block(
                 f"{text.describe_line(int(lines[row_index]))} has {row_widths[row_index]} cells, but most lines have "
                 f"{usual_width}; all lines of a table must have the same number of cells"
             )
-        rows = blob.split(b"\n")
-        blob = b"\n".join(row + cell_separator * (usual_width - 1 - row.count(cell_separator)) for row in rows)
-    column = blob.translate(bytes.maketrans(cell_separator, b"\n"))
-    del blob
-    values = _parse_number_lines(text, lines, usual_width, column).reshape(-1, usual_width)
+        blob = b"".join(
+            row + cell_separator * (usual_width - 1 - row.count(cell_separator)) + b"\n" for row in blob.splitlines()
+        )
+    values = _parse_cells(text, lines, usual_width, blob, cell_separator).reshape(-1, usual_width)
     end_widths = {len(dialect.split_line(text.line(int(row_index)))) for row_index in (*lines[:3], *lines[-3:])}
     while values.shape[1] > max(end_widths | {1}) and np.isnan(values[:, -1]).all():
         values = values[:, :-1]  # every line ends with a separator
@@ -361,7 +362,7 @@ def parse_number_block(
 
 def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -> bool:
     """Return whether the first `count` rows begin with positions whose steps continue in the rows below."""
-    first_cells = [row.split(cell_separator)[0] for row in blob.split(b"\n", count + 3)[: count + 3]]
+    first_cells = [row.split(cell_separator)[0] for row in blob.split(b"\n", count + 3)[:-1]]
     if not count or not all(map(_is_number, first_cells)):
         return False
     steps = np.diff([float(token or b"nan") for token in first_cells])
@@ -376,7 +377,7 @@ def numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
     tokens = blob.split()
     if not tokens:
         return np.empty(0)
-    return _parse_number_lines(text, np.full(len(tokens), first), 1, b"\n".join(tokens))
+    return _parse_cells(text, np.full(len(tokens), first), 1, b"\n".join(tokens), b"\n")
 
 
 def _find_row_lines(text: DecodedText, first: int, last: int, dialect: Dialect) -> LineNumbers:
@@ -390,12 +391,15 @@ def _find_row_lines(text: DecodedText, first: int, last: int, dialect: Dialect) 
 
 
 def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> tuple[bytes, bytes]:
-    """Convert lines to rows with decimal points and without quotes or blanks. Return the rows and their separator."""
+    """Convert lines to rows with decimal points and without quotes or blanks. Return the rows and their separator.
+
+    Each row ends with a line feed. A text that contains only rows in this form is returned without a copy.
+    """
     first, last = int(lines[0]), int(lines[-1])
     if lines.size == last - first + 1:
-        blob = text.data[text.line_starts[first] : text.line_starts[last + 1] - 1]
+        blob = text.data[text.line_starts[first] : text.line_starts[last + 1]]
     else:
-        blob = b"\n".join(text.raw_line(int(line)) for line in lines)
+        blob = b"".join(text.raw_line(int(line)) + b"\n" for line in lines)
     if text.has_words(lines):
         blob = text.missing_word_pattern.sub(b"nan", blob)
     if b"*" in blob or _has_adjacent_dashes(blob):
@@ -403,7 +407,7 @@ def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> t
     separator = dialect.separator
     if b'"' in blob and separator is not None:
         reader = csv.reader(io.StringIO(blob.decode()), delimiter=separator, skipinitialspace=True)
-        blob = "\n".join(_QUOTED_SEPARATOR.join(map(str.strip, row)) for row in reader).encode()
+        blob = "".join(_QUOTED_SEPARATOR.join(map(str.strip, row)) + "\n" for row in reader).encode()
         separator = _QUOTED_SEPARATOR
     if dialect.pairs:
         blob = re.sub(rb"([0-9]+),([0-9]+)", rb"\1.\2", blob)
@@ -443,23 +447,34 @@ def _reject_blanks_in_numbers(text: DecodedText, lines: LineNumbers) -> None:
 
 
 def _row_offsets_and_widths(blob: bytes, cell_separator: bytes) -> tuple[LineNumbers, LineNumbers]:
-    """Return the byte offset of each row, and the number of cells in each row."""
+    """Return the byte offsets at which the rows start and the text ends, and the number of cells in each row."""
     codes = np.frombuffer(blob, np.uint8)
     starts = np.concatenate([[0], np.flatnonzero(codes == ord("\n")) + 1])
     if starts.size * _MIN_LONG_LINE_LENGTH < len(blob):
-        is_separator, ends = codes == ord(cell_separator), [*starts[1:].tolist(), len(blob)]
-        row_widths = [np.count_nonzero(is_separator[a:b]) + 1 for a, b in zip(starts.tolist(), ends, strict=True)]
+        bounds = zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True)
+        row_widths = [np.count_nonzero(codes[start:end] == ord(cell_separator)) + 1 for start, end in bounds]
         return starts, np.array(row_widths)
     separator_positions = np.flatnonzero(codes == ord(cell_separator))
-    return starts, np.diff(np.append(np.searchsorted(separator_positions, starts), separator_positions.size)) + 1
+    return starts, np.diff(np.searchsorted(separator_positions, starts)) + 1
 
 
-def _parse_number_lines(text: DecodedText, lines: LineNumbers, width: int, column: bytes) -> Floats:
-    """Parse text with one number per line. Numbers are correctly rounded, and empty lines become NaN."""
+class _CellLines(io.IOBase):
+    """File of one cell per line. Rows are converted in pieces while pandas reads them, without a copy of all rows."""
+
+    def __init__(self, rows: bytes, cell_separator: bytes) -> None:
+        self._rows, self._cell_separator, self._position = rows, cell_separator, 0
+
+    def read(self, size: int) -> bytes:
+        """Return at most `size` of the next bytes."""
+        start, self._position = self._position, self._position + size
+        return self._rows[start : self._position].replace(self._cell_separator, b"\n")
+
+
+def _parse_cells(text: DecodedText, lines: LineNumbers, width: int, rows: bytes, cell_separator: bytes) -> Floats:
+    """Parse rows of numbers as a list. Numbers are correctly rounded, and empty cells become NaN."""
     import pandas
 
     # Before version 3.1, the default parser of pandas has errors in the last bit.
-    column = column if column[-1:].strip() else column + b"\n"
     precision_options = {} if _parse_version(pandas.__version__) >= (3, 1) else {"float_precision": "round_trip"}
     options: dict[str, Any] = {
         "header": None, "names": ["z"], "dtype": np.float64, "skip_blank_lines": False, "keep_default_na": False,
@@ -467,11 +482,12 @@ def _parse_number_lines(text: DecodedText, lines: LineNumbers, width: int, colum
     }  # fmt: skip
     try:
         try:  # a search for missing numbers takes a tenth of the time
-            frame = pandas.read_csv(io.BytesIO(column), na_filter=b"n" in column or b"N" in column, **options)
+            na_filter = b"n" in rows or b"N" in rows
+            frame = pandas.read_csv(_CellLines(rows, cell_separator), na_filter=na_filter, **options)
         except ValueError:
-            frame = pandas.read_csv(io.BytesIO(column), **options)
+            frame = pandas.read_csv(_CellLines(rows, cell_separator), **options)
     except (ValueError, pandas.errors.ParserError):
-        for place, token in enumerate(column.split(b"\n")):
+        for place, token in enumerate(rows.replace(cell_separator, b"\n").split(b"\n")):
             if not _is_number(token):
                 line = int(lines[place // width])
                 word = token.decode("utf-8", "replace")[:40]
