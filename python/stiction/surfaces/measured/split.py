@@ -435,7 +435,7 @@ _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # matches a number 
 def _has_adjacent_dashes(blob: bytes) -> bool:
     """Return whether a text contains two adjacent dashes. Pairs of bytes are compared faster than a search for both."""
     pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first) // 2, first) for first in (0, 1))
-    return len(blob) > 2 and any((pair == _DASH_PAIR).any() for pair in pairs)
+    return len(blob) >= 2 and any((pair == _DASH_PAIR).any() for pair in pairs)
 
 
 def _reject_blanks_in_numbers(text: DecodedText, lines: LineNumbers) -> None:
