@@ -136,9 +136,9 @@ class InputSampler:
         return self._areas[key]
 
     def find_closures(self, key: Any, response: ContactResponse, inputs: InputValues) -> Floats:
-        """Return the closures at the computed loads for the samples with a given key; None stands for other samples.
+        """Return the closures at the computed loads for the samples with a given key.
 
-        The closures of the last key are cached for other loads.
+        The closures of the last key are cached for other loads. Samples with the key None are evaluated every time.
         """
         if key is None or key != self._closures[0]:
             self._closures = key, response.closures_at_computed_loads(inputs)
