@@ -378,18 +378,12 @@ def area_figure(points: xarray.Dataset, study: Study) -> Figure:
     """
     amplitudes, lines = points["amplitude"].values, heading_lines(points, study)
     height = 50.0 if amplitudes.size == 1 else 38.0
-    has_no_validity_limit = study.uses_half_space
     figure, figure_height, add_axes_at = create_figure_with_axes_rows(
         amplitudes.size, height, 4.0 + HEADING_HEIGHT * len(lines), 15.0, between=4.0
     )
     for row, amplitude in enumerate(amplitudes):
         row_axes = [add_axes_at(left, row, 70) for left in (13, 98)]
-        _draw_area_curves(
-            row_axes,
-            points.isel(amplitude=row),
-            has_no_validity_limit=has_no_validity_limit,
-            label_distance=CURVE_LABEL_SPACING / height,
-        )
+        _draw_area_curves(row_axes, points.isel(amplitude=row), label_distance=CURVE_LABEL_SPACING / height)
         for number, ax in enumerate(row_axes):
             if row == 0:
                 draw_panel_letter(ax, number)
@@ -402,7 +396,7 @@ def area_figure(points: xarray.Dataset, study: Study) -> Figure:
         if amplitudes.size > 1:
             row_axes[0].text(0.03, 0.95, f"$a$ = {1000 * amplitude:g} nm", transform=row_axes[0].transAxes, va="top")
     draw_heading(figure, lines)
-    validity_note = "" if has_no_validity_limit else "; dotted: model not valid, most load on overlaps $> R/10$"
+    validity_note = "" if study.uses_half_space else "; dotted: model not valid, most load on overlaps $> R/10$"
     figure.text(
         0.5,
         1.5 / figure_height,
@@ -414,14 +408,12 @@ def area_figure(points: xarray.Dataset, study: Study) -> Figure:
     return figure
 
 
-def _draw_area_curves(
-    axes: list[Axes], areas: xarray.Dataset, *, has_no_validity_limit: bool, label_distance: float
-) -> None:
+def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance: float) -> None:
     """Draw area and area/load for each fractal dimension, with labels at the left ends of the curves."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load", ...)
     area, lower, upper = (areas["contact_area"].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
-    is_valid = has_no_validity_limit | (find_share_beyond_hertz(areas, "contact_area") <= MAX_AFFECTED_FRACTION)
+    is_valid = ~(find_share_beyond_hertz(areas, "contact_area") > MAX_AFFECTED_FRACTION)
     positive = area[area > 0]
     for ax, area_factor in zip(axes, (np.ones(load.size), 1 / load), strict=True):
         ax.set(xscale="log", xlim=(load[0] / (load[-1] / load[0]) ** 0.24, load[-1] * 1.2))
