@@ -188,6 +188,8 @@ _SLOPE_LINE_PATTERN = re.compile(
 )
 _SLOPE_NAME_PATTERN = re.compile(r".*(?<![^\W_])slopes?(?![^\W_]).*(?<![^\W_])(?:micro|milli|[nuµm])?rad\w*\b.*", re.I)
 """Patterns of a header line, and of the line above the numbers, by which they are slopes."""
+_SLOPE_VALUE_PATTERN = re.compile(r"[:=(]\s*[-+]?[0-9]")
+"""Pattern in a line with the value of a slope, which does not say that the numbers of the file are slopes."""
 
 _NON_POSITION_NAME_PATTERN = re.compile(
     r"(?<![^\W_])(?:(wave[ _-]?(?:lengths?|numbers?|vectors?)|wellenlängen?|lambda|λ|frequenc(?:y|ies)|frequenz(?:en)?|"
@@ -345,8 +347,9 @@ def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
     lines = lines[:-1] if has_names else lines
     if _SLOPE_NAME_PATTERN.fullmatch(name_line) and not _HEIGHT_NAME_PATTERN.search(name_line):
         return name_line
-    is_value = re.compile(r"[:=(]\s*[-+]?[0-9]")
-    return next((line for line in lines if _SLOPE_LINE_PATTERN.fullmatch(line) and not is_value.search(line)), "")
+    return next(
+        (line for line in lines if _SLOPE_LINE_PATTERN.fullmatch(line) and not _SLOPE_VALUE_PATTERN.search(line)), ""
+    )
 
 
 def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
@@ -356,8 +359,13 @@ def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
             return match[1], match[2]
         if len(record_units := _UNIT_IN_RECORD_PATTERN.findall(line)) > 1:
             return record_units[0], record_units[-1]
-    plain_units = [match[1] for line in lines if (match := _PLAIN_UNIT_PATTERN.fullmatch(line))]
+    plain_units = [unit for unit, _ in _list_plain_units(lines)]
     return (plain_units[0], plain_units[0]) if len(plain_units) > 1 and len(set(plain_units)) == 1 else None
+
+
+def _list_plain_units(lines: Sequence[str]) -> list[tuple[str, str]]:
+    """List each unit that is declared without a quantity, and its line."""
+    return [(match[1], line) for line in lines if (match := _PLAIN_UNIT_PATTERN.fullmatch(line))]
 
 
 def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -> tuple[str | None, str]:
@@ -365,7 +373,7 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
 
     With `has_size`, the header declares the size of a map, and "Height 10 um" is a part of it.
     """
-    plain_units = {match[1]: line for line in lines if (match := _PLAIN_UNIT_PATTERN.fullmatch(line))}
+    plain_units = dict(_list_plain_units(lines))
     if len({parse_length_unit(unit) or unit for unit in plain_units}) > 1:  # one for each quantity or column
         return " and ".join(plain_units), next(iter(plain_units.values()))
     for line in lines:
