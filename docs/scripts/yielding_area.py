@@ -1,4 +1,4 @@
-"""Compare areas of yielding contacts with finite elements: images/yielding_area.png, generated/yielding_area.md.
+"""Compare areas of yielding contacts with finite elements: images/yielding_area.png, generated/yielding_area.md, .csv.
 
     python docs/scripts/yielding_area.py [DIRECTORY] [CASE ...]
 
@@ -8,6 +8,7 @@ which takes half an hour on one core. If names of cases are given, only these ca
 unit of stress, and Poisson's ratio is 0.3.
 """
 
+import csv
 import json
 import math
 import os
@@ -615,20 +616,19 @@ def format_cases(points: list[Point]) -> list[str]:
     return rows
 
 
-def format_points(points: list[Point]) -> list[str]:
+def write_points(points: list[Point]) -> None:
+    """Write areas divided by the finite-element area, one row for each load of each case."""
     names = [name for name in points[0].ratios if name not in ("n = 2", "n = 2.5")]
-    rows = [
-        f"| case | x | A/A0 | patches | area by nodes | {' | '.join(names)} |",
-        "|---|---|---|---|---|" + "---|" * len(names),
-    ]
-    for point in points:
-        fraction = "" if point.case.startswith("ball") else f"{point.area_fraction:.3f}"
-        ratios = " | ".join(f"{point.ratios[name]:.2f}" for name in names)
-        rows.append(
-            f"| {point.case} | {point.pressure_ratio:.2f} | {fraction} | {point.num_patches} "
-            f"| {point.area_by_nodes:.2f} | {ratios} |"
-        )
-    return rows
+    with (DOCS_FOLDER / "generated/yielding_area.csv").open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["case", "x", "A/A0", "patches", "area by nodes", *names])
+        for point in points:
+            fraction = "" if point.case.startswith("ball") else f"{point.area_fraction:.3f}"
+            numbers = [point.area_by_nodes, *(point.ratios[name] for name in names)]
+            writer.writerow(
+                [point.case, f"{point.pressure_ratio:.2f}", fraction, point.num_patches]
+                + [f"{number:.2f}" for number in numbers]
+            )
 
 
 def format_summary(points: list[Point]) -> list[str]:
@@ -646,27 +646,28 @@ def format_summary(points: list[Point]) -> list[str]:
 
 
 def format_published_fits() -> list[str]:
-    titles = ["fit", "x", "A/A_el", "n = 2", "n = 2.25", *(f"m = {m:g}" for m in EXPONENTS_FROM_ONSET)]
-    rows = [f"| {' | '.join(titles)} |", "|" + "---|" * len(titles)]
+    rows = ["| fit | form | lowest | highest |", "|---|---|---|---|"]
     for name, (pressure_ratios, area_ratios) in published_ball_fits().items():
-        for x, area in zip(pressure_ratios, area_ratios, strict=True):
-            values = [combine_by_power(1.0, x, n) for n in (2, 2.25)]
-            values += [combine_from_onset(1.0, x, m) for m in EXPONENTS_FROM_ONSET]
-            rows.append(f"| {name} | {x:.2f} | {area:.2f} | {' | '.join(f'{value / area:.2f}' for value in values)} |")
+        forms = {f"n = {n:g}": combine_by_power(1.0, pressure_ratios, n) for n in (2, 2.25)}
+        forms |= {f"m = {m:g}": combine_from_onset(1.0, pressure_ratios, m) for m in EXPONENTS_FROM_ONSET}
+        for form, areas in forms.items():
+            ratios = areas / area_ratios
+            rows.append(f"| {name} | {form} | {ratios.min():.2f} | {ratios.max():.2f} |")
     return rows
 
 
 def format_convergence(results: dict[str, dict[str, list[float]]]) -> list[str]:
-    rows = ["| case | A/A0 | area on the mesh twice as fine / area |", "|---|---|---|"]
+    rows = ["| case | lowest | highest |", "|---|---|---|"]
     for name in (name for name in results if f"{name}, fine" in results):
         coarse, fine = (
             [np.array(results[key][quantity]) for quantity in ("load", "area_edges")] for key in (name, f"{name}, fine")
         )
+        ratios = []
         for fraction in (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35):
             index = int(np.argmin(np.abs(coarse[1] / CASES[name].nominal_area - fraction)))
             if coarse[0][index] <= fine[0][-1]:
-                ratio = np.interp(coarse[0][index], *fine) / coarse[1][index]
-                rows.append(f"| {name} | {coarse[1][index] / CASES[name].nominal_area:.3f} | {ratio:.3f} |")
+                ratios.append(np.interp(coarse[0][index], *fine) / coarse[1][index])
+        rows.append(f"| {name} | {min(ratios):.3f} | {max(ratios):.3f} |")
     return rows
 
 
@@ -757,12 +758,10 @@ def main(directory: Path) -> None:
         *format_summary([point for point in summarized if point.pressure_ratio > 0.5]),
         "\nThe same for x up to 0.5.\n",
         *format_summary([point for point in summarized if point.pressure_ratio <= 0.5]),
-        "\nAreas divided by the finite-element area. The column *area by nodes* counts nodes under pressure instead of "
-        "locating the edges of contacts.\n",
-        *format_points(points),
-        "\nPublished fits to finite elements for a ball: forms divided by the fit.\n",
+        "\nPublished fits to finite elements for a ball, x = 0.5 to 3.1: forms divided by the fit.\n",
         *format_published_fits(),
-        "\nConvergence at equal load. For the ball, A0 is its largest contact area.\n",
+        "\nArea on a mesh twice as fine, divided by the area, at equal load and A/A0 from 0.05 to 0.35. For the ball, "
+        "A0 is its largest contact area.\n",
         *format_convergence(results),
         "\nFriction at opposing contacts: elastic solution scaled to the area of the pressure cap, divided by the "
         "solution with the pressure cap (mean ± standard deviation over pairs and loads; μ0 = 0.2, τ0 = 5 % of the "
@@ -771,6 +770,7 @@ def main(directory: Path) -> None:
         "",
     ]
     (DOCS_FOLDER / "generated/yielding_area.md").write_text("\n".join(text), encoding="utf-8")
+    write_points(points)
     draw_figure(summarized)
 
 
