@@ -15,6 +15,7 @@ void bind_sums(pybind11::module_& module);
 void bind_contact(pybind11::module_& module);
 void bind_loading(pybind11::module_& module);
 void bind_half_space(pybind11::module_& module);
+void bind_number_cells(pybind11::module_& module);
 }  // namespace stiction::python
 
 PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
@@ -34,4 +35,5 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_profile_batch(module);
   stiction::python::bind_loading(module);
   stiction::python::bind_half_space(module);
+  stiction::python::bind_number_cells(module);
 }

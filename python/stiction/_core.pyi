@@ -191,6 +191,9 @@ def contacts(
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
     """List the contacts of two maps at one approach [µm], as a dict of columns."""
 
+def convert_cells(text: bytes, separator: str, values: NDArray[float64], *, threads: int = 1) -> list[int]:
+    """Write the numbers in the cells of a text to `values`. Returns the indices of the cells that are not numbers."""
+
 def force_and_area(
     law: str, parameters: collections.abc.Mapping[str, float], *, overlap: float, radius: float
 ) -> tuple[float, float]:

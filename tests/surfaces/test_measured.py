@@ -1,3 +1,4 @@
+import functools
 import hashlib
 import io
 import os
@@ -57,6 +58,57 @@ def error_message(path, read=read_profile, **options):
 
 
 # ---- Text -----------------------------------------------------------------------------------------------------------
+
+
+@functools.cache
+def long_map():
+    """Return the cells and the heights of a map that is long enough to be converted in several parts."""
+    random = np.random.default_rng(4)
+    values = (random.normal(size=(200, 300)) * 10.0 ** random.integers(-3, 3, size=(200, 300))).tolist()
+    cells = [[f"{value:.{1 + column % 16}g}" for column, value in enumerate(row)] for row in values]
+    for row, column in random.integers(0, (200, 300), size=(400, 2)).tolist():
+        cells[row][column] = "NaN"
+    return cells, np.array(cells, dtype=float)
+
+
+def write_long_map(write_file, cells, separator="\t", line_end="\n"):
+    lines = ["# width 300 um", "# height 200 um", *(separator.join(row) for row in cells)]
+    path = write_file(line_end.join(lines) + line_end)
+    assert path.stat().st_size > 600_000
+    return path
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize(("separator", "line_end"), [("\t", "\n"), (";", "\r\n"), (" ", "\n")])
+def test_long_map_has_the_same_heights_for_any_number_of_threads(write_file, monkeypatch, threads, separator, line_end):
+    monkeypatch.setattr(split_files, "num_usable_cores", lambda: threads)
+    cells, heights = long_map()
+    if separator != " ":
+        cells = [[cell.replace("NaN", "") for cell in row] for row in cells]
+    path = write_long_map(write_file, cells, separator, line_end)
+    surface = read_surface(path, unit="um", spacing="1 um", missing="mask", accept="tall")
+    np.testing.assert_array_equal(surface.missing, np.isnan(heights))
+    np.testing.assert_array_equal(surface.heights[~surface.missing], heights[~np.isnan(heights)])
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("row", [0, 57, 199])
+def test_error_in_a_long_map_has_the_line_and_the_cell_for_any_number_of_threads(write_file, monkeypatch, threads, row):
+    monkeypatch.setattr(split_files, "num_usable_cores", lambda: threads)
+    cells = [list(row_cells) for row_cells in long_map()[0]]
+    cells[row][7] = "1.2.3"
+    message = error_message(write_long_map(write_file, cells), read_surface, unit="um", spacing="1 um")
+    assert f"line {row + 3} (" in message
+    assert "has '1.2.3' in cell 8, which is not a number" in message
+
+
+def test_row_with_too_many_cells_in_a_long_map_is_rejected(write_file):
+    cells = [list(row_cells) for row_cells in long_map()[0]]
+    cells[150].append("5")
+    message = error_message(write_long_map(write_file, cells), read_surface, unit="um", spacing="1 um")
+    assert "line 153 (" in message
+    assert "has 301 cells, but most lines have 300" in message
+
 
 TEXTS_BY_FORMAT = {
     "comma": "x (um),z (um)\n0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n",

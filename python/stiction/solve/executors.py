@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import logging
-import os
 import re
 import sys
 import time
@@ -15,6 +14,7 @@ from importlib import import_module
 from typing import Any, TypeVar
 
 from stiction._text import MAX_PATH_LENGTH, format_duration, printable_text
+from stiction._threads import num_usable_cores
 from stiction._units import short_repr
 from stiction.study.values import StudyError
 
@@ -63,8 +63,7 @@ def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
     If the system limits the number of threads, the pool works with the threads that can start. Raises a `RuntimeError`
     if no thread can start.
     """
-    num_cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    pool = _ThreadPool(workers or num_cores or 1, thread_name_prefix="stiction")
+    pool = _ThreadPool(workers or num_usable_cores(), thread_name_prefix="stiction")
     pool.submit(int)
     try:
         yield pool

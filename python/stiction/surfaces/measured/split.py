@@ -9,13 +9,14 @@ import shlex
 from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+import stiction._core
 from stiction._checks import Floats
 from stiction._text import printable_text
+from stiction._threads import num_usable_cores
 from stiction.surfaces.measured.decode import (
     BLANK_LINE_CODE,
     MAX_CELLS_PER_LINE,
@@ -377,7 +378,7 @@ def numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
     tokens = blob.split()
     if not tokens:
         return np.empty(0)
-    return _parse_cells(text, np.full(len(tokens), first), 1, b"\n".join(tokens), b"\n")
+    return _parse_cells(text, np.full(len(tokens), first), 1, b"\n".join([*tokens, b""]), b"\n")
 
 
 def _find_row_lines(text: DecodedText, first: int, last: int, dialect: Dialect) -> LineNumbers:
@@ -458,49 +459,21 @@ def _row_offsets_and_widths(blob: bytes, cell_separator: bytes) -> tuple[LineNum
     return starts, np.diff(np.searchsorted(separator_positions, starts)) + 1
 
 
-class _CellLines(io.IOBase):
-    """File of one cell per line. Rows are converted in pieces while pandas reads them, without a copy of all rows."""
-
-    def __init__(self, rows: bytes, cell_separator: bytes) -> None:
-        self._rows, self._cell_separator, self._position = rows, cell_separator, 0
-
-    def read(self, size: int) -> bytes:
-        """Return at most `size` of the next bytes."""
-        start, self._position = self._position, self._position + size
-        return self._rows[start : self._position].replace(self._cell_separator, b"\n")
-
-
 def _parse_cells(text: DecodedText, lines: LineNumbers, width: int, rows: bytes, cell_separator: bytes) -> Floats:
     """Parse rows of numbers as a list. Numbers are correctly rounded, and empty cells become NaN."""
-    import pandas
-
-    # Before version 3.1, the default parser of pandas has errors in the last bit.
-    precision_options = {} if _parse_version(pandas.__version__) >= (3, 1) else {"float_precision": "round_trip"}
-    options: dict[str, Any] = {
-        "header": None, "names": ["z"], "dtype": np.float64, "skip_blank_lines": False, "keep_default_na": False,
-        "na_values": ["", "nan", "NaN", "NAN"], "quoting": csv.QUOTE_NONE, **precision_options,
-    }  # fmt: skip
-    try:
-        try:  # a search for missing numbers takes a tenth of the time
-            na_filter = b"n" in rows or b"N" in rows
-            frame = pandas.read_csv(_CellLines(rows, cell_separator), na_filter=na_filter, **options)
-        except ValueError:
-            frame = pandas.read_csv(_CellLines(rows, cell_separator), **options)
-    except (ValueError, pandas.errors.ParserError):
-        for place, token in enumerate(rows.replace(cell_separator, b"\n").split(b"\n")):
-            if not _is_number(token):
-                line = int(lines[place // width])
-                word = token.decode("utf-8", "replace")[:40]
-                raise FormatError(
-                    f"{text.describe_line(line)} has {word!r} in cell {place % width + 1}, which is not a number; "
-                    f"{describe_remedy_of_word(word)}"
-                ) from None
-        raise
-    return np.asarray(frame["z"].to_numpy(), dtype=np.float64)
-
-
-def _parse_version(text: str) -> tuple[int, ...]:
-    return tuple(int(digits) for digits in re.findall("[0-9]+", text)[:2])
+    values = np.empty(rows.count(b"\n") * width)
+    failed_cells = stiction._core.convert_cells(rows, cell_separator.decode(), values, threads=num_usable_cores())
+    if failed_cells:
+        cells = rows.replace(cell_separator, b"\n").split(b"\n")
+    for index in failed_cells:
+        if not _is_number(cells[index]):
+            word = cells[index].decode("utf-8", "replace")[:40]
+            raise FormatError(
+                f"{text.describe_line(int(lines[index // width]))} has {word!r} in cell {index % width + 1}, which is "
+                f"not a number; {describe_remedy_of_word(word)}"
+            )
+        values[index] = float(cells[index])  # the number is outside the range of floating-point numbers
+    return values
 
 
 def _is_number(token: bytes) -> bool:

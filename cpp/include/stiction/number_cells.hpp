@@ -1,0 +1,22 @@
+// Conversion of text to numbers.
+#pragma once
+
+#include "stiction/cancellation.hpp"
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace stiction {
+
+/// Convert the cells of a text to the nearest floating-point numbers, and return the indices of the cells that fail.
+/// Each cell ends at `separator`, at a line feed, or at the end of the text.
+/// Empty cells and cells that fail become NaN.
+/// A cell fails if it is not a decimal number, "nan" or "inf", or if the number is outside the range of a double.
+/// The decimal mark is a point in every locale. Up to `threads` threads convert a long text.
+/// Throws std::invalid_argument if the text does not have `values.size()` cells.
+std::vector<std::size_t> convert_cells(std::string_view text, char separator, std::span<double> values,
+                                       std::size_t threads = 1, const CancellationCheck& check_cancellation = {});
+
+}  // namespace stiction
