@@ -242,6 +242,16 @@ def test_rough_profile_in_lines_has_a_caveat(tmp_path, shape, seed):
     assert [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats][:1] == ["wrapped"]
 
 
+@pytest.mark.parametrize("shape", [(4, 25), (7, 25)])
+def test_profile_in_few_lines_has_a_caveat_although_some_lines_seem_to_end_in_steps(tmp_path, shape):
+    path = tmp_path / "a.txt"
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        profile = np.convolve(rng.normal(size=shape[0] * shape[1] + 20), np.hanning(9), "same")[10:-10]
+        path.write_text(to_text((profile + 0.25 * rng.normal(size=profile.size)).reshape(shape)))
+        assert "wrapped" in [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats], seed
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_map_with_lay_along_its_rows_has_no_caveat_of_a_profile(tmp_path, seed):
     path, rng = tmp_path / "a.txt", np.random.default_rng(seed)

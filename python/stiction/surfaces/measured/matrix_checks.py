@@ -25,10 +25,10 @@ MAX_STATISTIC_LINES = 6  # maximum number of outer rows or columns that contain 
 MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per line of a profile that is written in lines
 MIN_WRAPPED_LINES = 3  # minimum number of lines of a profile that is written in lines
-# A wrapped profile has similar heights at the end of a line and at the start of the next line.
-# Their mean square difference is limited by a multiple of that between neighbours in a line.
-# It may also reach the geometric mean of the differences in a line and in a column, unlike in a map.
-MAX_WRAP_DIFFERENCE = 1.7
+# A profile in lines changes from the end of a line to the start of the next as little as between neighbours in a line.
+# A map changes as much there as between neighbours in a column. Few lines may leave both possible.
+# A map is certain if these changes are more likely in a map by this factor. One profile in a hundred may exceed it.
+MAX_LIKELIHOOD_RATIO = 100.0
 MAX_DEVIATION_IN_LINES = 8.0  # heights above this limit, in median deviations, are ignored in a wrapped profile
 MIN_COLUMN_DIFFERENCE = 2.0  # minimum mean square difference between neighbours in a column, relative to a line
 
@@ -154,7 +154,7 @@ def _name_of_statistic(lines: Floats, count: int) -> str | None:
 
 
 def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
-    """Return a caveat if heights continue from the end of each line to the next line, like one long profile.
+    """Return a caveat if heights may continue from the end of each line to the next line, like one long profile.
 
     In a matrix, the end of a row is far from the start of the next row, but close to it in a profile.
     """
@@ -168,20 +168,23 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
     deviations = np.abs(values - np.median(finite_values))
     limit = MAX_DEVIATION_IN_LINES * np.median(deviations[np.isfinite(values)])
     heights = np.where(deviations <= limit, values, np.nan)
+    steps_at_wrap = heights[1:, 0] - heights[:-1, -1]
     difference_along, difference_across, difference_at_wrap = (
-        float(np.nanmean(difference**2)) if np.isfinite(difference).any() else np.nan
-        for difference in (np.diff(heights, axis=1), np.diff(heights, axis=0), heights[1:, 0] - heights[:-1, -1])
+        float(np.nanmean(steps**2)) if np.isfinite(steps).any() else np.nan
+        for steps in (np.diff(heights, axis=1), np.diff(heights, axis=0), steps_at_wrap)
     )
-    max_wrap = max(MAX_WRAP_DIFFERENCE * difference_along, (difference_along * difference_across) ** 0.5)
-    if not (
-        difference_at_wrap <= max_wrap
-        and difference_across > 0
-        and difference_across >= MIN_COLUMN_DIFFERENCE * difference_along
-    ):
+    if not (difference_along > 0 and MIN_COLUMN_DIFFERENCE * difference_along <= difference_across):
+        return ()
+    ratio = difference_across / difference_along
+    num_wraps = np.count_nonzero(np.isfinite(steps_at_wrap))
+    # logarithm of the likelihood of a map, relative to a profile, for differences with normal distributions
+    log_likelihood_ratio = num_wraps / 2 * (difference_at_wrap / difference_along * (1 - 1 / ratio) - np.log(ratio))
+    if not log_likelihood_ratio <= np.log(MAX_LIKELIHOOD_RATIO):
         return ()
     return (
         FileCaveat(
-            "wrapped", f"heights continue from the end of each line to the next, like a profile in lines of {count}",
+            "wrapped",
+            f"heights may continue from the end of each line to the next, like a profile in lines of {count}",
             "if it is a profile, write one height per line; otherwise accept it",
         ),
     )  # fmt: skip

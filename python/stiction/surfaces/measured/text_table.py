@@ -113,7 +113,8 @@ def _to_table(
     if block.short is not None and not any(column_heads.names):
         raise FormatError(
             f"{text.describe_line(block.short)} has fewer cells than the lines above it, and the columns have no "
-            "names; all lines of a matrix must have the same number of cells"
+            "names; all lines of a matrix must have the same number of cells, and a profile must have one height per "
+            "line"
         )
     block_starts = np.flatnonzero(np.diff(block.lines, prepend=block.lines[0] - 2) > 1)
     return ColumnTable(
