@@ -221,6 +221,20 @@ def test_studies_command_loads_no_modules_for_tables_or_figures_or_readers():
     assert loaded_dependencies(code) <= ALLOWED_DEPENDENCIES | DEPENDENCIES_OF_HELP
 
 
+def test_commands_load_dask_only_for_a_cluster(tmp_path):
+    """Check this because xarray would import Dask, if installed, which takes longer than some studies."""
+    pytest.importorskip("distributed")
+
+    def run_small_study(*options):
+        changes = ["--set", "ensemble.repetitions=2", "--set", "surfaces.points=3000", "-o", tmp_path / "quick"]
+        command = [sys.executable, "-X", "importtime", "-m", "stiction", "run", "quick", *changes, *options]
+        return subprocess.run(command, capture_output=True, text=True, check=False).stderr
+
+    assert not re.search(r"\| +dask\b", run_small_study())
+    assert re.search(r"\| +dask\b", message := run_small_study("--scheduler", "host"))
+    assert "the address of a Dask scheduler must have the form" in message
+
+
 def test_module_for_exported_files_loads_no_matplotlib():
     assert "matplotlib" not in loaded_dependencies("import stiction.views.files")
 

@@ -54,6 +54,9 @@ def call_stiction(*arguments, cwd, columns=200, without_figures=False, without_r
             status = 0
         except SystemExit as exit_request:
             status = exit_request.code or 0
+        finally:
+            if sys.modules.get("dask") is None:  # allow imports that main() prevents
+                sys.modules.pop("dask", None)
     return SimpleNamespace(returncode=status, stdout=out.getvalue(), stderr=err.getvalue())
 
 

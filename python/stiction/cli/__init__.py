@@ -24,6 +24,8 @@ With Python's default, 700 in Python 3.11, the collector traverses the objects o
 def main() -> None:
     """Run the command and exit with status 0, status 2 after a message for bad input, or status 130 after Ctrl-C."""
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION)
+    # xarray would import Dask, if installed, for its first array, which takes about 0.3 s. Only clusters use Dask.
+    sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     _redirect_closed_streams()
     if (address_space := _address_space_limit()) < MIN_ADDRESS_SPACE:
         min_megabytes = MIN_ADDRESS_SPACE // 10**6

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+import sys
 from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
@@ -29,6 +30,8 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
         return thread_pool_executor(workers)
     if workers is not None:
         raise StudyError("--workers must not be combined with --scheduler")
+    if sys.modules.get("dask") is None:  # `main` prevents the import of Dask
+        sys.modules.pop("dask", None)
     return connect_to_cluster(scheduler)
 
 
