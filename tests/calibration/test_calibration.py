@@ -724,9 +724,9 @@ def simulate_soft_ball_tests(ball: Ball, loss: float) -> list[Any]:
 
 
 def test_soft_ball_has_a_range_of_the_area_loss_by_default() -> None:
-    assert SOFT_BALL.area_loss.text == "0..0.3"
-    assert float(BALL.area_loss) == 0
-    assert float(Ball("5 mm", "2 MPa", area_loss=0.1).area_loss) == 0.1
+    assert SOFT_BALL.lost_fraction.text == "0..0.3"
+    assert float(BALL.lost_fraction) == 0
+    assert float(Ball("5 mm", "2 MPa", area_loss=0.1).lost_fraction) == 0.1
     with pytest.raises(ValueError, match=r"area_loss must be from 0 to 0\.9"):
         Ball("5 mm", "2 MPa", area_loss="0..1.5")
 
@@ -744,6 +744,11 @@ def test_copy_of_a_ball_with_another_radius_keeps_the_ranges_of_its_inputs(argum
     assert ball == Ball("2 mm", **arguments)
     assert repr(ball) == repr(Ball("2 mm", **arguments))
     assert ball.moduli.inputs
+
+
+def test_copy_of_a_ball_with_another_modulus_has_the_area_loss_of_that_modulus() -> None:
+    assert replace(SOFT_BALL, effective_modulus="3 GPa") == BALL
+    assert replace(SOFT_BALL, effective_modulus="3 GPa", area_loss=0.1).lost_fraction == 0.1
 
 
 @pytest.mark.parametrize("ball", [

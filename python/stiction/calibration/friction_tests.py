@@ -6,7 +6,7 @@ import math
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -27,21 +27,12 @@ from stiction.study.interfaces import SLIDING_RULES
 from stiction.study.moduli import UncertainModulus, find_default_area_loss, parse_elasticity
 from stiction.study.study import parse_study_of_dataset
 
-if TYPE_CHECKING:
-    pass
-
 MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
 """Limits above which a coefficient depends on junction growth.
 
 The first limit is the ratio of the true area to the area of plastic contact, and the second limit is the relative
 change of the coefficient due to junction growth. A coefficient depends on it if both limits are exceeded.
 """
-
-
-class _BallModulus(float):
-    """Effective modulus E* (GPa) of a ball, with the argument that determined it, for copies of the ball."""
-
-    argument: Any = None
 
 
 @dataclass(frozen=True)
@@ -52,8 +43,7 @@ class Ball:
     ----------
     radius : float or str, µm
     effective_modulus : float or str, GPa
-        E* as in "3 GPa", or a range as in "2..4.5 GPa". The attribute is the middle of the range, or E* at the central
-        values of the moduli of the bodies.
+        E* as in "3 GPa", or a range as in "2..4.5 GPa".
     young, poisson : optional
         Young's moduli and Poisson's ratios of both bodies; ranges are accepted.
     upper_material, lower_material : str, optional
@@ -69,35 +59,31 @@ class Ball:
     """
 
     radius: float | str
-    effective_modulus: float | str | None = None
+    effective_modulus: float | str | None = field(default=None, compare=False)  # compared as part of `moduli`
     young: Any = field(default=None, kw_only=True)
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    area_loss: Any = field(default=None, kw_only=True)
-    elasticity: PairElasticity = field(
-        init=False, repr=False, compare=False
-    )  # elastic properties computed from the central values of both moduli
+    area_loss: Any = field(default=None, kw_only=True, compare=False)  # compared as `lost_fraction`
+    # elastic properties computed from the central values of both moduli
+    elasticity: PairElasticity = field(init=False, repr=False, compare=False)
     moduli: UncertainModulus = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
+    lost_fraction: InputValue = field(init=False, repr=False)  # area loss with its uncertainty
 
     def __post_init__(self) -> None:
-        """Convert the radius and the moduli to core units."""
+        """Convert the radius to core units, and derive the elastic properties from the arguments."""
         radius = validate_number("radius", to_core_units("radius", self.radius, "length"), unit="µm", above=0)
         object.__setattr__(self, "radius", radius)
-        argument = getattr(self.effective_modulus, "argument", self.effective_modulus)
         elasticity, moduli = parse_elasticity(
-            argument, self.young, self.poisson, self.upper_material, self.lower_material
+            self.effective_modulus, self.young, self.poisson, self.upper_material, self.lower_material
         )
-        modulus = _BallModulus(elasticity.effective_modulus)
-        modulus.argument = argument
-        object.__setattr__(self, "effective_modulus", modulus)
         object.__setattr__(self, "elasticity", elasticity)
         object.__setattr__(self, "moduli", moduli)
         area_loss = self.area_loss
         if area_loss is None:
             area_loss = find_default_area_loss(elasticity.effective_modulus) or 0.0
         try:
-            object.__setattr__(self, "area_loss", parse_input_value("area_loss", area_loss))
+            object.__setattr__(self, "lost_fraction", parse_input_value("area_loss", area_loss))
         except ValueError as error:
             raise ArgumentError("{area_loss} {why}", why=str(error)) from None
 
@@ -107,7 +93,7 @@ class Ball:
         arguments = {
             "radius": self.radius, "effective_modulus": None if direct_modulus is None else direct_modulus.text,
             "young": self.young, "poisson": self.poisson, "upper_material": self.upper_material,
-            "lower_material": self.lower_material, "area_loss": self.area_loss.text,
+            "lower_material": self.lower_material, "area_loss": self.lost_fraction.text,
         }  # fmt: skip
         return f"Ball({', '.join(f'{name}={value!r}' for name, value in arguments.items() if value is not None)})"
 
@@ -180,7 +166,7 @@ class _BallAreaFactor(AreaFactor):
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
         """Return the area factor of a ball, or None if its moduli are exact and shear leaves its area unchanged."""
-        loss: InputValue = ball.area_loss
+        loss = ball.lost_fraction
         uncertain_inputs = ball.moduli.inputs | ({} if loss.is_exact else {"area_loss": loss.estimate})
         return (
             cls(uncertain_inputs, ("ball", ball.radius), ball.moduli, float(loss)) if uncertain_inputs or loss else None
