@@ -12,8 +12,6 @@ from stiction.evaluate.at_load import at_load
 from stiction.mechanics.friction import LOAD_SUM_NAMES, VALIDITY_RATIOS, ContactSums, SurfaceValidity, Validity
 from stiction.mechanics.quantities import (
     ADHESION_QUANTITIES,
-    AREAL_VALIDITY_QUANTITIES,
-    COMMON_VALIDITY_QUANTITIES,
     HALF_SPACE_SUM_QUANTITIES,
     QUANTITIES,
     SUM_QUANTITIES,
@@ -176,12 +174,13 @@ def test_variables_of_a_resolution_dataset_have_the_units_listed_in_the_table_of
 def test_table_of_quantities_contains_the_names_of_core_sums_and_validity_fields():
     assert set(LOAD_SUM_NAMES) < set(SUM_QUANTITIES)
     assert {*SUM_QUANTITIES} == {*ContactSums.__dataclass_fields__}
-    assert {*COMMON_VALIDITY_QUANTITIES} == {*Validity.__dataclass_fields__}
-    assert (
-        {*COMMON_VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES}
-        == {*SurfaceValidity.__dataclass_fields__}
-        == {*VALIDITY_RATIOS}
-    )
+    profile_indicators = {
+        name
+        for name, (numerator, denominator) in VALIDITY_RATIOS.items()
+        if {numerator, *denominator} <= {*SUM_QUANTITIES}
+    }
+    assert profile_indicators == {*Validity.__dataclass_fields__}
+    assert {*VALIDITY_RATIOS} == {*SurfaceValidity.__dataclass_fields__}
     assert {*LOAD_FRACTION_FORMULAS} <= {name for name, quantity in QUANTITIES.items() if "measured" in quantity.stored}
     assert ADHESION_QUANTITIES[0] == "contact_load"
     assert not {*HALF_SPACE_SUM_QUANTITIES} & {*ADHESION_QUANTITIES}

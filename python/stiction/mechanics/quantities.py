@@ -588,16 +588,6 @@ GAP_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored an
 LOAD_STEP_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored and each.along == _STEP_AXIS)
 """Statistics, and the status, that a result of measured bodies stores for each member at each load."""
 
-COMMON_VALIDITY_QUANTITIES = select_quantity_names(
-    lambda each: each.kind == "validity" and {each.numerator, *each.denominator} <= {*SUM_QUANTITIES}
-)
-"""Validity indicators of the model that profiles and maps have in common: the fields of `Validity`."""
-
-AREAL_VALIDITY_QUANTITIES = select_quantity_names(
-    lambda each: each.kind == "validity" and bool({each.numerator, *each.denominator} - {*SUM_QUANTITIES})
-)
-"""Further validity indicators of the model, which only maps have."""
-
 RATIO_QUANTITIES = select_quantity_names(lambda each: each.kind in ("ratio", "validity") and each.along == _STEP_AXIS)
 """Quantities at a load that are ratios of contact sums."""
 
