@@ -356,7 +356,6 @@ class CombinedIntervals:
             key = None if self.strengths else (id(self.response.closure_curve), names)
             closures = self._sampler.find_closures(key, self.response, inputs)
             ratios["closure"] = self.response.closure_ratio(inputs, closures)
-        nominal_area = self.response.area.nominal_area if self.study.uses_half_space else math.inf
         combined = {}
         for name, estimate in estimates.items():
             value, lower, upper = estimate.tolist()
@@ -374,7 +373,8 @@ class CombinedIntervals:
             if np.isnan(values).any():
                 continue
             low, high = compute_equal_tailed_interval(values).extended_to((lower, upper))
-            combined[name] = np.array([value, low, max(min(high, find_upper_bound(name, nominal_area)), value)])
+            limit = find_upper_bound(name, self.response.area.nominal_area, uses_half_space=self.study.uses_half_space)
+            combined[name] = np.array([value, low, max(min(high, limit), value)])
         return combined
 
     # ---- Samples -----------------------------------------------------------------------------------------------------

@@ -67,8 +67,9 @@ def average_members(
     coordinates: dict[str, Any] = {
         str(name): each for name, each in members.coords.items() if "repetition" not in each.dims
     }
-    nominal_area = float(members["nominal_area"]) if study.is_measured and study.uses_half_space else math.inf
-    variables = _average_quantities(members, average, names, nominal_area)
+    nominal_area = float(members.coords.get("nominal_area", math.inf))
+    find_limit = partial(find_upper_bound, nominal_area=nominal_area, uses_half_space=study.uses_half_space)
+    variables = _average_quantities(members, average, names, find_limit)
     if "contact_area_fraction" in variables:
         fraction_dims, fraction, attributes = variables["contact_area_fraction"]
         area_status, fraction = _classify_area_fractions(fraction, uses_half_space=study.uses_half_space)
@@ -148,11 +149,11 @@ def average_members(
 
 def _average_quantities(
     members: xarray.Dataset, average: Callable[[Sequence[str], Callable[[xarray.Dataset], Floats]], Floats],
-    names: Collection[str] | None, nominal_area: float,
+    names: Collection[str] | None, find_limit: Callable[[str], float],
 ) -> dict[str, Any]:  # fmt: skip
     """Average the quantities over the members. Normal and tangential loads are averaged only on request.
 
-    The nominal area (µm²) limits the intervals of the true area. It is infinite if contacts may overlap.
+    `find_limit` returns the largest upper limit of the interval of a quantity.
     """
     variables: dict[str, Any] = {}
     for name in map(str, members.data_vars):
@@ -165,7 +166,7 @@ def _average_quantities(
         means = average(dims, get_values)
         if name in STIFFNESS_QUANTITIES:
             means = _average_compliances(partial(average, dims), get_values, means)
-        limit = find_upper_bound(name, nominal_area)
+        limit = find_limit(name)
         means = np.where(means > limit, np.maximum(limit, means[..., :1]), means)
         variables[name] = (*dims, "statistic"), means, values.attrs
     return variables

@@ -531,10 +531,13 @@ def is_requested(name: str, names: Collection[str] | None) -> bool:
     return names is None or name in names
 
 
-def find_upper_bound(name: str, nominal_area: float) -> float:
-    """Return the largest upper limit of a quantity. The nominal area (µm²) limits the true contact area."""
+def find_upper_bound(name: str, nominal_area: float, *, uses_half_space: bool) -> float:
+    """Return the largest upper limit of a quantity.
+
+    The nominal area (µm²) limits the true area of half-spaces. Asperities may overlap, so their area has no limit.
+    """
     if name == "contact_area":
-        return nominal_area * QUANTITIES["contact_area_fraction"].bounds[1]
+        return nominal_area * QUANTITIES["contact_area_fraction"].bounds[1] if uses_half_space else math.inf
     return QUANTITIES[name].bounds[1]
 
 
