@@ -38,7 +38,6 @@ from stiction.study.interfaces import InterfaceStrength
 from stiction.study.pair_options import validate_option_values
 from stiction.study.pair_study import MeasuredPair
 from stiction.surfaces.joint_roughness import measure_joint_roughness
-from stiction.surfaces.measured.writing import heights_with_nan
 from stiction.surfaces.preparation import count_flips, flipped, levelled, on_common_grid
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.registration import Registration, correlate_facing_slopes, register_faces
@@ -351,7 +350,7 @@ def _describe_inputs(setup: _TestSetup) -> str:
     """Return text that identifies all inputs of a test: it differs if any input differs."""
     box = setup.box
     checksums = [
-        hashlib.sha256(heights_with_nan(face).tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
+        hashlib.sha256(face.heights_with_nan.tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
         for face in (box.upper, box.lower)
     ]
     numbers = {field.name: getattr(box, field.name) for field in fields(box) if field.name not in ("upper", "lower")}

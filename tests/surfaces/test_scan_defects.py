@@ -7,13 +7,15 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, levelled, pair
+from stiction import Profile, Surface, levelled, pair, self_affine
 from stiction.companions.resolution import find_resolved_roughness
 from stiction.study.measured_bodies import MeasuredBodySettings
 from stiction.study.pair_options import PairOptions
 from stiction.study.pair_study import MeasuredPair
 from stiction.summary.input_caveats import find_alternatives
-from stiction.surfaces import scan_defects
+from stiction.surfaces import missing_data, scan_defects
+from stiction.surfaces import profile as profile_module
+from stiction.surfaces.height_step import find_height_step
 from stiction.surfaces.scan_defects import ScanDefects, find_scan_defects
 from support.machined_surfaces import MACHINED_SURFACES, filtered_noise, scale_to_unit_rms
 from support.rough_surfaces import rough_maps
@@ -28,6 +30,25 @@ def scan_folder(tmp_path, monkeypatch):
     for side, surface in zip(("upper", "lower"), rough_maps(points=32), strict=True):
         np.save(f"{side}.npy", surface.heights)
     return tmp_path
+
+
+def test_height_step_of_a_scan_is_found_once(monkeypatch):
+    steps = []
+
+    def find_step(heights):
+        steps.append(find_height_step(heights))
+        return steps[-1]
+
+    for module in (profile_module, missing_data):
+        monkeypatch.setattr(module, "find_height_step", find_step)
+    smooth_profile = self_affine(
+        5, hurst_exponent=0.8, rms=0.1, points=4096, spacing=0.01, longest_wavelength=5.0, shortest_wavelength=0.5
+    )
+    defects = ScanDefects(Profile(np.round(smooth_profile.heights, 3), spacing=0.01), 2.0, textured=False)
+    assert defects.num_spikes == 0
+    assert defects.instrument_limit.reason == "quantisation"
+    assert defects.limit_with_tip is not None
+    assert steps == [pytest.approx(1e-3)]
 
 
 def test_defects_of_each_scan_are_found_once(scan_folder, monkeypatch):

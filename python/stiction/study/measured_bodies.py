@@ -34,7 +34,7 @@ from stiction.surfaces.measured.plausibility import FILE_CAVEAT_NAMES, ScannedHe
 from stiction.surfaces.measured.raw import LENGTH_UNITS, FileCaveat
 from stiction.surfaces.measured.reading import FileReading, read_with_interpretation
 from stiction.surfaces.measured.spectrum_file import is_spectrum_file, read_spectrum, write_spectrum
-from stiction.surfaces.measured.writing import heights_with_nan, write_profile, write_surface
+from stiction.surfaces.measured.writing import write_profile, write_surface
 from stiction.surfaces.missing_data import find_largest_gap
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, parse_lengths
@@ -381,7 +381,7 @@ class MeasuredBodySettings(SettingsSection):
         body = None if self.body is None else self.body.body
         if not isinstance(body, (Profile, Surface)):
             return ()
-        return find_caveats(ScannedHeights(heights_with_nan(body), body.spacings, from_file=False, from_text=False))
+        return find_caveats(ScannedHeights(body.heights_with_nan, body.spacings, from_file=False, from_text=False))
 
     def checksum(self) -> str:
         """Compute the SHA-256 checksum of the file contents.
@@ -439,7 +439,7 @@ def _compute_checksum(body: MeasuredBody) -> str:
         arrays = body.wave_number, body.density, body.count, body.contribution, body.ratio
         content = repr((body.bands, body.names)).encode() + b"".join(values.tobytes() for values in arrays)
     else:
-        content = repr((body.heights.shape, body.spacing)).encode() + heights_with_nan(body).tobytes()
+        content = repr((body.heights.shape, body.spacing)).encode() + body.heights_with_nan.tobytes()
     return hashlib.sha256(content).hexdigest()
 
 

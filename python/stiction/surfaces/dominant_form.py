@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.surfaces.measured.writing import heights_with_nan
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -109,7 +108,7 @@ def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, floa
     Returns the coordinates of the blocks (from -1 to 1 along x, and along y for a map), their mean heights above the
     least-squares plane of the blocks, and the mean square height of all points. Returns None for a flat or small body.
     """
-    heights = heights_with_nan(body)
+    heights = body.heights_with_nan
     max_blocks = MAX_BLOCKS if heights.ndim == 2 else MAX_BLOCKS**2
     sizes = [-(-points // max_blocks) for points in heights.shape]
     counts = [points // size for points, size in zip(heights.shape, sizes, strict=True)]

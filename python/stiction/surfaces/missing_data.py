@@ -113,13 +113,15 @@ def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ..
     return f"{100 * missing.mean():.2g} % of all points; the largest gap has {count_text}, at {', '.join(ends)}"
 
 
-def find_outliers(heights: Floats) -> NDArray[np.bool_]:
+def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[np.bool_]:
     """Find single points or groups of up to four points that deviate from their neighbours.
 
     Parameters
     ----------
     heights : (n,) or (rows, columns) ndarray of float
         NaN at missing points.
+    height_step : float, optional
+        Result of `find_height_step`, if it is known.
 
     Notes
     -----
@@ -133,7 +135,7 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
 
     is_measured, remaining_heights, is_outlier = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
     typical_deviations: list[_TypicalDeviations] = []
-    step = find_height_step(heights)
+    step = find_height_step(heights) if height_step is None else height_step
     for _ in range(_MAX_OUTLIER_PASSES):
         mean_deviations, line_deviations, at_edge = _deviations_from_neighbours(heights, remaining_heights)
         if not typical_deviations:

@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core
+from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, float_array, make_read_only, validate_number
 from stiction._drawing import draw_profile, draw_surface
 from stiction._repr import PlotReprMixin, axes_or_new_axes
 from stiction._units import short_repr
+from stiction.surfaces.height_step import find_height_step
 from stiction.surfaces.interchange import describe_body, extract_heights, to_data_array
 
 if TYPE_CHECKING:
@@ -73,6 +75,16 @@ class Body(PlotReprMixin):
     def is_flat(self) -> bool:
         """True if all heights are equal."""
         return bool((self.heights == self.heights.flat[0]).all())
+
+    @property
+    def heights_with_nan(self) -> Floats:
+        """Heights (µm) with NaN at missing points."""
+        return self.heights if self.missing is None else np.where(self.missing, np.nan, self.heights)
+
+    @cached_property
+    def height_step(self) -> float:
+        """Step (µm) to which the measured heights are rounded, or 0; see `find_height_step`."""
+        return find_height_step(self.heights_with_nan)
 
     def changed(self, heights: Floats, step: str, **others: Any) -> Self:
         """Return a copy with new heights, and with a step appended to the history."""

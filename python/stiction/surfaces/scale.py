@@ -15,7 +15,6 @@ from stiction._repr import TableReprMixin, TextReprMixin
 from stiction._units import short_repr
 from stiction.surfaces.filters import MIN_CUTOFF_POINTS, gaussian_transmission
 from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, density_between_harmonics, find_texture_harmonics
-from stiction.surfaces.height_step import find_height_step
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -811,4 +810,4 @@ def _is_quantised(body: Profile | Surface) -> bool:
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s has the variance s²/12.
     # The variance of the second differences of white noise is six times the variance of the noise.
-    return find_height_step(body.heights) ** 2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference
+    return body.height_step**2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference

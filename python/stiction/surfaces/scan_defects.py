@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 
 from stiction._caching import cached_property
 from stiction._checks import Floats
-from stiction.surfaces.height_step import find_height_step
 from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
-from stiction.surfaces.measured.writing import heights_with_nan
 from stiction.surfaces.missing_data import find_outliers, with_interpolated_points
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -93,7 +91,7 @@ class ScanDefects:
     @cached_property
     def outliers(self) -> NDArray[np.bool_]:
         """Mask of the outliers among the measured points."""
-        return find_outliers(heights_with_nan(self.body))
+        return find_outliers(self.body.heights_with_nan, self.body.height_step)
 
     @cached_property
     def num_spikes(self) -> int:
@@ -263,7 +261,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     """Find points next to a large second difference of a profile, or map points far from the median of 3 x 3 points."""
     from scipy.ndimage import maximum_filter, median_filter
 
-    rounding_error = find_height_step(heights_with_nan(body)) / math.sqrt(12)  # rms error of rounded heights
+    rounding_error = body.height_step / math.sqrt(12)  # rms error of rounded heights
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
         # The second difference is large beside wider spikes, and it is unknown at both ends.

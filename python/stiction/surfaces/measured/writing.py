@@ -6,9 +6,7 @@ import itertools
 import os
 from collections.abc import Iterable
 
-import numpy as np
-
-from stiction._checks import Floats, check_instance, parse_path
+from stiction._checks import check_instance, parse_path
 from stiction._files import create_file_atomically
 from stiction._text import printable_text
 from stiction.surfaces.measured.npy import write_npy
@@ -51,7 +49,7 @@ def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
     array([ 0. ,  0.1,  0. , -0.1])
     """
     check_instance("profile", profile, Profile, "a Profile")
-    pairs = zip(profile.x.tolist(), heights_with_nan(profile).tolist(), strict=True)
+    pairs = zip(profile.x.tolist(), profile.heights_with_nan.tolist(), strict=True)
     rows = itertools.chain(["x (um),z (um)\n"], (f"{x!r},{z!r}\n" for x, z in pairs))
     _write_body(profile, path, [f"# spacing: {profile.spacing!r} um\n"], rows)
 
@@ -94,7 +92,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
             f"surface has {columns}; choose .npy"
         )
     head = [f"# spacing along {axis}: {step!r} um\n" for axis, step in zip("yx", surface.spacing, strict=True)]
-    rows = (",".join(map(repr, row)) + "\n" for row in heights_with_nan(surface).tolist())
+    rows = (",".join(map(repr, row)) + "\n" for row in surface.heights_with_nan.tolist())
     _write_body(surface, path, head, itertools.chain(["# heights (um)\n"], rows))
 
 
@@ -106,14 +104,9 @@ def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: lis
     with create_file_atomically(path, FormatError) as partial_file:
         if path.suffix.lower() == ".npy":
             with partial_file.open("wb") as binary_file:
-                write_npy(binary_file, heights_with_nan(body), body.spacings, body.history)
+                write_npy(binary_file, body.heights_with_nan, body.spacings, body.history)
             return
         steps = (" ".join(step.split()) for step in body.history)
         history = [f"# history: {printable_text(step, MAX_HISTORY_STEP_LENGTH)}\n" for step in steps]
         with partial_file.open("w", encoding="utf-8", newline="\n") as file:
             file.writelines(itertools.chain(head, history, rows))
-
-
-def heights_with_nan(body: Profile | Surface) -> Floats:
-    """Return the heights with NaN at missing points."""
-    return body.heights if body.missing is None else np.where(body.missing, np.nan, body.heights)
