@@ -336,13 +336,19 @@ def test_shear_of_the_softer_body_limits_the_adhesive_part_of_the_normal_load():
     np.testing.assert_allclose(values["normal_load"], load * (1 - 0.1 * growth * friction_fraction), rtol=1e-9)
 
 
-@pytest.mark.parametrize(("growth", "tau0", "names_load"), [
-    ("slip-line", "uniform 25 MPa .. 45 MPa", False), ("0..100", "uniform 35 MPa .. 65 MPa", True),
+@pytest.mark.parametrize(("growth", "tau0", "load", "can_help"), [
+    ("slip-line", "uniform 25 MPa .. 45 MPa", 20, False), ("0..100", "uniform 35 MPa .. 65 MPa", 20, False),
+    ("4..9", "uniform 60 MPa .. 160 MPa", 200, True),
 ])  # fmt: skip
-def test_remedy_for_unlimited_samples_is_a_smaller_load_only_if_the_load_matters(growth, tau0, names_load):
-    result = pair(*rough_surfaces(), **PLASTIC_OPTIONS, mu0=0.2, tau0=tau0, junction_growth=growth)
-    (caveat,) = (each for each in result.summary().first.caveats if "softer body for" in each.text)
-    assert ("reduce the load" in caveat.remedy) == names_load
+def test_remedy_for_unlimited_samples_is_a_smaller_load_only_if_it_can_help(growth, tau0, load, can_help):
+    options = {**PLASTIC_OPTIONS, "mu0": 0.2, "tau0": tau0, "junction_growth": growth}
+    result, result_at_small_load = (
+        pair(*rough_surfaces(), **options | {"load": f"{each} MPa"}) for each in (load, load / 10)
+    )
+    assert math.isinf(result.interval[1])
+    assert math.isfinite(result_at_small_load.interval[1]) == can_help
+    (caveat,) = (each for each in result.summary().first.caveats if "samples of the inputs" in each.text)
+    assert ("reduce the load" in caveat.remedy) == can_help
 
 
 @pytest.mark.parametrize("mu0", [0.2, 0.6])

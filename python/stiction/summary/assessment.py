@@ -78,6 +78,12 @@ MAX_SPACING_RATIO = 3.0  # A caveat is issued if the grid spacings of the two sc
 NEARLY_BULK_STRENGTH_RATIO = 0.7
 # An interval has no upper end if more than this fraction of the samples has none.
 MAX_UNLIMITED_FRACTION = 0.025
+MIN_UNLIMITED_FRACTION = 0.01
+"""Fraction of input samples without an upper limit of friction above which a caveat reports it.
+
+The upper end of an interval is the 97.5 % quantile. Without a smaller fraction of such samples, this end would be the
+96.5 % quantile or a higher one.
+"""
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 """Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
@@ -174,7 +180,7 @@ STATUS_EXPLANATIONS = {
     "seizure": (
         "the interface is stronger than the bulk (τ0 is at least H/√α), or its junctions grow over the whole area; "
         "the model has no coefficient",
-        "check τ0, the hardness and α, or reduce the load",
+        "check τ0, the hardness and α; if τ0 is below H/√α, reduce the load",
     ),
     "bulk-shear": (
         "the interface is stronger than the softer body, which shears instead: the coefficient is a lower limit",
@@ -632,16 +638,17 @@ def _find_unlimited_caveats(
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(hardness))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")
-    if unlimited_fraction > 0:
+    if unlimited_fraction > MIN_UNLIMITED_FRACTION:
         text = (
-            f"the interface is stronger than the softer body for {format_percent(unlimited_fraction)} of the samples "
-            "of the inputs"
+            f"for {format_percent(unlimited_fraction)} of the samples of the inputs, the interface is stronger than "
+            f"the softer body{'' if growth.uses_slip_lines else ' or its junctions grow over the whole area'}"
             + ("; the interval has no upper limit" if unlimited_fraction > MAX_UNLIMITED_FRACTION else "")
         )
         severity: Severity = "fault" if unlimited_fraction > MAX_UNLIMITED_FRACTION else "caution"
-        # With slip lines, contacts that yield carry the same pressure at any load.
+        # At a smaller load, contacts still yield at the same pressure, but do not grow over the whole area.
+        is_load_limited = not growth.uses_slip_lines and strength_ratio < 1
         remedy = "measure the hardness, and determine μ0 and τ0 with stiction calibrate"
-        yield Caveat(text, remedy + ("" if growth.uses_slip_lines else ", or reduce the load"), severity)
+        yield Caveat(text, remedy + (", or reduce the load" if is_load_limited else ""), severity)
     elif not growth.uses_slip_lines and strength_ratio > NEARLY_BULK_STRENGTH_RATIO:
         text = (
             f"the interface is nearly as strong as the bulk: τ0 is {strength_ratio:.2f} of H/√α at α = {growth.high:g}"
