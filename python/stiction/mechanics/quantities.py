@@ -83,6 +83,7 @@ class ResultQuantity:
     stored: frozenset[QuantitySource] = frozenset()
     is_optional: bool = False  # True if results of earlier versions lack the quantity, which is then NaN
     shown: frozenset[OutputView] = frozenset()
+    is_omitted_if_zero: bool = False  # True if reports omit the quantity when it is 0 everywhere
 
     @property
     def table_label(self) -> str:
@@ -359,7 +360,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     },
     "load_share_at_hardness": _statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load at points at the hardness",
-        stored=frozenset({"half-space"}), shown=_VERBOSE_VIEWS,
+        stored=frozenset({"half-space"}), shown=_VERBOSE_VIEWS, is_omitted_if_zero=True,
     ),
     "area_share_at_hardness": _statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the points under pressure that are at the hardness",

@@ -193,7 +193,7 @@ class GeneratedReportValues:
     axes : pair of ParameterAxis
         Values of mu0 and tau0.
     estimates : dict
-        Estimates of ``friction``, ``area`` and, if it was computed, ``stiffness``.
+        Estimates of each panel in `QUANTITIES_BY_PANEL`; the stiffness only if it was computed.
     means : dict
         Means of all other quantities that reports show, by name.
     status_codes : ndarray of int
@@ -223,6 +223,15 @@ class GeneratedReportValues:
         return [assess_caveats(caveats) for caveats in self.caveat_sets]
 
 
+QUANTITIES_BY_PANEL = {"friction": "friction_coefficient", "area": "contact_area", "stiffness": "normal_stiffness"}
+"""Quantities of generated surfaces that a report shows as estimates, by panel."""
+
+
+def is_shown_in_report(name: str, values: Floats) -> bool:
+    """Return whether a report shows a quantity with these values."""
+    return bool(np.isfinite(values).any() and (not QUANTITIES[name].is_omitted_if_zero or np.nan_to_num(values).any()))
+
+
 def get_validity_limit(name: str) -> float:
     """Return the largest mean of a quantity for which the contact model is valid, or infinity without a limit."""
     if QUANTITIES[name].kind != "validity":
@@ -238,16 +247,14 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
     study, (table,) = grid.study, grid.evaluate()
     points = _transpose(table["friction_coefficient"])
     shape: tuple[int, ...] = points.shape[:-1]
-    estimates = {"friction": points, "area": np.broadcast_to(_transpose(table["contact_area"]), points.shape)}
-    if "normal_stiffness" in table and bool(table["normal_stiffness"].notnull().any()):
-        estimates["stiffness"] = np.broadcast_to(_transpose(table["normal_stiffness"]), points.shape)
-    means: dict[str, Floats] = {}
-    for name in quantity_names_shown_in("report"):
-        if name not in table or name in ("contact_area", "normal_stiffness"):
-            continue
-        values = _broadcast_means(table[name], shape)
-        if np.isfinite(values).any() and (name != "load_share_at_hardness" or np.nan_to_num(values).any()):
-            means[name] = values
+    estimates = {
+        panel: np.broadcast_to(_transpose(table[name]), points.shape)
+        for panel, name in QUANTITIES_BY_PANEL.items()
+        if name in table and (panel != "stiffness" or bool(table[name].notnull().any()))
+    }
+    other_names = [name for name in quantity_names_shown_in("report") if name not in QUANTITIES_BY_PANEL.values()]
+    means = {name: _broadcast_means(table[name], shape) for name in other_names if name in table}
+    means = {name: values for name, values in means.items() if is_shown_in_report(name, values)}
     statuses = np.broadcast_to(_transpose(table["status"]), shape)
     checked_numbers = _compute_checked_numbers(table, estimates, study, num_members)
     rule_index = study.contact.sliding_rules().index(list_sliding_rules_reported_first(study)[0])

@@ -16,7 +16,12 @@ from stiction.study.member_names import REPETITION_NAMES
 from stiction.study.study import Study
 from stiction.summary.assessment import Caveat, LimitCheck
 from stiction.summary.report_data import GeneratedReportData
-from stiction.summary.report_values import GENERATED_STATUSES, GeneratedReportValues, get_validity_limit
+from stiction.summary.report_values import (
+    GENERATED_STATUSES,
+    QUANTITIES_BY_PANEL,
+    GeneratedReportValues,
+    get_validity_limit,
+)
 from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
 from stiction.views.point import coordinate_text, motion_direction_text
 from stiction.views.quantities import quantity_label
@@ -98,9 +103,10 @@ def _value_facts(values: GeneratedReportValues, study: Study) -> dict[str, Any]:
 def _value_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
     """Return all quantities. The array axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
     arrays: dict[str, ReportArray] = {"friction": EstimateArray(values.estimates["friction"])}
-    for name in filter(values.estimates.__contains__, _UNITS):
-        formats = list_number_formats(_UNITS[name])
-        arrays[name] = EstimateArray(values.estimates[name], digits=QUANTITY_DIGITS, formats=formats)
+    for panel, estimates in values.estimates.items():
+        if panel != "friction":
+            formats = list_number_formats(QUANTITIES[QUANTITIES_BY_PANEL[panel]].unit)
+            arrays[panel] = EstimateArray(estimates, digits=QUANTITY_DIGITS, formats=formats)
     arrays["width"] = NumberArray(_relative_half_widths(values.estimates["friction"]), _WIDTH_FORMATS)
     for name, means in values.means.items():
         quantity = QUANTITIES[name]
@@ -133,9 +139,6 @@ def _has_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
     """Return whether the text of a caveat contains a number that depends on the point."""
     return isinstance(reason, LimitCheck) and "{}" in reason.text
 
-
-_UNITS = {"area": QUANTITIES["contact_area"].unit, "stiffness": QUANTITIES["normal_stiffness"].unit}
-"""Core units of the estimates other than friction."""
 
 _WIDTH_FORMATS = (NumberFormat(0.0, 0.01, "±{} %", 2),)
 _MEAN_PERCENT_FORMATS = (NumberFormat(0.0, 0.01, "{} %", 2),)  # as in the table of `stiction at --verbose`

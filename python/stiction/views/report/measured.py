@@ -13,7 +13,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, STIFFNESS_PER_AREA_QUANTITIES
 from stiction.study.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES
 from stiction.summary.report_data import MAX_FILE_READINGS, BodyHistory, MeasuredReportData
-from stiction.summary.report_values import ORDERED_STATUSES, MeasuredReportValues
+from stiction.summary.report_values import ORDERED_STATUSES, MeasuredReportValues, is_shown_in_report
 from stiction.summary.summary import PointSummary, Summary
 from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.onset import onset_note, onset_text
@@ -197,9 +197,7 @@ def _list_quantity_tables(data: MeasuredReportData) -> list[QuantityTable]:
     for name, estimates in data.values.load_quantities.items():
         if not data.study.has_nominal_area and name in ("contact_area_fraction", *STIFFNESS_PER_AREA_QUANTITIES):
             continue
-        if not np.isfinite(estimates[0]).any() or (
-            name == "load_share_at_hardness" and not np.nan_to_num(estimates[0]).any()
-        ):
+        if not is_shown_in_report(name, estimates[0]):
             continue
         quantity = QUANTITIES[name]
         label = quantity_label(name, data.study)
