@@ -1,6 +1,23 @@
+import math
+import warnings
+
 import numpy as np
 import pytest
-from stiction import Surface
+from stiction import Surface, surface_parameters
+
+
+@pytest.mark.parametrize("spacing", [1e-300, 1e200, (1.0, 1e-31)])
+def test_surface_rejects_a_spacing_at_which_slopes_would_overflow(spacing):
+    with pytest.raises(ValueError, match=r"spacing must be from 1e-30 to 1e\+30 µm, got"):
+        Surface(np.eye(16), spacing=spacing)
+
+
+@pytest.mark.parametrize("spacing", [1e-30, 1e30])
+def test_roughness_parameters_are_finite_at_the_limits_of_the_spacing(spacing):
+    heights = np.random.default_rng(1).normal(size=(16, 16))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert all(map(math.isfinite, surface_parameters(Surface(heights, spacing=spacing)).values.values()))
 
 
 def test_rows_of_a_surface_are_along_x_and_columns_along_y():

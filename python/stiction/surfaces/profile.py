@@ -27,6 +27,8 @@ Side = Literal["lower", "upper"]  # name of one body of a pair
 # axis along which the lines of a surface are oriented: "x" for rows, "y" for columns
 LineOrientation = Literal["x", "y"]
 MAX_POINTS = 100_000_000  # maximum number of points of a generated body; its heights take 0.8 GB
+# limits of the spacing (µm), within which powers of slopes and curvatures do not overflow
+MIN_ACCEPTED_SPACING, MAX_ACCEPTED_SPACING = 1e-30, 1e30
 MIN_POINTS = 4  # minimum number of points; a natural cubic spline then has two interior points
 
 
@@ -43,7 +45,10 @@ class Body(PlotReprMixin):
     missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def _store(self, heights: Floats, spacing: Any) -> None:
-        """Store heights and a spacing that are known to be valid, and check the history and the mask."""
+        """Store valid heights and a spacing above 0. Check the size of the spacing, the history and the mask."""
+        if not MIN_ACCEPTED_SPACING <= np.min(spacing) <= np.max(spacing) <= MAX_ACCEPTED_SPACING:
+            allowed = f"from {MIN_ACCEPTED_SPACING:g} to {MAX_ACCEPTED_SPACING:g} µm"
+            raise ValueError(f"spacing must be {allowed}, got {short_repr(spacing)}")
         # copy the array, because other objects may still modify it
         if heights.flags.writeable or not heights.flags.owndata:
             heights = make_read_only(heights.copy())
