@@ -1,10 +1,13 @@
 """Tests of the output of results that have no values."""
 
+import io
 import json
+import sys
 from types import SimpleNamespace
 
 import pytest
 from stiction import Study
+from stiction.cli.application import print_message
 from stiction.cli.result_output import print_pair_values, print_resolution_and_onset, print_result, print_result_json
 from stiction.solve.store import StoreError
 from support.synthetic_results import measured_study
@@ -28,6 +31,16 @@ def test_output_of_a_result_without_contact_states_the_reason_once(capsys, study
     print_result_json(result, "pair", dry=True)
     record = json.loads(capsys.readouterr().out)
     assert (record["values"], record["remark"], record["dry"]) == ([], "the surfaces do not touch", True)
+
+
+def test_message_on_a_terminal_starts_at_the_beginning_of_the_line(monkeypatch):
+    terminal = io.StringIO("repetitions 0/100")
+    terminal.seek(0, io.SEEK_END)
+    terminal.isatty = lambda: True
+    for name in ("stderr", "__stderr__"):
+        monkeypatch.setattr(sys, name, terminal)
+    print_message("computing")
+    assert terminal.getvalue().split("\r")[-1] == "\x1b[2Kstiction: computing\n"
 
 
 def test_damaged_result_is_not_reported_as_missing_contact():

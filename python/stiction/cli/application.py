@@ -65,9 +65,9 @@ def show_status(text: str) -> None:
 
 
 def _clear_line(replacement: str = "") -> None:
-    """Clear the current line of a terminal without moving the cursor to another line."""
+    """Clear the current line of a terminal, and move the cursor to its start."""
     if is_stderr_terminal():
-        print(f"\x1b[2K{replacement}", end="", file=sys.__stderr__ or sys.stderr, flush=True)
+        print(f"\r\x1b[2K{replacement}", end="", file=sys.__stderr__ or sys.stderr, flush=True)
 
 
 def is_stderr_terminal() -> bool:
