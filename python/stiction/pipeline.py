@@ -140,8 +140,8 @@ def complete_result(
         existing_text, all_text = map(study.member_names.with_count, (num_existing, num_members))
         if friction_differences := [difference for difference in differences if difference[0].startswith("friction.")]:
             print_remark(
-                f"{folder} has results for other friction parameters; its {existing_text} are kept, and its table, "
-                f"report and figures are replaced\n{format_study_differences(friction_differences)}"
+                f"{folder} has results for other friction parameters; its {existing_text} are kept, and output "
+                f"files with the same names are replaced\n{format_study_differences(friction_differences)}"
             )
         is_measured = stored_result.study.is_measured
         seconds = (num_members - num_existing) * estimate_member_time(stored_result.study)
