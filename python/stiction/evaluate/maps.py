@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import itertools
 import operator
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -267,9 +268,10 @@ def evaluate_ensemble_quantities(
     )
     # The first pass finds the steps at which the mean loads are reached.
     # The second pass computes the intervals at these steps.
-    averages, count = _average_sums(
-        lambda: iterate_solved_pieces(result, quantities.required_variables(), transform),
-        [*names, *quantities.other_sum_names],
+    averages, ratio_operands, count = _average_sums(
+        iterate_solved_pieces(result, quantities.required_variables(), transform),
+        names,
+        quantities.other_sum_names,
         quantities.step_dimension,
     )
     if not count:
@@ -296,7 +298,7 @@ def evaluate_ensemble_quantities(
 
             list(pool.map(add_members_to_cell, cells, itertools.repeat(piece_sums)))
             del piece, piece_sums  # Release memory before the next piece is read.
-        return quantities.build_datasets(means_by_cell, averages, pool)
+        return quantities.build_datasets(means_by_cell, averages, ratio_operands, pool)
 
 
 class _EnsembleQuantities:
@@ -329,8 +331,7 @@ class _EnsembleQuantities:
         `sums` is a result of `_compute_sums`. The first axis of each array runs over all pairs of mu0 and tau0.
         """
         contact_sums, *quantity_sums = (
-            each.apply(operator.itemgetter((*cell, slice(None), selected_members)))
-            for each in sums[: 1 + len(self.names)]
+            each.apply(operator.itemgetter((*cell, slice(None), selected_members))) for each in sums
         )
         law = FrictionLaw(self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis])
         normal = law.load("normal", contact_sums)
@@ -342,9 +343,12 @@ class _EnsembleQuantities:
 
     def build_datasets(
         self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sequence[ContactSums],
-        pool: Executor,
+        ratio_operands: Mapping[str, Floats], pool: Executor,
     ) -> dict[str, xarray.Dataset]:  # fmt: skip
-        """Build the dataset of each quantity from the means and intervals of all cells, which `pool` evaluates."""
+        """Build the dataset of each quantity from the means and intervals of all cells, which `pool` evaluates.
+
+        `averages` and `ratio_operands` are results of `_average_sums`.
+        """
         import xarray
 
         estimates = np.full((len(self.names), 3, *self.shape), np.nan)
@@ -366,9 +370,8 @@ class _EnsembleQuantities:
             status[cell] = _reshape_curves(cell_status, self.shape)
             if not self.ratio_sum_names:
                 return {}
-            other_averages = zip(self.other_sum_names, averages[1 + len(self.names) :], strict=True)
             curves = {name: getattr(cell_averages, name) for name in self.ratio_sum_names if name in SUM_QUANTITIES}
-            curves |= {name: each.contact_area[cell][:, 0] for name, each in other_averages}
+            curves |= {name: values[cell] for name, values in ratio_operands.items()}
             sums_at_loads = {
                 name: means.crossing.interpolate(np.broadcast_to(curve, normal.shape)) for name, curve in curves.items()
             }
@@ -422,22 +425,11 @@ def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArra
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return the contact sums, followed by the sums for each named quantity. The first axes are those of the motion."""
-    dims = [
-        *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
-        *find_cell_dimensions(dataset),
-        step_dimension,
-        "repetition",
-    ]
-    shape = [dataset.sizes[dim] for dim in dims]
+    """Return the contact sums, followed by the sums for each named quantity. The first axes are those of the motion.
 
-    def get_values_or_nan(name: str) -> NDArray[Any]:
-        if name not in dataset:
-            return np.broadcast_to(np.nan, shape)
-        own_dims = [dim for dim in dims if dim in dataset[name].dims]
-        values = move_repetitions_last(dataset[name], own_dims[:-1]).astype(float, copy=False)
-        return np.broadcast_to(values.reshape([dataset.sizes[dim] if dim in own_dims else 1 for dim in dims]), shape)
-
+    If a quantity is stored directly, its values replace the area in its sums.
+    """
+    get_values_or_nan = partial(_get_values_or_nan, dataset, step_dimension=step_dimension)
     columns = {name: get_values_or_nan(name) for name in SUM_QUANTITIES}
     sums = ContactSums.from_columns(columns)
 
@@ -461,6 +453,22 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
     return [sums, *map(compute_quantity_sums, names)]
 
 
+def _get_values_or_nan(dataset: xarray.Dataset, name: str, step_dimension: str) -> NDArray[Any]:
+    """Return a variable with all axes: motion, cell, step and repetition. A missing variable is NaN."""
+    dims = [
+        *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
+        *find_cell_dimensions(dataset),
+        step_dimension,
+        "repetition",
+    ]
+    shape = [dataset.sizes[dim] for dim in dims]
+    if name not in dataset:
+        return np.broadcast_to(np.nan, shape)
+    own_dims = [dim for dim in dims if dim in dataset[name].dims]
+    values = move_repetitions_last(dataset[name], own_dims[:-1]).astype(float, copy=False)
+    return np.broadcast_to(values.reshape([dataset.sizes[dim] if dim in own_dims else 1 for dim in dims]), shape)
+
+
 def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw) -> Floats:
     if not (quantity in _VARIABLES_BY_QUANTITY or QUANTITIES[quantity].weighted):
         return sums.contact_area
@@ -468,12 +476,16 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw)
 
 
 def _average_sums(
-    solved_members: Callable[[], Iterator[xarray.Dataset]], names: Sequence[str], step_dimension: str
-) -> tuple[list[ContactSums], int]:
-    """Average contact sums and the sums of quantities over the members, and count the members."""
+    pieces: Iterable[xarray.Dataset], names: Sequence[str], operand_names: Sequence[str], step_dimension: str
+) -> tuple[list[ContactSums], dict[str, Floats], int]:
+    """Average the sums that `_compute_sums` returns, and the operands of ratios, over members, and count the members.
+
+    The averages of sums have an axis of length 1 for the members.
+    """
     total_sums: list[ContactSums] = []
+    total_operands: dict[str, Floats] = dict.fromkeys(operand_names, np.zeros(()))
     count = 0
-    for piece in solved_members():
+    for piece in pieces:
         count += piece.sizes["repetition"]
         piece_sums = [
             sums.apply(lambda values: values.sum(axis=-1, keepdims=True))
@@ -483,8 +495,11 @@ def _average_sums(
             ContactSums(**{name: getattr(first, name) + getattr(second, name) for name in SUM_QUANTITIES})
             for first, second in zip(total_sums, piece_sums, strict=True)
         ] if total_sums else piece_sums  # fmt: skip
+        for name in operand_names:
+            total_operands[name] = total_operands[name] + _get_values_or_nan(piece, name, step_dimension).sum(axis=-1)
         del piece  # Release memory before the next piece is read.
-    return [each.apply(lambda values: values / max(count, 1)) for each in total_sums], count
+    averages = [each.apply(lambda values: values / max(count, 1)) for each in total_sums]
+    return averages, {name: values / max(count, 1) for name, values in total_operands.items()}, count
 
 
 def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
