@@ -36,7 +36,7 @@ from stiction.solve.store import (
     open_result_to_complete,
     remove_result,
 )
-from stiction.study.study import Study, find_table_differences, format_study_differences
+from stiction.study.study import Study, find_section_differences, format_study_differences
 from stiction.summary.input_caveats import find_alternatives
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ def complete_result(
         num_members = study.ensemble.repetitions
         num_existing = stored_result.num_finished
         differences = (
-            find_table_differences(existing_result.study, stored_result.study)
+            find_section_differences(existing_result.study, stored_result.study)
             if existing_result and num_existing
             else []
         )

@@ -73,7 +73,7 @@ INVALID_CALLS = {
         "unit", lambda: pair(BODY.heights, BODY.heights, unit="um,nm", spacing="0.1 um", **PAIR_OPTIONS)
     ),
     "a study with an unknown key": ("surfaces.a: unknown key", lambda: Study(surfaces={"a": 1})),
-    "a study whose table is a number": ("ensemble: must be a table", lambda: Study(ensemble=1)),
+    "a study whose section is a number": ("ensemble: must be a section", lambda: Study(ensemble=1)),
 }  # fmt: skip
 
 

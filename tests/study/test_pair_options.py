@@ -20,7 +20,7 @@ from stiction.study.pair_options import (
     format_python_name,
     validate_option_values,
 )
-from stiction.study.values import find_table_classes
+from stiction.study.values import find_section_classes
 
 ROOT = Path(__file__).parent.parent.parent
 RUFF = Path(sys.executable).with_name("ruff")
@@ -63,11 +63,11 @@ def test_groups_of_pair_options_are_disjoint_and_complete():
 
 @pytest.mark.parametrize("name", [name for name, option in PAIR_OPTIONS.items() if option.key])
 def test_pair_option_refers_to_an_existing_key_of_a_study(name):
-    tables = [Study]
+    classes = [Study]
     for key_part in PAIR_OPTIONS[name].key.split("."):
-        fields = [table.model_fields[key_part] for table in tables if key_part in table.model_fields]
+        fields = [each.model_fields[key_part] for each in classes if key_part in each.model_fields]
         assert fields, PAIR_OPTIONS[name].key
-        tables = [table for field in fields for table in find_table_classes(field.annotation)]
+        classes = [each for field in fields for each in find_section_classes(field.annotation)]
 
 
 def test_placeholders_in_option_texts_are_option_names():

@@ -11,7 +11,7 @@ from stiction import HertzCylinder, JacksonGreen, Study, Surface, friction_map, 
 from stiction._units import exact_quantity_text, quantity
 from stiction.mechanics.quantities import AREAL_SUM_QUANTITIES, HALF_SPACE_SUM_QUANTITIES, SUM_QUANTITIES
 from stiction.study.measured_bodies import MeasuredBodySettings
-from stiction.study.study import find_table_differences, parse_study
+from stiction.study.study import find_section_differences, parse_study
 from stiction.study.values import StudyError
 from stiction.views.study_keys import list_key_tables, study_keys_text
 
@@ -142,9 +142,9 @@ class TestStudyChanges:
             ("ensemble.repetitions.more", 3, r"ensemble\.repetitions\.more: unknown key"),
             ("contact.approach.step", "1 nm", r"contact\.approach\.step: unknown key"),
             ("ensemble.repetitions", 0, r"ensemble\.repetitions: .*must be at least 1, got 0"),
-            ("ensemble", 3, r"ensemble: must be a table"),
+            ("ensemble", 3, r"ensemble: must be a section"),
             ("surfaces.fractal_dimension", [1.0, 2.0], r"surfaces\.fractal_dimension\[1\]: .*must be below 2, got 2"),
-            ("surfaces.fractal_dimension", 1.5, r"surfaces\.fractal_dimension: must be a list, or a table"),
+            ("surfaces.fractal_dimension", 1.5, r"surfaces\.fractal_dimension: must be a list, or a section"),
             ("surfaces.fractal_dimension", [float("nan")], r"surfaces\.fractal_dimension\[0\]: .*finite"),
             ("surfaces.fractal_dimension.stop", 1.0, r"surfaces\.fractal_dimension: must have a stop above its start"),
             ("surfaces.fractal_dimension.count", 1, r"surfaces\.fractal_dimension: a range with count = 1"),
@@ -246,11 +246,11 @@ class TestStudyKinds:
     def test_comparison_of_two_kinds_of_studies_lists_the_keys_of_both_studies(self):
         differences_by_key = {
             key: (first_value, second_value)
-            for key, first_value, second_value in find_table_differences(Study(), SELF_AFFINE_STUDY)
+            for key, first_value, second_value in find_section_differences(Study(), SELF_AFFINE_STUDY)
         }
         assert differences_by_key["surfaces.kind"] == ('"profile"', '"surface"')
         assert differences_by_key["surfaces.points"] == ("150_000", "none")
-        assert not list(find_table_differences(MEASURED_AREA_STUDY, MEASURED_AREA_STUDY))
+        assert not list(find_section_differences(MEASURED_AREA_STUDY, MEASURED_AREA_STUDY))
 
     @pytest.mark.parametrize(
         ("study", "sums", "step", "cells"),

@@ -36,7 +36,7 @@ def info(
     from stiction.cli.result_output import open_result_with_warning, print_result, print_result_json, print_sentences
     from stiction.result import Result
     from stiction.solve.store import open_stored_result
-    from stiction.study.study import Study, find_table_differences
+    from stiction.study.study import Study, find_section_differences
     from stiction.views.layout import wrap_text
 
     if sentence:
@@ -54,7 +54,7 @@ def info(
         print_result_json(Result(stored_result), "info", **fields)
         return
     if not study.is_measured:
-        changes = [f"{key} = {value}" for key, _, value in find_table_differences(Study(), study)]
+        changes = [f"{key} = {value}" for key, _, value in find_section_differences(Study(), study)]
         lines = ["default values except", *changes] if changes else ["default values"]
         for index, line in enumerate(lines):
             print_output(wrap_text(f"{'' if index else 'study':<13}{line}", hanging_indent=" " * 15))

@@ -17,7 +17,7 @@ from stiction.mechanics.friction import validate_friction_parameter
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT, quantity_attributes
 from stiction.solve.member_sums import MemberSums
 from stiction.study.study import Study
-from stiction.study.values import validate_table
+from stiction.study.values import validate_section
 
 if TYPE_CHECKING:
     import xarray
@@ -107,7 +107,7 @@ def table_study(
     )
     effective_modulus = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
     area = extent**2
-    return validate_table(
+    return validate_section(
         Study,
         {
             "surfaces": {

@@ -71,11 +71,11 @@ from stiction.study.study import (
     Study,
     StudyDifference,
     find_member_differences,
-    find_table_differences,
+    find_section_differences,
     format_study_differences,
     parse_study,
 )
-from stiction.study.values import format_toml_tables, parse_toml
+from stiction.study.values import format_toml_sections, parse_toml
 
 if TYPE_CHECKING:
     import h5py
@@ -624,7 +624,7 @@ def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
         return False
     try:
         study = parse_study(text.decode(), STUDY_FILE)
-        has_usual_format = format_toml_tables(parse_toml(text.decode())).encode() == text
+        has_usual_format = format_toml_sections(parse_toml(text.decode())).encode() == text
         return has_usual_format and StoredResult(path, study, blocks).version.encode() == match[1]
     except ValueError:
         return False
@@ -636,7 +636,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
         check_unedited(path)
     except EditedStudyError:
         stored_study = _read_study_file(path)
-        differences = find_table_differences(stored_study, study)
+        differences = find_section_differences(stored_study, study)
         raise StudyMismatchError(path, stored_study, differences, is_edited=True) from None
 
 
@@ -657,7 +657,7 @@ def _contains_study(path: Path, study: Study, *, repetitions_may_differ: bool = 
         return False
     if not repetitions_may_differ:
         return stored_study == study
-    return all(key == "ensemble.repetitions" for key, *_ in find_table_differences(stored_study, study))
+    return all(key == "ensemble.repetitions" for key, *_ in find_section_differences(stored_study, study))
 
 
 class EditedStudyError(StoreError):

@@ -122,11 +122,11 @@ def _parse_law(value: object) -> LawName | LawTableSettings:
     settings_class = LAW_SETTINGS_CLASSES.get(str(value.get("name"))) if isinstance(value, Mapping) else None
     if settings_class is None:
         names = " or ".join(f'"{name}"' for name in CONTACT_LAWS_BY_NAME)
-        tables_text = " or ".join(
+        section_names = " or ".join(
             f'"{name}" ({", ".join(list(settings_class.model_fields)[1:])})'
             for name, settings_class in LAW_SETTINGS_CLASSES.items()
         )
-        raise ValueError(f"must be {names}, or a table with the name {tables_text}, got {short_repr(value)}")
+        raise ValueError(f"must be {names}, or a section with the name {section_names}, got {short_repr(value)}")
     return settings_class.model_validate(value)
 
 
@@ -629,11 +629,11 @@ SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
 
 
 def select_contact_settings_class(
-    surfaces: type[GeneratedSurfaceSettings | MeasuredSurfaceSettings], table: Mapping[str, Any]
+    surfaces: type[GeneratedSurfaceSettings | MeasuredSurfaceSettings], section: Mapping[str, Any]
 ) -> type[ContactSettings]:
     """Return the class of the section `[contact]` that matches the kind of surfaces and the key `mechanics`."""
     settings_classes = CONTACT_SETTINGS_CLASSES[surfaces.bodies]
-    return settings_classes[select_key_value("mechanics", table, settings_classes)]
+    return settings_classes[select_key_value("mechanics", section, settings_classes)]
 
 
 def parse_contact_settings(

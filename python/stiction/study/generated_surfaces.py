@@ -229,14 +229,14 @@ class SelfAffineSettings(GeneratedMapSettings):
         """Replace alternative keys such as `rms` with the standard keys."""
         if not isinstance(keys, Mapping) or not cls.other_keys.keys() & keys.keys():
             return keys
-        table = {key: value for key, value in keys.items() if key not in cls.other_keys}
+        section = {key: value for key, value in keys.items() if key not in cls.other_keys}
         if "hurst_exponent" in keys:
-            table["fractal_dimension"] = _to_fractal_dimensions(keys["hurst_exponent"])
+            section["fractal_dimension"] = _to_fractal_dimensions(keys["hurst_exponent"])
         if "rms" in keys:
             rms = keys["rms"]
-            table |= {"amplitude": rms if isinstance(rms, (list, tuple)) else [rms], "amplitude_measure": "Sq"}
+            section |= {"amplitude": rms if isinstance(rms, (list, tuple)) else [rms], "amplitude_measure": "Sq"}
         if "spacing" in keys:
-            spacing, shape = keys["spacing"], table.get("shape", cls.model_fields["shape"].default)
+            spacing, shape = keys["spacing"], section.get("shape", cls.model_fields["shape"].default)
             spacings = spacing if isinstance(spacing, (list, tuple)) else [spacing, spacing]
             if len(spacings) != 2 or len(shape) != 2:
                 raise make_key_error("spacing", f"must be a length or a list of two lengths, got {short_repr(spacing)}")
@@ -244,11 +244,11 @@ class SelfAffineSettings(GeneratedMapSettings):
                 spacing_values = [float(read_length(text)) for text in spacings]
             except ValueError as error:
                 raise make_key_error("spacing", str(error)) from None
-            table["extent"] = [
+            section["extent"] = [
                 exact_quantity_text(float(f"{spacing_value * n:.12g}"), "um")
                 for spacing_value, n in zip(spacing_values, shape, strict=True)
             ]
-        return table
+        return section
 
     @model_validator(mode="after")
     def _require_valid_wavelengths(self) -> SelfAffineSettings:

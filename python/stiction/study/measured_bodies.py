@@ -222,8 +222,10 @@ class MeasuredBodySettings(SettingsSection):
     def _parse_scan_list(cls, value: Any) -> Any:
         if not isinstance(value, (list, tuple)) or not value:
             return value
-        first_table, *other_tables = ({"file": item} if isinstance(item, str) else item for item in value)
-        return {**first_table, "others": tuple(other_tables)} if isinstance(first_table, Mapping) else first_table
+        first_section, *other_sections = ({"file": item} if isinstance(item, str) else item for item in value)
+        return (
+            {**first_section, "others": tuple(other_sections)} if isinstance(first_section, Mapping) else first_section
+        )
 
     @property
     def scans(self) -> tuple[MeasuredBodySettings, ...]:

@@ -57,8 +57,8 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
 
     kind: Literal["measured"] = Field(default="measured", description="Kind of surfaces: two measured files.")
     upper: MeasuredBodySettings = Field(
-        description="Slider: a table with `file` and reading options, or "
-        "a list of tables for several places on the part."
+        description="Slider: a section with `file` and reading options, or "
+        "a list of sections for several places on the part."
     )
     lower: MeasuredBodySettings = Field(description="Counterface; may be the same file as the slider.")
     cut_off: CutOffs = Field(

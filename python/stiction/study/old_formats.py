@@ -1,7 +1,7 @@
 """Conversion of studies that earlier versions wrote.
 
-Earlier studies had the central values of uncertain inputs in `[contact]` and `[friction]`, and their ranges in a table
-`[known]`. The ranges of materials were looked up by name.
+Earlier studies had the central values of uncertain inputs in `[contact]` and `[friction]`, and their ranges in a
+section `[known]`. The ranges of materials were looked up by name.
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]
     """
     names = ("surfaces", "contact", "friction", "known")
     surfaces, contact, friction, known = ({} if data.get(name) is None else data[name] for name in names)
-    if not all(isinstance(table, Mapping) for table in (surfaces, contact, friction, known)):
+    if not all(isinstance(section, Mapping) for section in (surfaces, contact, friction, known)):
         return data
     if "known" not in data and "poisson_ratio" not in contact:
         return data
-    other_tables = {name: table for name, table in data.items() if name != "known"}
+    other_sections = {name: section for name, section in data.items() if name != "known"}
     if surfaces.get("kind") != "measured":  # their inputs were exact
-        return other_tables
+        return other_sections
     try:
-        new_tables = _convert_contact_table(dict(contact), known), _convert_friction_table(friction, known)
-        return other_tables | dict(zip(("contact", "friction"), new_tables, strict=True))
+        new_sections = _convert_contact_section(dict(contact), known), _convert_friction_section(friction, known)
+        return other_sections | dict(zip(("contact", "friction"), new_sections, strict=True))
     except _ContradictionError as error:
         raise StudyError(f"{printable_path(source)}: {error}") from None
 
@@ -50,7 +50,7 @@ class _ContradictionError(Exception):
     """Error raised if a value in a study contradicts the range of the same input."""
 
 
-def _convert_contact_table(contact: dict[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
+def _convert_contact_section(contact: dict[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
     materials = _find_materials(contact)
     if contact.get("hardness") is not None:
         hardness = _parse("hardness", contact["hardness"])
@@ -121,10 +121,10 @@ def _replace_effective_modulus(
     return contact | ({} if low == high else {"effective_modulus": f"{modulus.text} ({low}..{high})"})
 
 
-def _convert_friction_table(friction: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
-    converted_table = dict(friction)
+def _convert_friction_section(friction: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
+    converted_section = dict(friction)
     if known.get("creep") is not None:
-        converted_table["creep"] = known["creep"]
+        converted_section["creep"] = known["creep"]
     for name in ("mu0", "tau0"):
         if (text := known.get(name)) is None:
             continue
@@ -132,12 +132,12 @@ def _convert_friction_table(friction: Mapping[str, Any], known: Mapping[str, Any
         if not isinstance(values, list) or len(values) != 1:
             reason = f"must have one value, because known.{name} is {text!r}, got {short_repr(values)}"
             raise _ContradictionError(f"friction.{name}: {reason}")
-        converted_table[name] = _merge(f"friction.{name}", values[0], text)
+        converted_section[name] = _merge(f"friction.{name}", values[0], text)
     if (source := known.get("interface")) is None:
-        return converted_table
+        return converted_section
     strengths = [
         _parse(name, value[0] if isinstance(value, list) and value else value)
-        for name, value in (("mu0", converted_table.get("mu0")), ("tau0", converted_table.get("tau0", "0 MPa")))
+        for name, value in (("mu0", converted_section.get("mu0")), ("tau0", converted_section.get("tau0", "0 MPa")))
     ]
     try:
         entry: Any = InterfaceSettings.from_source(str(source))
@@ -149,7 +149,7 @@ def _convert_friction_table(friction: Mapping[str, Any], known: Mapping[str, Any
         entry = {"file": str(source)} | {
             name: None if value is None else value.text for name, value in zip(("mu0", "tau0"), strengths, strict=True)
         }
-    return {key: value for key, value in converted_table.items() if key not in ("mu0", "tau0")} | {"interface": entry}
+    return {key: value for key, value in converted_section.items() if key not in ("mu0", "tau0")} | {"interface": entry}
 
 
 def _find_materials(contact: Mapping[str, Any]) -> tuple[Material, ...]:

@@ -64,7 +64,7 @@ from stiction.study.pair_options import (
     validate_option_values,
 )
 from stiction.study.study import DEFAULT_SEED, Study
-from stiction.study.values import StudyError, validate_table
+from stiction.study.values import StudyError, validate_section
 from stiction.surfaces.hidden_noise import HiddenNoise
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import DEFAULT_NUM_LINE_PAIRS, SIDES, SurrogateBodies
@@ -199,7 +199,7 @@ class MeasuredPair:
             )
             settings[name] = split_option_text(name, text)
         try:
-            return validate_table(MeasuredBodySettings, settings, f"pair: {side}")
+            return validate_section(MeasuredBodySettings, settings, f"pair: {side}")
         except StudyError as error:
             key, reason = error.faults[0]
             if key not in PAIR_OPTIONS:
@@ -476,9 +476,9 @@ class MeasuredPair:
     @cached_property
     def studies(self) -> list[Study]:
         """Studies to compute: for the result and, if a check was requested, another with the other contact model."""
-        contact_tables = [self._build_contact_table(mechanics) for mechanics in self.contact_models]
-        load_texts = [exact_quantity_text(load, "mN") for load in self._choose_load_steps(contact_tables).tolist()]
-        return [self._build_study(contact | {"load": load_texts}) for contact in contact_tables]
+        contact_sections = [self._build_contact_section(mechanics) for mechanics in self.contact_models]
+        load_texts = [exact_quantity_text(load, "mN") for load in self._choose_load_steps(contact_sections).tolist()]
+        return [self._build_study(contact | {"load": load_texts}) for contact in contact_sections]
 
     @property
     def preview_study(self) -> Study | None:
@@ -488,7 +488,7 @@ class MeasuredPair:
         """
         if self.press_mode == "lines" or self.contact_models[0] == "asperities" or self.has_masked_points:
             return None
-        return self._build_study(self._build_contact_table("asperities") | {"load": self.loads})
+        return self._build_study(self._build_contact_section("asperities") | {"load": self.loads})
 
     @property
     def remarks(self) -> list[str]:
@@ -523,30 +523,30 @@ class MeasuredPair:
                 raise ArgumentError("{wait} needs {hardness}, because elastic contacts do not creep")
             friction["wait"] = _sort_unique(self._parse_quantities("wait", self.options.wait))
             friction["creep"] = self._parse_inputs("creep")[0]
-        tables = {
-            "surfaces": self._build_surfaces_table(), "contact": contact, "friction": friction,
-            "ensemble": self._build_ensemble_table(),
+        sections = {
+            "surfaces": self._build_surfaces_section(), "contact": contact, "friction": friction,
+            "ensemble": self._build_ensemble_section(),
         }  # fmt: skip
-        return _validate_study(tables).with_checksums()
+        return _validate_study(sections).with_checksums()
 
-    def _build_surfaces_table(self) -> dict[str, Any]:
+    def _build_surfaces_section(self) -> dict[str, Any]:
         press, level = self.press_mode, self.options.level
-        table: dict[str, Any] = {"kind": "measured", "press": press, "upper": self.files[0], "lower": self.files[1]}
+        section: dict[str, Any] = {"kind": "measured", "press": press, "upper": self.files[0], "lower": self.files[1]}
         if self.options.cutoff == "none":
-            table["vouched"] = True
+            section["vouched"] = True
         elif self.options.cutoff is None:
-            table |= self._filter_settings
+            section |= self._filter_settings
         else:
-            table["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
+            section["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
             level = "mean"  # Subtracting only the mean preserves the measured tilt between the faces.
         if level is not None:
-            table["level"] = "plane" if press == "surrogates" and level == "line" else level
+            section["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
-            table |= {"rotate": float(self.options.rotate or 0.0), "surrogates": self._parse_num_surrogates(0)}
-            table |= {} if self.options.gap is None else {"gap": True}
+            section |= {"rotate": float(self.options.rotate or 0.0), "surrogates": self._parse_num_surrogates(0)}
+            section |= {} if self.options.gap is None else {"gap": True}
         if (positions := self._listed_positions) is not None:
-            table["positions"] = positions
+            section["positions"] = positions
         if press == "lines":
             surrogate_choice = "none" if self.options.surrogates is None else str(self.options.surrogates)
             if surrogate_choice not in get_args(SurrogateBodies):
@@ -555,11 +555,11 @@ class MeasuredPair:
                     f"{{surrogates}} must be one of {allowed} for pairs of lines, got {{got}}",
                     got=repr(surrogate_choice),
                 )
-            table |= {"along": self.options.along or "x", "replace": surrogate_choice}
-            table |= {"offsets": self._count_positions()[1]} if self._listed_positions is None else {}
+            section |= {"along": self.options.along or "x", "replace": surrogate_choice}
+            section |= {"offsets": self._count_positions()[1]} if self._listed_positions is None else {}
             if self.options.travel is not None:
-                table["travel"] = self._parse_quantity("travel", self.options.travel)
-        return table
+                section["travel"] = self._parse_quantity("travel", self.options.travel)
+        return section
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
@@ -592,7 +592,7 @@ class MeasuredPair:
             **dict(zip(SIDES, filtered_files, strict=True)),
         }  # fmt: skip
 
-    def _build_ensemble_table(self) -> dict[str, Any]:
+    def _build_ensemble_section(self) -> dict[str, Any]:
         if self.press_mode == "lines":
             num_lines, num_offsets = self._count_positions()
             num_members = num_lines * num_offsets
@@ -656,30 +656,30 @@ class MeasuredPair:
             raise ArgumentError("{surrogates} must be a whole number of at least 1, got {got}", got=short_repr(text))
         return int(text)
 
-    def _build_contact_table(self, mechanics: str) -> dict[str, Any]:
-        table: dict[str, Any] = {"mechanics": mechanics, **self._elasticity_entries}
+    def _build_contact_section(self, mechanics: str) -> dict[str, Any]:
+        section: dict[str, Any] = {"mechanics": mechanics, **self._elasticity_entries}
         if self.options.direction is not None:
-            table["direction"] = parse_numbers("direction", self.options.direction, integers=True)
+            section["direction"] = parse_numbers("direction", self.options.direction, integers=True)
         if mechanics == "half-space":
-            table |= {} if self.options.tilt is None else {"tilt": self.options.tilt}
+            section |= {} if self.options.tilt is None else {"tilt": self.options.tilt}
             if (hardness := self._hardness) is not None:
-                table["hardness"] = hardness
+                section["hardness"] = hardness
             if (growth := self._junction_growth) is not None:
-                table["junction_growth"] = growth
+                section["junction_growth"] = growth
             elif self.options.junction_growth is not None:
-                table["junction_growth"] = 0.0
+                section["junction_growth"] = 0.0
             if (exponent := self._yield_exponent) is not None:
-                table["yield_exponent"] = exponent
+                section["yield_exponent"] = exponent
             if (indent := self._indent) is not None:
-                table["indent"] = indent
+                section["indent"] = indent
             if (area_loss := self._area_loss) is not None:
-                table["area_loss"] = area_loss
-            table |= self._adhesion_entries
+                section["area_loss"] = area_loss
+            section |= self._adhesion_entries
         else:
-            table |= {"law": self._build_contact_law_entry(), "detection": self.options.detection or "gap-minimum"}
+            section |= {"law": self._build_contact_law_entry(), "detection": self.options.detection or "gap-minimum"}
             if self.options.curvature is not None:
-                table["curvature"] = self.options.curvature
-        return table
+                section["curvature"] = self.options.curvature
+        return section
 
     @property
     def _elasticity_entries(self) -> dict[str, Any]:
@@ -856,12 +856,12 @@ class MeasuredPair:
     @cached_property
     def _body_attributes(self) -> BodyAttributes:
         placeholder_friction = {"mu0": [0.0], "load": ["1 mN"]}
-        tables = {
-            "surfaces": self._build_surfaces_table(),
-            "ensemble": self._build_ensemble_table(),
+        sections = {
+            "surfaces": self._build_surfaces_section(),
+            "ensemble": self._build_ensemble_section(),
             "friction": placeholder_friction,
         }
-        return find_body_attributes(_validate_study(tables))
+        return find_body_attributes(_validate_study(sections))
 
     @property
     def _nominal_area(self) -> float:
@@ -884,7 +884,7 @@ def _validate_study(data: dict[str, Any]) -> Study:
     If an option set the invalid key, the `ArgumentError` names the option.
     """
     try:
-        return validate_table(Study, data, "pair")
+        return validate_section(Study, data, "pair")
     except StudyError as error:
         key, reason = error.faults[0]
         if (name := _find_option(key)) is None:

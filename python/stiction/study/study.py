@@ -70,12 +70,12 @@ from stiction.study.values import (
     as_tuple,
     check_keys,
     format_quantities,
-    format_toml_tables,
+    format_toml_sections,
     format_toml_value,
     make_key_error,
     parse_toml,
     select_key_value,
-    validate_table,
+    validate_section,
 )
 
 if TYPE_CHECKING:
@@ -119,10 +119,10 @@ The first class is the default.
 """
 
 
-def select_surface_settings_class(table: Mapping[str, Any]) -> type[SurfaceSettings]:
+def select_surface_settings_class(section: Mapping[str, Any]) -> type[SurfaceSettings]:
     """Return the class for the section `[surfaces]`, as selected by its keys `kind`, `generator` and `press`."""
-    key, cases = _SURFACE_CLASSES_BY_KIND[select_key_value("kind", table, _SURFACE_CLASSES_BY_KIND)]
-    return cases[select_key_value(key, table, cases)]
+    key, cases = _SURFACE_CLASSES_BY_KIND[select_key_value("kind", section, _SURFACE_CLASSES_BY_KIND)]
+    return cases[select_key_value(key, section, cases)]
 
 
 ZERO_SHEAR_STRENGTH = quantity("0 MPa", "pressure")
@@ -187,12 +187,12 @@ STRENGTH_KEYS = ("mu0", "tau0")
 """Keys of the section `[friction]` that follow from an interface, if an interface is given."""
 
 
-def _add_interface_strength(table: Mapping[str, Any]) -> Mapping[str, Any]:
+def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
     """Add mu0 and tau0 to a section `[friction]` with an interface."""
-    if (source := table.get("interface")) is None:
-        return table
+    if (source := section.get("interface")) is None:
+        return section
     for key in STRENGTH_KEYS:
-        if key in table:
+        if key in section:
             raise make_key_error(key, "must not be given together with interface, which determines it")
     try:
         interface = (
@@ -201,10 +201,10 @@ def _add_interface_strength(table: Mapping[str, Any]) -> Mapping[str, Any]:
             else InterfaceSettings.model_validate(source)
         )
     except ValidationError:  # the validation of this key reports the errors
-        return {**table, "mu0": [0.0]}
+        return {**section, "mu0": [0.0]}
     except ValueError as error:
         raise make_key_error("interface", str(error).removeprefix("interface ")) from None
-    return {**table, "interface": interface, "mu0": (interface.mu0,), "tau0": (interface.tau0,)}
+    return {**section, "interface": interface, "mu0": (interface.mu0,), "tau0": (interface.tau0,)}
 
 
 FrictionSettings = AsperityFrictionSettings | HalfSpaceFrictionSettings | MeasuredSurfaceFrictionSettings
@@ -263,7 +263,7 @@ def _add_bracketing_loads(
     """Add loads below and above the requested loads to the sections `[contact]` and `[friction]`.
 
     This applies to the half-space of generated surfaces. Returns an empty dictionary if no loads are requested, if the
-    study has its own load curve, or if a table is invalid.
+    study has its own load curve, or if a section is invalid.
     """
     requested_loads = friction.get("load") or (
         contact.get("load") if isinstance(contact.get("load"), (list, tuple)) else None
@@ -296,11 +296,11 @@ def _add_bracketing_loads(
 
 def _compute_nominal_area(surfaces: Mapping[str, Any]) -> float:
     """Return the nominal area (µm²) of generated surfaces from the section that describes them."""
-    table: Any = select_surface_settings_class(surfaces).model_validate(surfaces)
-    return math.prod(table.extents()) if table.is_areal else float(table.extent) * PROFILE_WIDTH
+    section: Any = select_surface_settings_class(surfaces).model_validate(surfaces)
+    return math.prod(section.extents()) if section.is_areal else float(section.extent) * PROFILE_WIDTH
 
 
-def _build_empty_table() -> Any:
+def _build_empty_section() -> Any:
     """Return an empty section. Validation replaces it with an instance of the class that matches the surfaces."""
     return {}
 
@@ -308,7 +308,7 @@ def _build_empty_table() -> Any:
 class Study(SettingsSection):
     """Complete description of a computation, including surface pairs, contact model and parameters.
 
-    Missing tables and keys have the values of Fig. 6 of the paper. In files, a quantity is text with a unit, as in
+    Missing sections and keys have the values of Fig. 6 of the paper. In files, a quantity is text with a unit, as in
     "10 GPa". In Python, a quantity may also be a number in core units (µm, GPa, mN). Some keys exist only for a single
     kind of surfaces or a single contact model, and are rejected in other studies.
 
@@ -321,8 +321,8 @@ class Study(SettingsSection):
     """
 
     surfaces: SurfaceSettings = GeneratedProfileSettings()
-    contact: ContactSettings = Field(default_factory=_build_empty_table)
-    friction: FrictionSettings = Field(default_factory=_build_empty_table)
+    contact: ContactSettings = Field(default_factory=_build_empty_section)
+    friction: FrictionSettings = Field(default_factory=_build_empty_section)
     ensemble: EnsembleSettings = EnsembleSettings()
     figures: FigureSettings = FigureSettings()
 
@@ -337,10 +337,10 @@ class Study(SettingsSection):
         if not isinstance(data, Mapping):
             return data
         surfaces, contact, friction = (data.get(name, {}) for name in ("surfaces", "contact", "friction"))
-        are_tables = all(isinstance(table, Mapping) for table in (surfaces, contact, friction))
-        if are_tables and surfaces.get("kind") != "measured":
+        are_sections = all(isinstance(section, Mapping) for section in (surfaces, contact, friction))
+        if are_sections and surfaces.get("kind") != "measured":
             return {**data, **_add_bracketing_loads(surfaces, contact, friction)}
-        if not are_tables or "load" in contact or "load" not in friction:
+        if not are_sections or "load" in contact or "load" not in friction:
             return data
         try:
             mechanics = (
@@ -359,25 +359,25 @@ class Study(SettingsSection):
 
     @field_validator("surfaces", mode="before")
     @classmethod
-    def _validate_surfaces_table(cls, value: object) -> SurfaceSettings:
+    def _validate_surfaces_section(cls, value: object) -> SurfaceSettings:
         """Validate the section `[surfaces]` with the class that its keys select."""
         if isinstance(value, SURFACE_SETTINGS_CLASSES):
             return value
         if not isinstance(value, Mapping):
-            raise ValueError(f"must be a table, got {short_repr(value)}")
+            raise ValueError(f"must be a section, got {short_repr(value)}")
         settings_class = select_surface_settings_class(value)
         check_keys(value, settings_class, SURFACE_SETTINGS_CLASSES)
         return settings_class.model_validate(value)
 
     @field_validator("contact", "friction", mode="before")
     @classmethod
-    def _validate_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
+    def _validate_dependent_section(cls, value: object, info: ValidationInfo) -> Any:
         """Validate a section with the class that matches the surfaces; it is empty if the surfaces are invalid."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
             surfaces, value = GeneratedProfileSettings(), {}
         if not isinstance(value, Mapping):
-            raise ValueError(f"must be a table, got {short_repr(value)}")
+            raise ValueError(f"must be a section, got {short_repr(value)}")
         if info.field_name == "contact":
             return parse_contact_settings(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaceSettings):
@@ -392,7 +392,7 @@ class Study(SettingsSection):
         return settings_class.model_validate(value)
 
     @model_validator(mode="after")
-    def _require_consistent_tables(self) -> Study:
+    def _require_consistent_sections(self) -> Study:
         figure_names, friction, steps = self.figures.draw, self.friction, self.contact.loading_steps()
         if friction.load and not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
             raise ValueError(
@@ -551,50 +551,50 @@ class Study(SettingsSection):
         StudyError
             If a key is unknown, or if a value is impossible.
         """
-        data = self._convert_base_tables(changes)
+        data = self._convert_base_sections(changes)
         self._remove_replaced_entries(data, changes)
         for key, value in changes.items():
-            table: Any = data
+            section: Any = data
             if not isinstance(key, str):
                 raise StudyError(f"{short_repr(key)}: unknown key")
             *path, last_key = key.split(".")
-            for section in path:
-                table = table.setdefault(section, {}) if isinstance(table, dict) else None
-            if not isinstance(table, dict):
+            for name in path:
+                section = section.setdefault(name, {}) if isinstance(section, dict) else None
+            if not isinstance(section, dict):
                 raise StudyError(f"{printable_text(key)}: unknown key")
-            table[last_key] = value
-        return validate_table(Study, data, "changes")
+            section[last_key] = value
+        return validate_section(Study, data, "changes")
 
     def to_toml(self) -> str:
         """Return the study as TOML text with all keys. `Study.from_toml` creates an equal study from this text."""
-        return format_toml_tables(self._to_tables())
+        return format_toml_sections(self._to_sections())
 
-    def _convert_base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    def _convert_base_sections(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         """Return the sections before any changes, converted to the classes that the changes require."""
-        tables = self._to_tables()
+        sections = self._to_sections()
         selectors = {
-            key: changes.get(f"{section}.{key}", tables[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
+            key: changes.get(f"{section}.{key}", sections[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
         }
         selectors = {key: value for key, value in selectors.items() if value is not None}
         try:
             surfaces = select_surface_settings_class(selectors)
             contact = select_contact_settings_class(surfaces, selectors)
         except PydanticCustomError:  # the validation of this key reports the error
-            return tables
-        tables["surfaces"] = _convert_table(self.surfaces, surfaces)
-        tables["contact"] = _convert_table(self.contact, contact)
+            return sections
+        sections["surfaces"] = _convert_section(self.surfaces, surfaces)
+        sections["contact"] = _convert_section(self.contact, contact)
         if not issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
             friction = select_friction_settings_class(surfaces, contact.model_fields["mechanics"].default)
-            self._remove_dependent_loads(tables, changes, is_allowed="load" in friction.model_fields)
-        return tables
+            self._remove_dependent_loads(sections, changes, is_allowed="load" in friction.model_fields)
+        return sections
 
-    def _remove_replaced_entries(self, tables: Mapping[str, dict[str, Any]], changes: Mapping[str, Any]) -> None:
+    def _remove_replaced_entries(self, sections: Mapping[str, dict[str, Any]], changes: Mapping[str, Any]) -> None:
         """Remove entries that changes of other entries replace.
 
         E* replaces Young's moduli, but not the compliance share, and Young's moduli replace both. An interface replaces
         mu0 and tau0; a change of one of them replaces the interface, but not the other value.
         """
-        contact, friction = tables["contact"], tables["friction"]
+        contact, friction = sections["contact"], sections["friction"]
         if changes.get("contact.effective_modulus") is not None:
             contact.pop("young", None)
             if isinstance(self.contact, HalfSpaceSettings):
@@ -618,25 +618,25 @@ class Study(SettingsSection):
         elif len(requested := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(requested) + 2:
             data["contact"].pop("load")
 
-    def _to_tables(self) -> dict[str, dict[str, Any]]:
+    def _to_sections(self) -> dict[str, dict[str, Any]]:
         names = [name for name in type(self).model_fields if name != "figures" or not self.is_measured]
         return {name: drop_none_entries(getattr(self, name)) for name in names}
 
 
-def _convert_table(table: SettingsSection, case: type[SettingsSection]) -> dict[str, Any]:
+def _convert_section(section: SettingsSection, case: type[SettingsSection]) -> dict[str, Any]:
     """Convert a section to another class. Values that differ from the defaults of the original class are kept."""
-    table_class = type(table)
-    changed_keys = {key for key, value in table if value != table_class.model_fields[key].default}
+    section_class = type(section)
+    changed_keys = {key for key, value in section if value != section_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed_keys or not field.is_required()]
-    values = {key: getattr(table, key) if key in changed_keys else case.model_fields[key].default for key in keys}
+    values = {key: getattr(section, key) if key in changed_keys else case.model_fields[key].default for key in keys}
     return drop_none_entries(case.model_construct(**values))
 
 
-def drop_none_entries(table: SettingsSection) -> dict[str, Any]:
+def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
     """Return the entries of a section that are not None, in the order used in study files."""
-    data = table.model_dump(exclude_none=True)
+    data = section.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
-    if isinstance(table, MeasuredMapContactSettings):
+    if isinstance(section, MeasuredMapContactSettings):
         order["direction"] = 1  # the key is written last
     return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
 
@@ -685,22 +685,24 @@ def find_step_dimension(dataset: xarray.Dataset) -> str:
     return "load" if "load" in dataset.dims else "approach"
 
 
-def find_table_differences(first: SettingsSection, second: SettingsSection, prefix: str = "") -> list[StudyDifference]:
+def find_section_differences(
+    first: SettingsSection, second: SettingsSection, prefix: str = ""
+) -> list[StudyDifference]:
     """List the differences between two sections, in the order of keys in study files."""
     serialized, differences = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
         if not field.repr:  # bodies in memory are compared by their checksums
             continue
-        table_values = getattr(first, name, None), getattr(second, name, None)
-        if table_values[0] == table_values[1]:
+        first_value, second_value = getattr(first, name, None), getattr(second, name, None)
+        if first_value == second_value:
             continue
-        if isinstance(table_values[0], SettingsSection) and isinstance(table_values[1], SettingsSection):
-            differences += find_table_differences(table_values[0], table_values[1], f"{prefix}{name}.")
+        if isinstance(first_value, SettingsSection) and isinstance(second_value, SettingsSection):
+            differences += find_section_differences(first_value, second_value, f"{prefix}{name}.")
         else:
             texts = [
-                format_toml_value(table.get(name, format_quantities(value)))
-                for table, value in zip(serialized, table_values, strict=True)
+                format_toml_value(section.get(name, format_quantities(value)))
+                for section, value in zip(serialized, (first_value, second_value), strict=True)
             ]
             differences.append((f"{prefix}{name}", texts[0], texts[1]))
     return differences
@@ -709,7 +711,7 @@ def find_table_differences(first: SettingsSection, second: SettingsSection, pref
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
     """List the differences between two studies that affect their members.
 
-    Members depend on the central values of inputs, but not on their ranges. They do not depend on the table
+    Members depend on the central values of inputs, but not on their ranges. They do not depend on the section
     `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. Elastic
     areas are stored for any exponent of the yielding area.
     """
@@ -722,7 +724,7 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
     )
     return [
         difference
-        for difference in find_table_differences(first, second)
+        for difference in find_section_differences(first, second)
         if (difference[0].startswith(("surfaces.", "contact.")) or difference[0] == "ensemble.seed")
         and not difference[0].endswith((".upper.file", ".lower.file"))
         and difference[0] not in ignored_keys
@@ -763,4 +765,4 @@ def parse_study(text: str, source: str) -> Study:
         ) from None
     if not data:  # all keys have defaults, but an empty file is a mistake
         raise StudyError(f"{printable_path(source)} is empty, so it is not a study")
-    return validate_table(Study, convert_old_study(data, source), source)
+    return validate_section(Study, convert_old_study(data, source), source)

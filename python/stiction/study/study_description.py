@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from stiction.study.study import Study, find_table_differences, study_names
+from stiction.study.study import Study, find_section_differences, study_names
 from stiction.surfaces.pairing import SIDES
 
 
@@ -34,7 +34,9 @@ def describe_study(study: Study) -> StudyDescription:
     if study.is_measured:
         return StudyDescription(get_pair_name(study), _strip_folders(study).to_toml(), [])
     name, file_text = _find_built_in_name(study), study.to_toml()
-    return StudyDescription(name, file_text, [(key, value) for key, _, value in find_table_differences(Study(), study)])
+    return StudyDescription(
+        name, file_text, [(key, value) for key, _, value in find_section_differences(Study(), study)]
+    )
 
 
 def get_pair_name(study: Study) -> str:

@@ -182,7 +182,7 @@ class SettingsSection(BaseModel):
         except ValidationError as error:
             raise _convert_validation_errors(type(self), error, "") from None
 
-    # Validation from a mapping does not call this constructor, so that it can report all errors of nested tables.
+    # Validation from a mapping does not call this constructor, so that it can report all errors of nested sections.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
@@ -205,12 +205,12 @@ def make_key_error(key: str, message: str) -> PydanticCustomError:
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
-def select_key_value(key: str, table: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
+def select_key_value(key: str, section: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
     """Return the value of a key in a section. If the key is missing, return the first name in `cases`.
 
     Raises an error if the value is not a name in `cases`.
     """
-    value = table.get(key, next(iter(cases)))
+    value = section.get(key, next(iter(cases)))
     if not isinstance(value, str) or value not in cases:
         names = '" or "'.join(cases)
         raise make_key_error(key, f'must be "{names}", got {short_repr(value)}')
@@ -292,7 +292,7 @@ def _range_or_list_tag(value: object) -> str | None:
 _range_or_list = Discriminator(
     _range_or_list_tag,
     custom_error_type="range_or_list",
-    custom_error_message="must be a list, or a table with start, stop and count",
+    custom_error_message="must be a list, or a section with start, stop and count",
 )
 FractalDimensionsOrRange = Annotated[
     Annotated[FractalDimensionRange, Tag(RANGE_TAG)] | Annotated[FractalDimensions, Tag(LIST_TAG)], _range_or_list
@@ -308,24 +308,24 @@ def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
 
-# ---- Keys that only some variants of a table have -------------------------------------------------------------------
+# ---- Keys that only some variants of a section have -----------------------------------------------------------------
 
 
 def check_keys(
-    table: Mapping[Any, Any], case: type[SettingsSectionVariant], shared: Sequence[type[SettingsSectionVariant]]
+    section: Mapping[Any, Any], case: type[SettingsSectionVariant], shared: Sequence[type[SettingsSectionVariant]]
 ) -> None:
     """Raise an error if a key belongs to another variant of the section, or if a required key is missing.
 
     `shared` lists base classes whose keys several classes have. Messages refer to these classes by `place`.
     """
-    for key in table:
+    for key in section:
         if key in case.model_fields:
             continue
-        table_classes = [kind for kind in shared if key in kind.model_fields]
+        section_classes = [kind for kind in shared if key in kind.model_fields]
         base_classes = [
             kind
-            for kind in table_classes
-            if not any(kind is not base and issubclass(kind, base) for base in table_classes)
+            for kind in section_classes
+            if not any(kind is not base and issubclass(kind, base) for base in section_classes)
         ]
         if base_classes:
             places = " and ".join(dict.fromkeys(kind.place for kind in base_classes))
@@ -335,7 +335,7 @@ def check_keys(
             reason = f"belongs to {places}, not to {case.place}"
             raise make_key_error(str(key), f"{reason}; it requires {remedy}" if remedy else reason)
     for key, field in case.model_fields.items():
-        if field.is_required() and key not in table:
+        if field.is_required() and key not in section:
             raise make_key_error(key, f"must be given for {case.place}")
 
 
@@ -381,11 +381,11 @@ def format_toml_value(value: Any) -> str:
             return "[" + ", ".join(format_toml_value(item) for item in value) + "]"
 
 
-def format_toml_tables(tables: Mapping[str, Mapping[str, Any]]) -> str:
+def format_toml_sections(sections: Mapping[str, Mapping[str, Any]]) -> str:
     """Format sections as TOML text. Empty sections are omitted."""
     blocks = []
-    for name, table in tables.items():
-        lines = [f"{key} = {format_toml_value(value)}" for key, value in table.items()]
+    for name, section in sections.items():
+        lines = [f"{key} = {format_toml_value(value)}" for key, value in section.items()]
         blocks += ["\n".join([f"[{name}]", *lines]) + "\n"] if lines else []
     return "\n".join(blocks)
 
@@ -406,20 +406,20 @@ def parse_toml(text: str) -> dict[str, Any]:
         raise ValueError("is nested too deeply") from None
 
 
-def validate_table(table_class: type[_SettingsClass], data: Mapping[str, Any], source: str) -> _SettingsClass:
+def validate_section(section_class: type[_SettingsClass], data: Mapping[str, Any], source: str) -> _SettingsClass:
     """Validate a section, and return it as an instance of the given class.
 
-    Error messages start with the name of the source of the table.
+    Error messages start with the name of its source.
     """
     try:
-        return table_class.model_validate(data)
+        return section_class.model_validate(data)
     except ValidationError as error:
-        raise _convert_validation_errors(table_class, error, f"{printable_path(source)}: ") from None
+        raise _convert_validation_errors(section_class, error, f"{printable_path(source)}: ") from None
 
 
-def _convert_validation_errors(table_class: type[SettingsSection], error: ValidationError, prefix: str) -> StudyError:
+def _convert_validation_errors(section_class: type[SettingsSection], error: ValidationError, prefix: str) -> StudyError:
     """Convert an error of pydantic to a `StudyError`, with one line per fault. Each line starts with the prefix."""
-    faults = [_convert_validation_error(table_class, fault) for fault in error.errors(include_url=False)]
+    faults = [_convert_validation_error(section_class, fault) for fault in error.errors(include_url=False)]
     lines = [f"{prefix}{key}: {reason}" if key else f"{prefix}{reason}" for key, reason in faults[:MAX_LISTED_FAULTS]]
     if len(faults) > MAX_LISTED_FAULTS:
         lines.append(f"{prefix}... and {len(faults) - MAX_LISTED_FAULTS} more")
@@ -440,7 +440,7 @@ _ERROR_MESSAGE_TEMPLATES = {
 """Messages that replace those of pydantic, by error type."""
 
 
-def _convert_validation_error(table_class: type[SettingsSection], fault: ErrorDetails) -> tuple[str, str]:
+def _convert_validation_error(section_class: type[SettingsSection], fault: ErrorDetails) -> tuple[str, str]:
     """Convert a pydantic error to a message and the key that caused the error."""
     location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_TAG, LIST_TAG)]
     key = "".join(
@@ -450,10 +450,10 @@ def _convert_validation_error(table_class: type[SettingsSection], fault: ErrorDe
         key += f".{fault['ctx']['key']}"
     key = printable_text(key)
     if fault["type"] == "extra_forbidden":
-        return key, f"unknown key{_suggest_keys(table_class, location)}"
+        return key, f"unknown key{_suggest_keys(section_class, location)}"
     message = fault["msg"].removeprefix("Value error, ")
     if fault["type"] == "model_type":
-        message = "must be a table"
+        message = "must be a section"
     if fault["type"] == "tuple_type":
         message = "must be a list"
     if fault["type"] == "string_unicode":
@@ -468,22 +468,22 @@ def _convert_validation_error(table_class: type[SettingsSection], fault: ErrorDe
 MAX_SUGGESTIONS = 3  # maximum number of suggestions for an unknown key
 
 
-def _suggest_keys(table_class: type[SettingsSection], location: list[int | str]) -> str:
+def _suggest_keys(section_class: type[SettingsSection], location: list[int | str]) -> str:
     """Return a hint that names similar keys of the section, or the command that lists all keys."""
-    tables = [table_class]
+    classes = [section_class]
     for parent_key in location[:-1]:
-        fields = [table.model_fields[str(parent_key)] for table in tables if str(parent_key) in table.model_fields]
-        tables = [table for field in fields for table in find_table_classes(field.annotation)]
-    keys = dict.fromkeys(name for table in tables for name in table.model_fields)
-    keys |= dict.fromkeys(name for table in tables for name in getattr(table, "other_keys", ()))
+        fields = [each.model_fields[str(parent_key)] for each in classes if str(parent_key) in each.model_fields]
+        classes = [each for field in fields for each in find_section_classes(field.annotation)]
+    keys = dict.fromkeys(name for each in classes for name in each.model_fields)
+    keys |= dict.fromkeys(name for each in classes for name in getattr(each, "other_keys", ()))
     unknown_key = str(location[-1])[:MAX_WORD_LENGTH]
     similar_keys = [*difflib.get_close_matches(unknown_key, keys, n=3), *(name for name in keys if unknown_key in name)]
     names = " or ".join(map(repr, list(dict.fromkeys(similar_keys))[:MAX_SUGGESTIONS]))
     return f"; is it {names}?" if names else "; stiction studies --keys lists all"
 
 
-def find_table_classes(annotation: Any) -> list[type[SettingsSection]]:
+def find_section_classes(annotation: Any) -> list[type[SettingsSection]]:
     """Return the section classes that a field with the given annotation accepts."""
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, SettingsSection) else []
-    return [table for argument in get_args(annotation) for table in find_table_classes(argument)]
+    return [each for argument in get_args(annotation) for each in find_section_classes(argument)]

@@ -47,7 +47,7 @@ _ALLOWED_VALUE_TEXTS = {
     "law": " or ".join(
         [
             *(f'`"{name}"`' for name in CONTACT_LAWS_BY_NAME),
-            *(f'a table with the name `"{name}"`' for name in LAW_SETTINGS_CLASSES),
+            *(f'a section with the name `"{name}"`' for name in LAW_SETTINGS_CLASSES),
         ]
     ),
     "sliding": '`"opposing"`, `"all"` or a list of both',
@@ -58,8 +58,8 @@ _ALLOWED_VALUE_TEXTS = {
     "sha256": "64 hexadecimal digits",
     "interface": "a name of `stiction interfaces`, or a file",
     "file": "a name",
-    "upper": "a table, see below",
-    "lower": "a table, see below",
+    "upper": "a section, see below",
+    "lower": "a section, see below",
 }
 """Descriptions of the allowed values of keys that have their own parsers."""
 
@@ -91,28 +91,28 @@ _KEY_TABLES: tuple[
 def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
     """Return the title, the description and the rows of each table of keys. Each row describes one key."""
     tables = []
-    for title, phrases, table_classes, base_classes in _KEY_TABLES:
+    for title, phrases, section_classes, base_classes in _KEY_TABLES:
         classes_by_row: dict[KeyTableRow, list[type[values.SettingsSection]]] = {}
-        for table_class in table_classes:
-            for key, field in table_class.model_fields.items():
+        for section_class in section_classes:
+            for key, field in section_class.model_fields.items():
                 if field.repr:  # keys without `repr` describe bodies in memory and do not occur in study files
                     default = PydanticUndefined if field.is_required() else field.default
-                    classes_by_row.setdefault(_key_row(key, default, field, table_classes), []).append(table_class)
+                    classes_by_row.setdefault(_key_row(key, default, field, section_classes), []).append(section_class)
         keys, rows = list(dict.fromkeys(row[0] for row in classes_by_row)), []
         for (key, default, allowed_values, meaning), key_owners in sorted(
             classes_by_row.items(), key=lambda item: keys.index(item[0][0])
         ):
             text = (
                 ""
-                if len(key_owners) == len(table_classes)
-                else f" Only for {_join_with_and(_models_with_key(key_owners, table_classes, base_classes))}."
+                if len(key_owners) == len(section_classes)
+                else f" Only for {_join_with_and(_models_with_key(key_owners, section_classes, base_classes))}."
             )
             rows.append((key, default, allowed_values, meaning + text))
-        for table_class in table_classes:
-            if issubclass(table_class, SelfAffineSettings):
-                other_keys = table_class.other_keys.items()
+        for section_class in section_classes:
+            if issubclass(section_class, SelfAffineSettings):
+                other_keys = section_class.other_keys.items()
                 rows += [
-                    (f"`{key}`", "none", allowed_values, f"{text} Only for {table_class.place}.")
+                    (f"`{key}`", "none", allowed_values, f"{text} Only for {section_class.place}.")
                     for key, (allowed_values, text) in other_keys
                 ]
         tables.append((title, phrases, rows))
@@ -121,12 +121,13 @@ def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
 
 def _models_with_key(
     owners: Sequence[type[values.SettingsSection]],
-    table_classes: Sequence[type[values.SettingsSection]],
+    section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
     """Return the names of the classes that have a key. A base class replaces its classes if all of them have it."""
     subclasses = {
-        item: {table_class for table_class in table_classes if issubclass(table_class, item)} for item in base_classes
+        item: {section_class for section_class in section_classes if issubclass(section_class, item)}
+        for item in base_classes
     }
     remaining_classes, class_names = set(owners), []
     for item in sorted(base_classes, key=lambda item: -len(subclasses[item])):
@@ -134,9 +135,9 @@ def _models_with_key(
             class_names.append(item.place)
             remaining_classes -= subclasses[item]
     return class_names + [
-        table_class.place
-        for table_class in table_classes
-        if table_class in remaining_classes and issubclass(table_class, values.SettingsSectionVariant)
+        section_class.place
+        for section_class in section_classes
+        if section_class in remaining_classes and issubclass(section_class, values.SettingsSectionVariant)
     ]
 
 
@@ -164,7 +165,7 @@ def study_keys_text() -> str:
 
 
 def _key_row(
-    key: str, default_value: Any, field_info: Any, table_classes: tuple[Any, ...]
+    key: str, default_value: Any, field_info: Any, section_classes: tuple[Any, ...]
 ) -> tuple[str, str, str, str]:
     """Return the table row of a key in study files: key, default, allowed values and meaning.
 
@@ -173,7 +174,7 @@ def _key_row(
     default = "required" if default_value is PydanticUndefined else _toml_default(default_value)
     if key not in ("generator", "press", "mechanics"):
         return f"`{key}`", default, _allowed_values_text(key, field_info), str(field_info.description)
-    fields = [table_class.model_fields[key] for table_class in table_classes if key in table_class.model_fields]
+    fields = [section_class.model_fields[key] for section_class in section_classes if key in section_class.model_fields]
     case_meanings = dict.fromkeys(
         f'`"{field.default}"`: {str(field.description).removesuffix(".")}' for field in fields
     )
@@ -226,7 +227,7 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
         if "start" in annotation.model_fields:
             spacing = ", spacing" if "spacing" in annotation.model_fields else ""
             return [f"a range `{{ start, stop, count{spacing} }}`"]
-        return [f"a table of {', '.join(f'`{name}`' for name in annotation.model_fields)}"]
+        return [f"a section of {', '.join(f'`{name}`' for name in annotation.model_fields)}"]
     if get_origin(annotation) is tuple:
         items = [item for item in get_args(annotation) if item is not Ellipsis]
         text = _join_with_or(list(dict.fromkeys(phrases for item in items for phrases in _allowed_value_phrases(item))))
