@@ -359,7 +359,7 @@ def test_conversion_to_a_surface_rejects_unsuitable_objects(lower):
     for invalid_object, words in (
         (lower.row(0), "must be a surface, got a profile; use Profile.from_"),
         ([[0.0, 1.0]], "an object from SurfaceTopography, surfalize or xarray, got list"),
-        (array.drop_attrs(), "must have a unit of length"),
+        (array.drop_attrs(), "must be a length unit"),
         (array.rename(x="u"), "must have the dimensions y and x"),
         (missing, "1 points without a height"),
         (uneven, "equal steps along x"),

@@ -383,7 +383,7 @@ def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
 def test_blocks_that_are_swapped_or_belong_to_another_result_are_detected(folder_copy, tmp_path):
     content = find_block_file(folder_copy, 8).read_bytes()
     replace_block_content(find_block_file(folder_copy, 4), content)
-    with pytest.raises(StoreError, match="does not contain the members in its file name"):
+    with pytest.raises(StoreError, match="does not contain the members that its file name states"):
         store.read(folder_copy)
     other_folder = tmp_path / "other"
     compute_missing_blocks(TINY_STUDY.with_changes({"ensemble.seed": 1}), other_folder)

@@ -293,7 +293,7 @@ class StoredResult:
                 raise DamagedFileError("does not match its checksum")
             content = decode_members(file_content)
             if not np.array_equal(content.numbers, np.arange(block.first, block.last + 1)):
-                raise DamagedFileError("does not contain the members in its file name")
+                raise DamagedFileError("does not contain the members that its file name states")
         return content
 
     def _read_checked_block(self, block: BlockFile, names: Collection[str]) -> ArraysByName:

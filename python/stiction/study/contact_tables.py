@@ -419,7 +419,7 @@ class HalfSpaceSettings(CommonContactSettings):
                 "must not be given without a hardness, because elastic contacts do not yield"
                 if self.hardness is None
                 else "must not be given if work_of_adhesion is above 0, because areas of adhesive contacts are "
-                "computed with the pressure cap",
+                "computed with pressures up to the hardness",
             )
         if self.indent is not None and self.yield_exponent is None:
             raise make_key_error("indent", "must not be given without yield_exponent, which yielding contacts need")

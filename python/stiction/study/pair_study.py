@@ -760,7 +760,7 @@ class MeasuredPair:
                 raise ArgumentError("{yield_exponent} needs {hardness}, because elastic contacts do not yield")
             raise ArgumentError(
                 "{yield_exponent} must not be combined with {work_of_adhesion}, because areas of adhesive contacts are "
-                "computed with the pressure cap"
+                "computed with pressures up to the hardness"
             )
         return self._parse_input("yield_exponent", value)
 

@@ -129,8 +129,8 @@ def _unit_factor(name: str, unit: Any, kind: str) -> float:
     if unit not in LENGTH_UNITS:
         allowed_units = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
         raise ValueError(
-            f"{name} must have a unit of length ({allowed_units}), given as an attribute or by the argument unit, "
-            f"got {short_repr(unit)} of a {kind}"
+            f"unit of {name} must be a length unit ({allowed_units}), set in the {kind} or by the argument unit, "
+            f"got {short_repr(unit)}"
         )
     return float(LENGTH_UNITS[unit])
 

@@ -33,7 +33,7 @@ _FACES_PATTERN = re.compile(r"element face [1-9]", re.IGNORECASE)
 _SMD_PATTERN = re.compile(r"C[XZ]\s+[AI]\s+[0-9]+\s+[nuµm]?m\s+[0-9.]", re.IGNORECASE)
 
 
-def _is_list_of_map(text: DecodedText) -> bool:
+def _is_list_of_heights(text: DecodedText) -> bool:
     is_nanoscope = text.line(0).lstrip("\\").startswith("*File list")
     patterns = (_CODE_V_PATTERN, _SMD_PATTERN, _FACES_PATTERN)
     is_image = _TEXT_IMAGE_PATTERN.fullmatch(text.line(0).strip()) is not None
@@ -48,12 +48,14 @@ def _reject(text: DecodedText) -> RawHeights:
             "is a NanoScope list with one height per line; open the file of the instrument instead (.spm)"
         )
     if _TEXT_IMAGE_PATTERN.fullmatch(text.line(0).strip()):
-        raise FormatError("is an image in text (.pgm, .ppm), whose grey values have no height scale")
+        raise FormatError("is an image as text (.pgm, .ppm), whose grey values have no height scale")
     if any(map(_SMD_PATTERN.match, text.first_lines[:30])):
-        raise FormatError("is a text of ISO 5436-2 (.smd), whose numbers are scaled; export it as X3P")
+        raise FormatError("is an SMD file (ISO 5436-2), whose numbers are multiples of a scale; export it as X3P")
     if any(map(_FACES_PATTERN.match, text.first_lines[:30])):
         raise FormatError("is a mesh with faces (.ply); export only its points as x, y, z")
-    raise FormatError("is a CODE V interferogram, whose numbers are scaled; export the heights as a matrix")
+    raise FormatError(
+        "is a CODE V interferogram, whose numbers are multiples of a scale; export the heights as a matrix"
+    )
 
 
-LAYOUT = TextLayout("list of scaled numbers", _is_list_of_map, _reject)
+LAYOUT = TextLayout("list of scaled numbers", _is_list_of_heights, _reject)
