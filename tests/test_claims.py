@@ -312,7 +312,7 @@ def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_fractal_dimensio
     assert judge_part("4c", result).verdict == "undefined"
 
 
-def test_verdict_from_confidence_bands_is_undefined_if_friction_is_self_locked_at_most_fractal_dimensions():
+def test_part_of_a_claim_is_undefined_by_confidence_bands_if_few_fractal_dimensions_have_friction():
     # Above D = 1.6, only one dimension is not self-locked.
     assert judge_part("3b", create_result(), interval_method="bands").verdict == "undefined"
     with pytest.raises(ValueError, match="interval_method"):

@@ -106,7 +106,7 @@ def test_circles_of_imports_are_found():
     assert set(find_circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": set()})) == {"a", "b", "c"}
 
 
-def test_modules_import_each_other_in_no_circle():
+def test_module_imports_form_no_circle():
     """Count imports inside functions and for type checkers, because both tie modules to each other."""
     assert find_circles({name: imported_modules(name) - {name} for name in MODULES}) == {}
 

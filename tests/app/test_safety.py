@@ -203,7 +203,7 @@ def test_shear_job_shows_an_interval_without_an_upper_limit(app, tmp_path):
     assert [line["text"].endswith(", ∞)") for line in finished["answer"]["lines"]] == [True, True]
 
 
-def test_interface_of_the_form_must_be_published_so_that_no_file_is_read(app, map_scans):
+def test_request_with_a_path_as_interface_is_rejected(app, map_scans):
     request = {"command": "pair", "options": [["load", "1 MPa"], ["interface", "/etc/passwd"]], **map_scans}
     assert app.request("POST", "/jobs", json.dumps(request).encode())[0] == 400
 
@@ -221,7 +221,7 @@ def test_job_uses_an_uploaded_interface_file_and_shows_its_name_only(app, map_sc
 
 
 @pytest.mark.parametrize("content", [b"mu0,tau0\n0.1,0.2\n", b"\xff\x00", b""])
-def test_uploaded_file_that_is_no_interface_is_reported_beside_its_field(app, map_scans, tmp_path, content):
+def test_uploaded_file_that_is_no_interface_is_reported_next_to_its_field(app, map_scans, tmp_path, content):
     path = tmp_path / "other.csv"
     path.write_bytes(content)
     options = {"upper": "steel", "lower": "brass", "load": "10 MPa", "interface": app.upload(path)}

@@ -111,9 +111,7 @@ def test_characterise_command_prints_at_most_40_lines_without_verbose_option(sca
     assert set(short_lines) - {f"{num_omitted}{ending}", "wrote short.html, without a figure"} <= set(all_lines)
 
 
-def test_characterise_command_applies_options_for_units_and_levelling_and_the_fitted_band_and_the_output_file(
-    scans_folder, profile
-):
+def test_characterise_command_applies_options_for_units_levelling_band_and_output(scans_folder, profile):
     profile_in_nm = Profile(profile.heights / 1000, spacing=0.01)
     history, output_table, figure = run_characterise(
         "heights.npy", "--unit", "um,nm", "--spacing", "0.01um", "--level", "quadratic", "--band", "0.1 um, 5000nm",

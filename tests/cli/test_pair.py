@@ -713,9 +713,7 @@ def map_pair_output(scans_folder):
     return completed
 
 
-def test_pair_command_stores_the_result_and_the_figures_and_the_report_and_the_model_check(
-    scans_folder, model_check_output, map_pair_output
-):
+def test_pair_command_writes_result_figures_report_and_model_check(scans_folder, model_check_output, map_pair_output):
     for folder in ("pair", "pair/half-space", "areas"):
         stored_dataset = store.read(scans_folder / folder)
         result = run(Study.from_toml(scans_folder / folder / "study.toml")).dataset

@@ -238,7 +238,7 @@ def test_sliding_load_of_the_onset_is_the_coefficient_times_the_load(tmp_path):
     assert record["curve"][-1]["tangential_load"]["value"] == record["sliding_load"]["value"]
 
 
-def test_repeated_pair_replaces_a_table_with_loads_that_are_not_scaled(tmp_path):
+def test_repeated_pair_replaces_an_onset_table_with_unscaled_loads(tmp_path):
     bodies = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=48, spacing=0.05, shortest_wavelength=0.3)
     options = {
         "load": "50 MPa", "hardness": "1.2 GPa", "mu0": "0.1..0.3", "tau0": "50 MPa", "effective_modulus": 80.0,

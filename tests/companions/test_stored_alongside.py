@@ -93,7 +93,7 @@ IMPOSSIBLE_CHANGES = [
 
 
 @pytest.mark.parametrize(("file_name", "name", "value"), IMPOSSIBLE_CHANGES)
-def test_stored_file_with_impossible_values_is_rejected_with_the_name(complete_result, file_name, name, value):
+def test_error_about_an_impossible_stored_value_states_its_name(complete_result, file_name, name, value):
     with h5py.File(complete_result.path / file_name, "r+") as file:
         if name.startswith("@"):
             file.attrs[name[1:]] = value

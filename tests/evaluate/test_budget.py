@@ -379,7 +379,7 @@ def test_interval_contains_the_friction_coefficient_for_truncated_distributions_
     assert result.interval[0] <= result.value <= result.interval[1]
 
 
-def test_combined_interval_contains_the_confidence_interval_due_to_sampling_for_random_statistics(monkeypatch) -> None:
+def test_combined_interval_contains_the_interval_of_the_mean_for_random_statistics(monkeypatch) -> None:
     monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # no budgets, to save time
     # Replace values by random statistics. Some have a bracket wider than the interval of the inputs.
     random = np.random.default_rng(5)
@@ -477,7 +477,7 @@ UNCERTAIN_INPUT_CASES = (
 
 @pytest.mark.parametrize("inputs", UNCERTAIN_INPUT_CASES)
 @pytest.mark.parametrize("noise", [0.0, 0.1])
-def test_combined_interval_contains_the_confidence_interval_due_to_sampling_and_the_range_for_finer_scans(
+def test_combined_interval_contains_the_interval_of_the_mean_and_the_range_for_finer_scans(
     inputs: dict[str, Any], noise: float
 ) -> None:
     """Check the nested intervals of pairs with and without noise; the value must not be close to an end."""

@@ -143,7 +143,7 @@ def test_quantities_of_a_contact_follow_the_modulus_by_similarity():
         assert combined[name][1:] / 0.5 == pytest.approx([1.0, 1.0], rel=QUANTILE_ERROR)
 
 
-def test_interval_of_the_area_at_the_onset_follows_tau0_and_that_of_the_true_area_does_not():
+def test_tau0_widens_the_interval_of_the_area_at_the_onset_but_not_of_the_true_area():
     changes = {"friction.tau0": "uniform 0.05 .. 0.15 GPa", "contact.junction_growth": "slip-line 5.6"}
     intervals = build_intervals(changes, hardness=1.0, tau0=0.1, area=0.5, growth=5.6, half_width=1e-6)
     areas = {name: np.array([12.0, 12.0, 12.0]) for name in ("contact_area", "contact_area_at_onset")}
@@ -189,7 +189,7 @@ def test_friction_has_no_upper_limit_if_it_has_none_at_the_central_inputs(tau0, 
     assert intervals.unlimited_fraction < 0.025
 
 
-def test_fraction_of_samples_without_an_upper_limit_is_that_of_the_strength_ratio():
+def test_samples_with_tau0_above_the_shear_strength_have_no_upper_limit():
     """The softer body shears if tau0 exceeds its shear strength H/R, because mu0 is 0."""
     changes = {"friction.tau0": "uniform 0.15 .. 0.2 GPa", "contact.junction_growth": "slip-line 5.6"}
     intervals = build_intervals(changes, hardness=1.0, tau0=0.175, area=0.5, growth=5.6)

@@ -69,7 +69,7 @@ def test_small_mu0_of_rough_faces_has_a_coefficient_although_some_directions_lea
     assert 0 <= result.value < 0.05
 
 
-def test_caveat_names_faces_that_fit_unless_the_position_is_given(mated_faces):
+def test_faces_that_fit_add_a_caveat_unless_the_position_is_given(mated_faces):
     options = {"load": "1 MPa", "young": "30 GPa", "poisson": 0.25, "onset": 0, "hardness": "1 GPa", "mu0": 0.6}
     options["mechanics"], options["cutoff"] = "half-space", "none"
 
@@ -84,7 +84,7 @@ def test_caveat_names_faces_that_fit_unless_the_position_is_given(mated_faces):
     assert text not in list_caveat_texts(other, other, shifts=2)
 
 
-def test_caveat_names_profiles_and_lines_of_maps_that_fit(mated_faces):
+def test_profiles_and_lines_of_maps_that_fit_add_a_caveat(mated_faces):
     options = {"load": "1 MPa", "effective_modulus": "16 GPa", "mu0": 0.6, "onset": 0, "cutoff": "none"}
     lower = self_affine_surface(5, hurst_exponent=0.8, rms=6.0, shape=(4, 256), spacing=15.625).row(0)
     for faces, more in (((Profile(-lower.heights, spacing=15.625), lower), {}), (mated_faces, {"lines": 2})):

@@ -55,7 +55,7 @@ def solve_members(result, load, hardness):
     return np.array([curve.contact_area[0] for curve in curves])
 
 
-def test_true_area_is_the_closed_form_of_the_solved_elastic_area(result):
+def test_true_area_follows_from_the_elastic_area_in_closed_form(result):
     load = float(result.study.friction.load[0])
     elastic_area = solve_members(result, load, None).mean()
     expected = float(yielded_area(elastic_area, load, HARDNESS, 1.25))

@@ -281,7 +281,7 @@ def test_resolution_dataset_has_units_and_can_be_written_to_netcdf(pair_and_reso
         xr.testing.assert_equal(stored_dataset.load(), result)
 
 
-def test_resolution_result_is_nan_at_an_unsolved_load_and_reported_progress_still_reaches_the_end(monkeypatch):
+def test_resolution_at_an_unsolved_load_is_nan_and_progress_is_reported_to_the_end(monkeypatch):
     from stiction.mechanics import resolution as module
 
     upper, lower = create_rough_surfaces(points=32, spacing=0.16)

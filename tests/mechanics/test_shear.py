@@ -61,7 +61,7 @@ def test_friction_of_a_sawtooth_is_the_tangent_of_friction_angle_plus_tooth_angl
     assert test.attrs["peak_dilation_angle_deg"] == pytest.approx(10, abs=0.1)
 
 
-def test_friction_of_a_coarse_sawtooth_is_that_of_rounded_tips():
+def test_coarse_sawtooth_has_the_friction_of_rounded_tips():
     test = shear(create_sawtooth(200), path="25 um", steps=5, mu0=0.5, boundary="periodic")
     assert test.friction_coefficient[[0, 1, 5]].values == pytest.approx([0.500, 0.727, 0.722], abs=1e-3)
     smooth = shear(create_sawtooth(200), path="5 um", steps=1, mu0=0, boundary="periodic")

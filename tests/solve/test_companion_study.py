@@ -52,7 +52,7 @@ def test_changed_study_replaces_the_stored_members(studies, pool, tmp_path):
     assert result.study.surfaces.upper.height_factor == 2.0
 
 
-def test_folder_opens_with_finished_members_of_the_same_study_only(studies, pool, tmp_path):
+def test_folder_is_opened_only_if_it_contains_all_members_of_the_same_study(studies, pool, tmp_path):
     study, study_of_doubled_heights = studies
     companion_study = CompanionStudy(study, tmp_path)
     assert companion_study.open() is None

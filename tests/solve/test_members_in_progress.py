@@ -142,7 +142,7 @@ def test_next_run_removes_steps_of_a_member_whose_run_was_killed_after_storing_i
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_damaged_or_foreign_steps_are_computed_again(study, tmp_path, monkeypatch):
+def test_steps_that_are_damaged_or_of_another_study_are_computed_again(study, tmp_path, monkeypatch):
     expected = compute_member_arrays(study, 0)
     calls = InterruptedCalls(monkeypatch, ContactSolver, "at")
     compute_member_arrays(study, 0, MembersInProgress(study, tmp_path, estimate_iterations).add(0))

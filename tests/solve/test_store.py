@@ -746,7 +746,7 @@ def test_run_of_another_study_is_rejected_while_a_run_uses_the_folder(tmp_path, 
     assert_no_partial_files(tmp_path)
 
 
-def test_exactly_one_of_two_studies_started_at_once_gets_a_new_folder(tmp_path):
+def test_new_folder_is_given_to_only_one_of_two_simultaneous_studies(tmp_path):
     for index in range(10):
         studies = [with_repetitions(4).with_changes({"ensemble.seed": seed}) for seed in (1, 2)]
         barrier = threading.Barrier(2)

@@ -92,7 +92,7 @@ def test_scan_coarser_by_more_than_a_factor_of_three_has_a_caveat(ratio, has_cav
     assert bool(caveats_with(summarize_point(dataset), "times coarser than the lower")) == has_caveat
 
 
-def test_fault_at_the_other_cutoff_or_of_an_alternative_removes_the_range_for_finer_scans():
+def test_range_for_finer_scans_is_omitted_if_another_cutoff_or_alternative_has_a_fault():
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     assert summarize_point(dataset, study).bracket is not None

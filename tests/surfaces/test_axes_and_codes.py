@@ -81,7 +81,7 @@ def test_positions_with_an_unknown_name_and_no_unit_have_a_caveat_unless_they_ar
 @pytest.mark.parametrize(
     "name", ["Distanza", "posição", "longueur", "odległość", "Положение", "距離", "위치", "avstånd"]
 )
-def test_name_of_positions_in_another_language_has_no_caveat(tmp_path, name):
+def test_position_column_with_a_foreign_name_has_no_caveat(tmp_path, name):
     assert not caveats_of(write_columns(tmp_path / "a.csv", f"{name};z"), unit="um")
 
 

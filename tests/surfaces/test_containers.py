@@ -54,7 +54,7 @@ def test_container_with_several_arrays_is_rejected_with_their_names_unless_one_i
     "name",
     ["mask", "valid_mask", "x", "branch_indexes", "labels", "phase", "slope_x", "velocity", "current_nA", "amplitude"],
 )
-def test_array_whose_name_denotes_no_heights_is_not_read_unless_it_is_chosen(tmp_path, suffix, name):
+def test_array_with_a_name_of_another_quantity_is_read_only_if_it_is_chosen(tmp_path, suffix, name):
     pytest.importorskip("SurfaceTopography")
     path = write_arrays(tmp_path / f"map.{suffix}", **{name: HEIGHTS})
     assert f"contains the channels 0 ({name}); choose one" in error_message(path, spacing="1 um")

@@ -167,7 +167,7 @@ UNKNOWN_UNITS = ["ft", "mils", "thou", "dm", "LSB", "bar", "a. u.", "0.1 um", "x
 
 @pytest.mark.parametrize("unit", UNKNOWN_UNITS)
 @pytest.mark.parametrize("names", ["x (mm);z ({})\n", "x [mm];z [{}]\n", "x;z\n(mm);({})\n"])
-def test_given_unit_does_not_replace_a_unit_of_a_column_that_is_not_known(read_text, names, unit):
+def test_given_unit_does_not_replace_an_unknown_unit_of_a_column(read_text, names, unit):
     message = error_message(read_text, names.format(unit) + ROWS, unit=("mm", "um"))
     shown_unit = "inch" if unit == '"' else unit
     assert f"has heights in {shown_unit!r}, which is not a supported unit of length" in message
@@ -175,7 +175,7 @@ def test_given_unit_does_not_replace_a_unit_of_a_column_that_is_not_known(read_t
 
 @pytest.mark.parametrize("unit", UNKNOWN_UNITS[:-1])
 @pytest.mark.parametrize("line", ["Unit: {}", "Z-axis unit = {}", "Einheit: {}", "z ({})", "Heights in {}"])
-def test_given_unit_does_not_replace_a_unit_of_a_header_line_that_is_not_known(read_text, line, unit):
+def test_given_unit_does_not_replace_an_unknown_unit_in_a_header_line(read_text, line, unit):
     message = error_message(read_text, f"{line.format(unit)}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert f"has heights in {unit!r}, which is not a supported unit of length" in message
 
@@ -199,7 +199,7 @@ def test_unit_with_a_power_of_ten_or_in_another_script_is_read(read_text, unit):
         "z µm/s",
     ],
 )
-def test_unit_at_the_end_of_a_column_name_that_is_no_length_is_not_replaced(read_text, name):
+def test_given_unit_does_not_replace_another_unit_at_the_end_of_a_column_name(read_text, name):
     message = error_message(read_text, f"x (mm);{name}\n{ROWS}", unit=("mm", "um"))
     assert "which is not a supported unit of length" in message
 
@@ -230,7 +230,7 @@ def test_power_of_ten_in_a_unit_without_brackets_is_read(read_text, name):
 
 
 @pytest.mark.parametrize("names", ["x left;z left", "X Profil1;Z Profil1", "x_mm;z_filtered", "x mm;Profile 10 um"])
-def test_words_after_a_name_that_are_no_units_are_ignored(read_text, names):
+def test_words_after_a_name_are_ignored_unless_they_are_units(read_text, names):
     assert read_text(f"{names}\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
 
 
@@ -246,7 +246,7 @@ def test_line_that_names_the_heights_without_their_unit_is_ignored(read_text, li
     assert read_text(f"{line}\n{MAP_TEXT}", unit="um", **options).body.heights.tolist() == MAP.tolist()
 
 
-def test_unit_along_y_is_not_that_of_the_heights_of_a_map(read_text):
+def test_unit_of_y_is_not_used_for_the_heights_of_a_map(read_text):
     assert not read_text(f"Y unit: mm\n{MAP_TEXT}", unit="um", spacing="5 um").caveats
 
 
@@ -268,14 +268,14 @@ def test_unit_with_a_power_of_ten_after_the_names_is_read(read_text):
     assert reading.body.heights == pytest.approx(PROFILE)
 
 
-def test_header_with_more_names_than_columns_names_the_first_columns(read_text):
+def test_header_with_more_names_than_columns_applies_to_the_first_columns(read_text):
     rows = "".join(f"{at / 2000:.4f}\t{z}\n" for at, z in enumerate(PROFILE))
     names = "x (mm)\tslope error (urad)\tx (mm)\tHGT error (nm)\tHGT (um)"
     assert "has heights in 'urad'" in error_message(read_text, f"PV (um)\tPV error (nm)\n{names}\n{rows}")
     assert read_text(f"x (mm)\tz (nm)\tslope (urad)\n{rows}").body.heights == pytest.approx(PROFILE / 1000)
 
 
-def test_letter_after_a_name_is_a_unit_beside_a_name_with_a_unit_of_length(read_text):
+def test_letter_after_a_name_is_a_unit_if_another_name_has_a_unit_of_length(read_text):
     assert "has heights in 's'" in error_message(read_text, f"Position mm;Height s\n{ROWS}", unit=("mm", "um"))
 
 
@@ -284,7 +284,7 @@ def test_entity_in_a_unit_is_decoded(read_text):
     assert read_text(f"x (&micro;m)\tz (&micro;m)\n{rows}").body.spacing == pytest.approx(0.5)
 
 
-def test_unit_with_a_number_after_a_blank_is_not_replaced(read_text):
+def test_given_unit_does_not_replace_a_unit_with_a_number_after_a_blank(read_text):
     message = error_message(read_text, f"Height unit 10 nm\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert "has heights in '10 nm'" in message
 
@@ -338,7 +338,7 @@ def test_unit_of_positions_in_a_header_line_is_used_or_rejected(read_text):
      ("# x;z\n# mm;nm", "nm"), ('[{"name": "x", "unit": "mm"}, {"name": "z", "unit": "nm"}]', "nm"),
      ("name: x\nunit: mm\nname: z\nunit: mm\nx;z", "mm")],
 )  # fmt: skip
-def test_units_of_the_columns_in_a_line_of_their_own_are_read(read_text, header, unit):
+def test_units_of_the_columns_in_a_separate_line_are_read(read_text, header, unit):
     reading = read_text(f"{header}\n{ROWS}")
     assert (reading.unit, reading.body.spacing) == (unit, pytest.approx(0.5))
 
@@ -354,7 +354,7 @@ def test_units_between_names_separated_by_blanks_are_read(read_text):
     ["Units: x=mm, z=PSIA\nx;z", "mm;PSIA\nPosition;Height", "name: x\nunit: mm\nname: z\nunit: PSIA\nx;z",
      "units.z: V\nx;z", "figure units: z = V\nx;z", "Channel unit: 1/mm\nx;z", "unit_z = V\nx;z"],
 )  # fmt: skip
-def test_given_unit_does_not_replace_a_unit_of_one_of_several_quantities(read_text, header):
+def test_given_unit_does_not_replace_a_unit_in_a_header_of_several_quantities(read_text, header):
     message = error_message(read_text, f"{header}\n{ROWS}", unit=("mm", "um"))
     assert "which is not a supported unit of length" in message
 
@@ -374,7 +374,7 @@ def test_unit_in_the_header_that_contradicts_a_column_has_a_caveat(read_text):
      "scan 3\n05/08/2011 at 9:33\nNo ref/No gravity\n817.1\n-1.0\n120"],
 )  # fmt: skip
 @pytest.mark.parametrize("columns", [None, (0, 1)])
-def test_given_unit_does_not_make_heights_of_slopes(read_text, header, columns):
+def test_slopes_are_rejected_although_a_unit_of_length_is_given(read_text, header, columns):
     message = error_message(read_text, f"{header}\n{ROWS.replace(';', ' ')}", unit=("mm", "nm"), columns=columns)
     assert "slope" in message or "has heights in 'urad'" in message
 
@@ -385,7 +385,7 @@ def test_slope_of_measured_heights_is_ignored(read_text, line):
 
 
 @pytest.mark.parametrize(("file_format", "is_rejected"), [(1, True), (3, True), (2, False)])
-def test_description_beside_a_file_names_slopes(tmp_path, file_format, is_rejected):
+def test_file_is_rejected_if_the_description_next_to_it_declares_slopes(tmp_path, file_format, is_rejected):
     (tmp_path / "dabam-900.txt").write_text(f'{{\n  "FILE_FORMAT": {file_format},\n  "X1_FACTOR": 1.0e-3\n}}\n')
     (tmp_path / "dabam-900.dat").write_text(ROWS.replace(";", " "))
     if is_rejected:

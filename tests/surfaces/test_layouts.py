@@ -428,7 +428,7 @@ def test_first_number_with_fewer_decimals_than_the_others_adds_a_caveat(tmp_path
     assert not read_with_interpretation(path, **options).caveats
 
 
-def test_last_number_of_a_column_that_counts_the_others_adds_a_caveat(tmp_path):
+def test_last_number_that_equals_the_count_of_the_others_adds_a_caveat(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
     heights = "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS)
     for last_number, is_count in ((f"{LINE_HEIGHTS.size}", True), (f"{LINE_HEIGHTS.size - 1}", False)):
@@ -944,7 +944,7 @@ def test_tip_radius_in_a_header_is_added_to_the_history(tmp_path, line):
 
 
 @pytest.mark.parametrize("spacing", [0.25, 0.333, 0.2, 1.26])
-def test_rounded_grid_points_are_read_if_the_spacing_is_at_least_two_rounding_units(tmp_path, spacing):
+def test_rounded_positions_on_a_grid_are_read_if_the_spacing_is_above_two_units_of_the_last_digit(tmp_path, spacing):
     path = tmp_path / "a.xyz"
     order = np.random.default_rng(5).permutation(HEIGHTS.size)
     y, x = (spacing * item.ravel()[order] for item in np.mgrid[:NUM_ROWS, :NUM_COLUMNS])
@@ -1044,7 +1044,7 @@ def test_header_lengths_that_a_profile_does_not_use_may_be_zero(tmp_path):
     assert not any("tip radius" in step for step in profile.history)
 
 
-def test_code_for_missing_points_that_is_not_finite_matches_only_equal_numbers(tmp_path):
+def test_infinite_code_for_missing_points_matches_only_infinite_heights(tmp_path):
     heights = np.where(np.isnan(HEIGHTS_WITH_HOLES), np.inf, HEIGHTS_WITH_HOLES)
     np.save(tmp_path / "a.npy", heights)
     options = {"unit": "um", "spacing": "0.5 um", "missing": "mask", "missing_value": "inf"}

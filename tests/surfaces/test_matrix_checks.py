@@ -198,7 +198,7 @@ def test_columns_around_the_coordinates_of_a_grid_do_not_hide_them(tmp_path, ord
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_numbers_of_rows_or_columns_at_the_last_side_of_a_matrix_are_rejected(tmp_path, axis):
+def test_matrix_with_row_or_column_numbers_in_its_last_column_or_row_is_rejected(tmp_path, axis):
     path = tmp_path / "a.txt"
     heights = create_map(24, 18)
     numbers = np.arange(heights.shape[axis])
@@ -207,7 +207,7 @@ def test_numbers_of_rows_or_columns_at_the_last_side_of_a_matrix_are_rejected(tm
 
 
 @pytest.mark.parametrize("first", [0, 1])
-def test_numbers_of_rows_and_columns_are_not_positions_of_a_matrix(tmp_path, first):
+def test_row_and_column_numbers_of_a_matrix_are_not_read_as_positions(tmp_path, first):
     path = tmp_path / "a.csv"
     rows = [["", *range(first, first + 20)], *([first + at, *row] for at, row in enumerate(HEIGHTS.tolist()))]
     path.write_text("".join(",".join(map(str, row)) + "\n" for row in rows))

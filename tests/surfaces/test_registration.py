@@ -13,7 +13,7 @@ def cut_piece(surface, row, column, points=128):
     return Surface(surface.heights[row : row + points, column : column + points], spacing=surface.spacing)
 
 
-def test_registration_finds_the_shift_and_the_overlap_fits_to_round_off():
+def test_registration_of_two_pieces_of_a_map_finds_their_shift_exactly():
     upper, lower, registration = register_faces(cut_piece(LARGE, 37, 28), cut_piece(LARGE, 30, 40))
     assert registration.shift == (350.0, -600.0)
     assert registration.rotation == 0
@@ -43,7 +43,7 @@ def test_profiles_are_registered_by_a_shift():
     assert registration.rms_gap < 1e-9
 
 
-def test_missing_points_do_not_take_part_in_the_registration():
+def test_registration_ignores_missing_points():
     upper, lower = cut_piece(LARGE, 37, 28), cut_piece(LARGE, 30, 40)
     missing = np.zeros(lower.heights.shape, bool)
     missing[40:60, 50:90] = True
@@ -51,7 +51,7 @@ def test_missing_points_do_not_take_part_in_the_registration():
     assert register_faces(upper, holed)[2].shift == (350.0, -600.0)
 
 
-def test_measure_of_fit_is_high_for_mates_only():
+def test_measure_of_fit_is_high_only_for_faces_that_fit():
     other = cut_piece(self_affine_surface(6, shape=(200, 200), **ROUGH), 0, 0)
     piece = cut_piece(LARGE, 30, 40)
     assert measure_fit(piece, piece) == pytest.approx(1)

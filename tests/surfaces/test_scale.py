@@ -355,7 +355,7 @@ class TestNoiseOfAnisotropicMap:
         )
         assert filtered_slope == pytest.approx(clean_slope, rel=0.04)
 
-    def test_slope_fraction_of_noise_includes_noise_that_roughness_across_grooves_hides(self):
+    def test_noise_across_grooves_is_included_in_the_slope_fraction_although_roughness_hides_it(self):
         rng = np.random.default_rng(4)
         heights = filtered_noise(rng, (192, 192), 0.8, longest=60, stretch=30.0)
         noise = 0.03 * rng.normal(size=heights.shape)

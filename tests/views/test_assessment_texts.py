@@ -535,7 +535,7 @@ def test_text_about_finer_scans_states_the_hardness():
 
 
 @pytest.mark.parametrize(("half_width", "is_stated"), [(0.02, True), (0.5, False)])
-def test_finer_scans_are_stated_unless_their_effect_is_small_beside_the_interval(half_width, is_stated):
+def test_effect_of_finer_scans_is_stated_unless_it_is_small_compared_with_the_interval(half_width, is_stated):
     point = summarize_single_point(measured_result(), measured_study(hardness=3.0))
     rules = tuple(replace(rule, lower=rule.value - half_width, upper=rule.value + half_width) for rule in point.rules)
     text = " ".join(point_detail_sentences(replace(point, rules=rules)))

@@ -203,7 +203,7 @@ def test_result_evaluates_a_single_quantity_with_its_combined_interval(result):
     np.testing.assert_array_equal(closure, result.at()["closure"].squeeze())
 
 
-def test_card_states_units_source_interval_and_what_the_format_cannot_hold(result, folder):
+def test_card_states_units_materials_range_and_values_that_its_format_omits(result, folder):
     texts = {ending: export_text(result, folder / f"card{ending}") for ending in (".inp", ".mac", ".liggghts")}
     for text in texts.values():
         words = " ".join(re.sub("(?m)^(\\*\\*|!|#) ", "", text).split())
