@@ -88,7 +88,7 @@ class Estimate:
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Self:
-        """Return the estimate of a JSON object of `to_record`. Without an upper limit, only `upper` is null."""
+        """Create an estimate from a JSON object of `to_record`, where only `upper` is null without an upper limit."""
         value, lower, upper = (math.nan if record[key] is None else record[key] for key in ("value", "lower", "upper"))
         if math.isnan(upper) and not math.isnan(lower):
             upper = math.inf

@@ -239,7 +239,7 @@ class JobQueue:
     async def _show_files(self, job: Job, record: str) -> None:
         """Copy the files that a finished command wrote, and show them with the values in its JSON record."""
         files = self._choose_folder()
-        # A thread cannot be cancelled, so it does not change the job, which may be stopped in the meantime.
+        # The thread continues if the job is stopped in the meantime. Therefore it does not change the job itself.
         counts = await asyncio.to_thread(self._copy_files, job, files, record)
         job.show(_read_answer(job, record), files, counts=counts)
 

@@ -33,8 +33,8 @@ MIN_AREA_VARIATION = 0.1
 # Number of nuisance points in each round of adaptation, and maximum number of nuisance points in the result.
 # A nuisance point is a set of values of the nuisance parameters.
 NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
-# Number of nuisance points of the result without nuisance parameters, and its upper limit.
-# The number of points is doubled for each nuisance parameter, and may grow further.
+# Initial number of nuisance points in the result, and its upper limit. It doubles with each nuisance parameter.
+# Points are then added until the effective sample size is large enough.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # normal scores of nuisance parameters are clipped to this absolute value
 MAX_PROPOSAL_ROUNDS = 8  # maximum number of rounds of adaptation

@@ -341,7 +341,7 @@ class FrictionTest:
 
 
 def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: float) -> bool:
-    """Return whether yield by slip lines would noticeably change the friction coefficient of a test."""
+    """Return whether junction growth by slip lines would noticeably change the friction coefficient of a test."""
     if not friction.sums["tangential_adhesive"] * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
     return abs(FrictionLaw(mu0, tau0).growth_effect(friction.hardness)) > NEGLIGIBLE_GROWTH_EFFECT

@@ -98,7 +98,7 @@ def build_cutoff_study(study: Study) -> Study | None:
 
 
 def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
-    """Return the cutoff study of a measured pair with its subfolder of a result folder, or None if there is none."""
+    """Return the cutoff study of a measured pair and its folder below `path`, or None if there is no second cutoff."""
     cutoff_study = build_cutoff_study(study)
     return None if cutoff_study is None else CompanionStudy(cutoff_study, path / CUTOFF_STUDY_FOLDER)
 

@@ -258,7 +258,7 @@ class CombinedIntervals:
         return value, max(low, 0.0), high
 
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
-        """Return the 95 % interval of the coefficient if some inputs are fixed at the given quantiles.
+        """Return the 95 % interval of the coefficient, with some inputs fixed at the given quantiles.
 
         The interval contains the value, the interval of the mean, and the range of coefficients for finer
         scans, unless these sources are fixed.

@@ -1,7 +1,8 @@
 """True area of a pair as a function of load, hardness, E* and the exponent of the yielding area.
 
 Elastic areas at all loads suffice for this: the area of contacts that yield follows from the elastic area at the same
-load, and by similarity, the elastic area at (F, e E*) equals the area at (F/e, E*).
+load, and by similarity, the elastic area at (F, e E*) equals the area at (F/e, E*). The *capped area* is that of the
+half-space solution, in which the pressure is limited to the hardness.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     import xarray
 
 FALLBACK_YIELD_EXPONENT = 1.15
-"""Exponent of the yielding area if a result stores only the area with the pressure cap. It only scales this area."""
+"""Exponent of the yielding area if a result stores only capped areas. It only scales these areas."""
 
 AREA_SUMS = ("contact_area", "normal_adhesive", "tangential_adhesive")
 """Stored sums that are proportional to the true area."""
@@ -267,7 +268,7 @@ def _average_contact_loads(result: MemberSums) -> Floats | None:
 
 
 def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
-    """Estimate the elastic areas of a result that stores only areas with the pressure cap.
+    """Estimate the elastic areas of a result that stores only capped areas.
 
     The estimate A = κ F/(E* h') holds for small loads. Surfaces that fit perfectly are in complete contact.
     """
@@ -300,7 +301,7 @@ def compute_exponents(loads: Floats, values: Floats) -> Floats:
 
 
 def compute_yield_factors(result: MemberSums) -> Floats | None:
-    """Return the ratio of the true area to the area with the pressure cap, with the shape (cells, loading steps).
+    """Return the ratio of the true area to the capped area, with the shape (cells, loads).
 
     The result is None if both are equal, because the bodies are elastic or the result has no elastic areas.
     """
@@ -314,15 +315,15 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
 
 
 def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
-    """Return the ratio of the true area to the area with the pressure cap at a given hardness (GPa)."""
+    """Return the ratio of the true area to the capped area at a given hardness (GPa), with the shape (cells, loads)."""
     contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):
         true_areas = yielded_area(areas.elastic, loads, hardness, float(contact.yield_exponent))
-        # In complete contact, the solved area may exceed the nominal area by round-off.
+        # In complete contact, the elastic area may exceed the nominal area by round-off.
         largest_areas = np.maximum(areas.elastic, float(result.head["nominal_area"]))
         factors = np.minimum(true_areas, largest_areas) / areas.elastic_members
-    for cell_factors in factors:  # at loads for which no elastic area was solved, factors of other loads are used
+    for cell_factors in factors:  # loads without an elastic area take interpolated factors of other loads
         is_known = np.isfinite(cell_factors)
         if is_known.any():
             log_loads = np.log(loads)
@@ -333,10 +334,10 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
 
 
 def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Yield the pieces of a result, with the true areas of yielding contacts instead of areas with the cap.
+    """Yield the pieces of a result, with the true areas of yielding contacts instead of capped areas.
 
-    Sums over the true area (`AREA_SUMS`) are proportional to it. All other sums stay those of the contact with the
-    pressure cap.
+    Sums over the true area (`AREA_SUMS`) are proportional to it. All other sums stay those of the half-space
+    solution.
     """
     factors = result.compute_once(compute_yield_factors)
     for piece in result.pieces(names):

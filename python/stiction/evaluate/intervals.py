@@ -60,7 +60,7 @@ class LoadCrossings:
     fraction: Floats  # position of each crossing between two steps, from 0 to 1 (..., l)
     reached: NDArray[np.bool_]  # True for loads that the curve reaches (..., l)
     below: NDArray[np.bool_]  # True for loads below the first step (..., l)
-    # Curves and requested loads, if the ratio of value to load is interpolated.
+    # Curves and requested loads, if the ratio of value to load is interpolated; otherwise None.
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
@@ -134,7 +134,7 @@ class LoadCrossings:
 
     @property
     def loads(self) -> Floats:
-        """The given loads. The crossings must have been found with `interpolates_ratio`."""
+        """Requested loads. They are stored only if the crossings were found with `interpolates_ratio`."""
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         return self.scale[1]
 

@@ -244,7 +244,10 @@ def include_interpolation_error(
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
-    """Return the status of a coefficient where any member (first axis) has one; elsewhere the most frequent status."""
+    """Return one status for all members (first axis).
+
+    It is a status with a coefficient if any member has one, and otherwise the most frequent status.
+    """
     counts = np.stack([(statuses == each).sum(axis=0) for each in STATUSES])
     most_frequent_statuses = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
     with_coefficient = friction.STATUSES_WITH_COEFFICIENT

@@ -155,9 +155,10 @@ def interpolate_member_sums(
     *,
     member_kind: MemberKind | None = None,
 ) -> xarray.Dataset:
-    """Return contact sums of all members at elastic loads (mN). The default is the six sums that determine friction.
+    """Return contact sums of all members at elastic loads (mN).
 
-    The dimensions are cells, repetition, sliding, direction and load.
+    By default, these are the six sums that determine friction. The dimensions are cells, repetition, sliding, direction
+    and load.
     """
     import xarray
 

@@ -83,7 +83,7 @@ SMALLEST_TABULATED_MEAN, NUM_TABULATED_VALUES = 0.005, 256
 axis.
 """
 
-NUM_PRESSURE_STEPS = 3  # number of Newton steps for the yield pressure of slip lines, which are exact to round-off
+NUM_PRESSURE_STEPS = 3  # number of Newton steps after which the yield pressure of slip lines is exact to round-off
 
 
 @dataclass(frozen=True)

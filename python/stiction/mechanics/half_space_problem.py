@@ -251,7 +251,7 @@ class ContactSolution:
         return self._compute_response(self._all_points)
 
     def _get_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the cached response of the points below the hardness, or of all points."""
+        """Return the stored response of the points that the mask selects: those below the hardness, or all points."""
         return self._linear_response if free_mask is self.below_hardness else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
@@ -386,7 +386,7 @@ class TiltResponse:
 
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
-        """Compute the response of the points that a mask marks as free."""
+        """Compute the response of the free points, which are given as a mask."""
         max_pressure = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
@@ -507,7 +507,7 @@ def to_contact_solution(
 
 
 def to_step_result(contact_solution: ContactSolution) -> StepResult:
-    """Return the fields of a contact at one load as the result of a step."""
+    """Convert the contact at one load to the result of a step, from which `from_step_result` restores it."""
     names = ("load", "points", "values", "share", "patch", "approach", "error", "iterations")
     result = {name: getattr(contact_solution, name) for name in names}
     problem = contact_solution.problem
@@ -515,7 +515,7 @@ def to_step_result(contact_solution: ContactSolution) -> StepResult:
 
 
 def from_step_result(problem: HalfSpaceProblem, result: StepResult) -> ContactSolution:
-    """Return the contact of a problem that `to_step_result` converted."""
+    """Restore the contact at one load from the result of a step (`to_step_result`)."""
     if problem.turns:
         tilt = result["tilt"] if np.ndim(result["tilt"]) else float(result["tilt"])
         problem = replace(problem, upper=result["upper"], gap=result["gap"], tilt=tilt)

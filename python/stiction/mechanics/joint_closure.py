@@ -12,7 +12,9 @@ import numpy as np
 
 from stiction._checks import Floats
 
-MAX_CLOSURE_EXTRAPOLATION = 10.0  # maximum ratio of the maximum closure to the largest computed closure
+MAX_CLOSURE_EXTRAPOLATION = (
+    10.0  # largest accepted ratio of the fitted maximum closure V to the largest computed closure
+)
 
 
 @dataclass(frozen=True)

@@ -56,8 +56,8 @@ NORMAL_LOAD_TOLERANCE = 1e-4
 
 MAX_LOAD_TRIALS = 40  # maximum number of contacts that are solved for one step
 MAX_LOAD_FACTOR = 4.0  # maximum factor between the elastic loads of two consecutive trials
-MAX_ELASTIC_LOAD_RATIO = 100.0  # ratio of the elastic load to the target of the normal load at which the faces lock
-MIN_ELASTIC_LOAD_RATIO = 1e-4  # ratio of the elastic load to the initial load at which the faces count as separated
+MAX_ELASTIC_LOAD_RATIO = 100.0  # the faces lock above this ratio of the elastic load to the target of the normal load
+MIN_ELASTIC_LOAD_RATIO = 1e-4  # the faces are separated below this ratio of the elastic load to the initial load
 
 MAX_ROUND_OFF_GAP = 1e-9
 """Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
@@ -458,7 +458,10 @@ def _measured_area(upper: Profile | Surface, lower: Profile | Surface) -> float:
 def _find_root(
     compare_load: Callable[[float], tuple[float, float]], guess: float, load: float, max_load: float
 ) -> Status:
-    """Find the elastic load at which a rising function is 0 by secants in a bracket. The last call is at the root."""
+    """Find the elastic load at which an increasing function is 0, by the secant method within a bracket.
+
+    The function is evaluated last at this load.
+    """
     below, above = 0.0, max_load  # elastic loads at which the function is negative and positive
     trial, last = min(guess, 0.9 * max_load), None
     for _ in range(MAX_LOAD_TRIALS):
@@ -486,7 +489,8 @@ def _find_root(
 def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
     """Return the angles (degrees) whose tangent is the dilation (last axis) per displacement.
 
-    The slope at a displacement is taken between its neighbours, and at an end of the path to its only neighbour.
+    The slope at a displacement is that of the line through its two neighbours. At an end of the path, the line passes
+    through the end and its only neighbour.
     """
     index = np.arange(displacement.size)
     first, last = np.maximum(index - 1, 0), np.minimum(index + 1, displacement.size - 1)

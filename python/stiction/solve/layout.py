@@ -120,7 +120,7 @@ def compute_bytes_per_member(study: Study) -> int:
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return how many members, a power of two, one piece of a result contains if a member takes `size` bytes."""
+    """Return the number of members in a piece of a result, a power of two, for members of `size` bytes."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 

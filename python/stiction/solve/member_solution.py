@@ -635,7 +635,7 @@ def _get_reused_array(shape: tuple[int, ...]) -> Floats:
 def _solve_measured_member(
     study: Study, index: int, arrays: ArraysByName, record: SolutionRecord | None
 ) -> Iterator[tuple[int, ArraysByName]]:
-    """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
+    """Yield the index of each cutoff with the contact sums of the member. Write the member coordinates to `arrays`."""
     is_early = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
     computes_unloading = is_early or not study.is_areal
     computes_elastic_area = index in find_elastic_members(study)

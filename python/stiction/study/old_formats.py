@@ -90,7 +90,10 @@ def _convert_contact_section(contact: dict[str, Any], known: Mapping[str, Any]) 
 def _replace_effective_modulus(
     contact: dict[str, Any], bodies: Mapping[str, Any], *, is_one_material: bool
 ) -> dict[str, Any]:
-    """Replace E* by Young's moduli and Poisson's ratios. If E* differs from theirs, add the range of E* instead."""
+    """Replace E* by Young's moduli and Poisson's ratios.
+
+    If they give another E*, keep the given E*, and add the range that follows from the ranges of the moduli.
+    """
     modulus = _parse("effective_modulus", contact.get("effective_modulus", "10 GPa"))
     values = {
         name: [_parse(name, entry) for entry in (entries if isinstance(entries, list) else [entries])]

@@ -177,7 +177,7 @@ class PairProperties(Protocol):
 
     @property
     def press_mode(self) -> str:
-        """Kind of contact that is computed: between "areas", "lines" or "surrogates"."""
+        """Bodies that are pressed: "areas" of maps, "lines", or "surrogates"."""
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:

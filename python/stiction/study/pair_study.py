@@ -269,7 +269,7 @@ class MeasuredPair:
 
     @property
     def press_mode(self) -> str:
-        """Kind of contact that is computed: between "areas", "lines" or "surrogates"."""
+        """Bodies that are pressed: "areas" of maps, "lines", or "surrogates"."""
         if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
         return "areas" if self.are_maps and self.options.lines is None else "lines"

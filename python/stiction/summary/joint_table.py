@@ -54,7 +54,7 @@ JOINT_TITLES = {
 
 @dataclass(frozen=True)
 class JointUnits:
-    """Units of a joint table."""
+    """Units of length, force and pressure in which a joint table is written."""
 
     length: str
     force: str

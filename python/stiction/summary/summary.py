@@ -233,7 +233,7 @@ class PointSummary:
 
     @property
     def load_definition_effect(self) -> float:
-        """Relative difference of the coefficients between the definitions of the load, or NaN if it is unknown."""
+        """Relative difference of the coefficients for the two definitions of the load, or NaN if it is unknown."""
         return self.numbers.get("load_definition_effect", math.nan)
 
     @property
@@ -416,7 +416,10 @@ def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, a
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Extend the intervals at the first cutoff to include those at the second. The first points come first."""
+    """Extend the intervals at the first cutoff to include those at the second.
+
+    The list begins with the points at the first cutoff. The other points are marked as covered.
+    """
     cut_off = points[0].at["cut_off"]  # the value at the first cutoff is reported
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
@@ -668,8 +671,8 @@ def _find_bounds_for_finer_scans(
     """Return bounds, valid to second order in the slope, on the friction coefficient for all finer scans.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
-    between contacts of different members. The bounds may be equal. There are none if the interface of contacts that
-    yield is stronger than the softer body.
+    between contacts of different members. There are none if the interface of contacts that yield is stronger than the
+    softer body.
     """
     hardness = study.contact.hardness
     has_bracket = study.is_measured and study.uses_half_space and not study.contact.adheres

@@ -389,7 +389,7 @@ class MapPairs:
         return self._cut_piece(self.upper, upper_origin), self._cut_piece(self.lower, lower_origin)
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Return levelled pieces from surrogates of the whole maps."""
+        """Generate surrogates of the whole maps, and return a levelled piece of each."""
         upper, lower = (
             self._cut_piece(
                 surrogate(body, self.seed, repetition=index, side=side), _centred_piece_origin(points, self.shape)
@@ -459,7 +459,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
         return upper, lower
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Return the levelled pieces of a pair of generated surfaces."""
+        """Generate two surrogates, and return a levelled piece of each."""
         shape = (self._num_side_points, self._num_side_points)
         upper, lower = (
             levelled(
@@ -519,7 +519,7 @@ class SpectralSurfacePairs(SquarePiecePairs):
         return fraction, fraction
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Return the levelled pieces of a pair of generated surfaces."""
+        """Generate two surrogates, and return a levelled piece of each."""
         return self._generate_piece(self.upper, index, "upper"), self._generate_piece(self.lower, index, "lower")
 
     def _generate_piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:

@@ -51,9 +51,10 @@ class Registration:
 
 
 def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
-    """Return the overlapping parts of two facing bodies with equal spacings where they fit best, and their position.
+    """Return the overlapping parts of two facing bodies at the position at which they fit best, and this position.
 
-    The upper face is rotated (maps only), shifted by whole grid points and tilted by the plane or line of the gap.
+    The spacings of both bodies must be equal. The upper face is rotated (maps only), shifted by whole grid points, and
+    tilted so that the gap has no slope on average.
     """
     rms_gap_before = _measure_rms_gap(*_cut_overlap(upper, lower, (0,) * lower.heights.ndim))
     rotation = _find_rotation(upper, lower) if isinstance(upper, Surface) else 0.0
@@ -135,12 +136,12 @@ def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
 
 
 def _to_offset(index: int, count: int) -> int:
-    """Convert an index of a discrete Fourier transform to an offset, which is negative in the upper half."""
+    """Convert an index of a discrete Fourier transform to an offset. Indices in the upper half are negative offsets."""
     return index - count if index > count // 2 else index
 
 
 def _find_coarsening(upper: Any, lower: Any) -> int:
-    """Return the size of the blocks, in points per axis, over which the search averages heights."""
+    """Return the side (points) of the blocks over which heights are averaged for a coarse search."""
     longest_side: int = max(*upper.heights.shape, *lower.heights.shape)
     return math.ceil(longest_side / _MAX_COARSE_POINTS[lower.heights.ndim])
 
@@ -161,7 +162,7 @@ def _coarsen(body: Any, factor: int) -> Any:
 
 
 def _correlate_slopes(upper: Any, lower: Any) -> Floats:
-    """Return the correlation of the slopes of two bodies for all offsets of the upper body (FFT order).
+    """Return the correlation of the slopes of two bodies for all offsets of the upper body, in the order of an FFT.
 
     Offsets at which the faces overlap too little are NaN.
     """
@@ -200,9 +201,10 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
 
 
 def _find_rotation(upper: Surface, lower: Surface) -> float:
-    """Return the rotation (degrees) of the upper map that makes the gap smallest; 0 if it moves no point by a step.
+    """Return the rotation (degrees) of the upper map at which the gap is smallest.
 
-    The rotation is first searched for by the slopes of coarse maps.
+    The search starts with the slopes of coarse maps. The result is 0 if the rotation moves the ends of the map by less
+    than half of a point.
     """
     from scipy.optimize import minimize_scalar
 
@@ -225,14 +227,14 @@ def _find_rotation(upper: Surface, lower: Surface) -> float:
 
 
 def _find_offset(upper: Any, lower: Any) -> tuple[int, ...]:
-    """Return the offset of the upper face (points) at which the gap is smallest, near the best fit of the slopes."""
+    """Return the offset (points) of the upper face with the smallest gap, near the offset at which slopes fit best."""
     factor = _find_coarsening(upper, lower)
     _, offset = find_best_fit(_coarsen(upper, factor), _coarsen(lower, factor))
     return _refine_offset(upper, lower, tuple(factor * step for step in offset), factor)
 
 
 def _refine_offset(upper: Any, lower: Any, offset: tuple[int, ...], factor: int) -> tuple[int, ...]:
-    """Return the offset near `offset` at which the gap is smallest. The steps of the search are halved to a point."""
+    """Return the offset with the smallest gap near `offset`. The step of the search is halved down to one point."""
     smallest_gap, step = _measure_rms_gap(*_cut_overlap(upper, lower, offset)), max(factor // 2, 1)
     while True:
         moves = np.stack(np.meshgrid(*[(-step, 0, step)] * len(offset)), -1).reshape(-1, len(offset))

@@ -258,7 +258,11 @@ def _find_height(body: Profile | Surface) -> float:
 
 
 def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
-    """Find points next to a large second difference of a profile, or map points far from the median of 3 x 3 points."""
+    """Find the sharp points of a body.
+
+    Sharp points of a profile are next to a large second difference. Those of a map are far from the median of the 3 x 3
+    points around them.
+    """
     from scipy.ndimage import maximum_filter, median_filter
 
     rounding_error = body.height_step / math.sqrt(12)  # rms error of rounded heights

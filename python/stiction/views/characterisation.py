@@ -33,7 +33,7 @@ NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed:
 # Unreliable wavelengths are ignored if they contribute less than this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
 _MIN_PEAK_RATIO = 3.0  # minimum ratio of the density of a peak to the density at longer wavelengths
-_MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths for a comparison with a possible peak
+_MIN_LONGER_WAVELENGTHS = 4  # a peak must have at least this number of longer wavelengths beside it
 _MIN_PEAK_FRACTION = 0.1  # a peak is reported if it contributes at least this fraction of m4
 # the scatter is reported if the dispersion of the spectrum relative to its fit exceeds this limit
 _MAX_DISPERSION = 2.0

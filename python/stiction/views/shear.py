@@ -32,7 +32,7 @@ MAX_PRINTED_DISPLACEMENTS = 13
 MIN_PRINTED_ANGLE_RANGE = 1.0  # smallest width (degrees) of an interval of the dilation angle that is printed
 MAX_EDGE_LOAD_FRACTION = 0.2  # maximum fraction of the load at the edges of the faces without a caveat
 MAX_HARDNESS_LOAD_FRACTION = 0.5  # maximum fraction of the load at the hardness without a caveat
-MAX_INITIAL_AREA_FRACTION = 0.5  # maximum contact area over overlap at the start without a caveat
+MAX_INITIAL_AREA_FRACTION = 0.5  # maximum ratio of contact area to overlap at the start without a caveat
 MAX_USUAL_PEAK = math.tan(math.radians(70))  # largest peak that Barton and Choubey (1977) recommend to use
 MIN_FIT_CORRELATION = 0.5  # minimum correlation of the slopes at the start of the path without a caveat
 

@@ -291,7 +291,7 @@ def parse_declarations(
 ) -> HeaderDeclarations:
     """Parse the declarations above and below the numbers. The first match of each kind is used.
 
-    The axis y of a profile is that of its heights. With `has_names`, the last line contains the names of the columns.
+    In the header of a profile, y denotes the heights. With `has_names`, the last line contains column names.
     """
     header = [line for line in header if not line.startswith(_HISTORY_PREFIX)]
     lines = [normalise_line(line) for line in (*header, *footer) if not line.startswith(_HISTORY_PREFIX)]
@@ -342,7 +342,10 @@ def parse_declarations(
 
 
 def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
-    """Return the line by which the numbers are slopes, unlike a line with the value of a slope, or an empty string."""
+    """Return the line that declares the numbers to be slopes, or an empty string.
+
+    A line with the value of a slope, such as "Rms slope: 0.02", is no such declaration.
+    """
     name_line = "" if has_names else _find_last_line_with_letters(lines) or ""
     lines = lines[:-1] if has_names else lines
     if _SLOPE_NAME_PATTERN.fullmatch(name_line) and not _HEIGHT_NAME_PATTERN.search(name_line):
@@ -394,7 +397,10 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
 
 
 def _find_unit_after_height_name(line: str, is_profile: bool, has_size: bool) -> str | None:
-    """Return the unit in a line such as "Z: nm" and "z 10 nm", also if it is not known, unlike a remark or a factor."""
+    """Return the unit after the name of the heights, as in "Z: nm" and "z 10 nm", whether it is known or not.
+
+    Remarks and factors are not units.
+    """
     if (match := _UNIT_OF_Z_PATTERN.fullmatch(line)) is None:
         return None
     colon, size_name, space, text = match.groups()
@@ -482,9 +488,9 @@ def is_unit(word: str) -> bool:
 
 
 def find_other_axis(name: str, unit: str | None) -> str | None:
-    """Return the quantity in the name of a column of positions if it is not a length, such as "time", or None.
+    """Return the quantity that a column of positions names instead of a length, such as "time", or None.
 
-    A unit that is not a length is rejected by itself.
+    None also if the column has a unit that is not a length, because such units are rejected elsewhere.
     """
     match = _NON_POSITION_NAME_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", name))
     if match is None or (unit is not None and (match[1] is None or parse_length_unit(unit) is None)):
@@ -594,7 +600,7 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
         )
         return tuple(map(unit_in_column_name, cells)) if cells is not None and is_names else (None,) * width
     if cells is not None and any(unit_in_column_name(cell) for cell in cells):
-        # beside "x mm", the last letter of "z V" and the last word of "z foo" are units, too
+        # next to "x mm", the last letter of "z V" and the last word of "z foo" are units, too
         last_words = [_split_name(cell)[-1] for cell in cells]
         are_last_words = any(map(parse_length_unit, last_words))
         return tuple(

@@ -102,7 +102,7 @@ def _open_reader(path: Path) -> Iterator[Any]:
         raise
     except Exception as error:  # the readers of SurfaceTopography raise many kinds of errors
         detail = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
-        # omit the message of this error, because the message lists the errors of all readers
+        # this error is not quoted, because its text contains the errors of all readers
         if type(error).__name__ == "CannotDetectFileFormat":
             detail = ""
         raise FormatError(_UNKNOWN_FORMAT_MESSAGE.format(detail)) from None

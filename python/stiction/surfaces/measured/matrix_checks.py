@@ -125,21 +125,21 @@ def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> s
 
 
 def _find_statistics(values: Floats) -> str | None:
-    """Describe outer rows or columns of a matrix that are statistics of the inner ones; return None without any."""
+    """Describe rows or columns at a side of a matrix that are statistics of the others, or return None."""
     for axis, kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered in (("last", lines), ("first", lines[::-1])):
             # columns in which a line is compared with statistics of the others; the full comparison is rarely needed
             sample = np.linspace(0, lines.shape[1] - 1, min(8, lines.shape[1])).astype(int)
             for count in range(1, min(MAX_STATISTIC_LINES, lines.shape[0] - 4) + 1):
-                name = _name_of_statistic(ordered[:, sample], count)
-                if name is not None and _name_of_statistic(ordered, count) == name:
+                name = _find_statistic_name(ordered[:, sample], count)
+                if name is not None and _find_statistic_name(ordered, count) == name:
                     return f"{name} in its {side} {kind}s" if count > 1 else f"{name} in its {side} {kind}"
     return None
 
 
-def _name_of_statistic(lines: Floats, count: int) -> str | None:
-    """Return the statistic of the upper lines that the last line repeats (the last `count` are excluded), or None."""
+def _find_statistic_name(lines: Floats, count: int) -> str | None:
+    """Return the name of the statistic in the last line, which is computed from all but the last `count` lines."""
     heights, last = lines[:-count], lines[-1]
     if not np.isfinite(lines).all():
         return None

@@ -41,8 +41,8 @@ MAX_REPEATED_ROWS = 0.9
 # minimum length of a run of equal heights in a profile that is reported, and maximum probability of such a run due
 # to rounding
 MIN_EQUAL_RUN, MAX_RUN_PROBABILITY = 8, 1e-4
-# Heights contradict a declared range if their range is larger by the first factor.
-# They also contradict it if their range is smaller by a power of the ratio of two units, within the deviation.
+# Heights contradict a declared range if their range is at least 10 times larger, or if it is smaller by a power of
+# 1000 (within 10 %), because the unit is then probably wrong.
 MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
 MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
 # Minimum spacing (one ångström), maximum spacing (one centimetre) and maximum extent (one metre), in µm.

@@ -209,7 +209,7 @@ class ColumnTable:
     word_columns: tuple[WordColumn, ...] = ()  # columns that contain words; their values are NaN
 
     def last_digit_value_function(self, column: int) -> PlaceValueFunction | None:
-        """Return a function that computes the value of one last-digit unit for each number in a column."""
+        """Return a function that computes the place value of the last digit of each number in a column."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)
 

@@ -66,7 +66,7 @@ _FILE_SIGNATURES = {
 """First bytes of certain file types, with the usual file name extensions and a description of each type."""
 
 MAX_DESCRIPTION_BYTES = 100_000  # maximum size of a description of a file
-# In dabam, the formats 1 and 3 are slopes, and 2 and 4 are heights.
+# In files of dabam, formats 1 and 3 contain slopes, and formats 2 and 4 contain heights.
 _DABAM_FORMAT_PATTERN = re.compile(rb'\A\s*\{.*"FILE_FORMAT"\s*:\s*([13])\s*[,}]', re.DOTALL)
 
 MissingValueCodes = str | float | Sequence[str | float]
@@ -451,7 +451,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
 
 
 def _reject_described_slopes(path: Path) -> None:
-    """Raise `FormatError` if the description beside a file of the mirror database dabam names slopes."""
+    """Raise `FormatError` if the description next to a file of the mirror database dabam declares slopes."""
     description = path.with_suffix(".txt")
     if path.suffix.lower() != ".dat" or not description.is_file() or description.stat().st_size > MAX_DESCRIPTION_BYTES:
         return

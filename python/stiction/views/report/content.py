@@ -69,7 +69,7 @@ BEYOND_MODEL_TEXT = (
 
 
 def common_facts(data: MeasuredReportData | GeneratedReportData) -> dict[str, Any]:
-    """Return the data for the script of a page that all reports share."""
+    """Return the data that the page script needs for reports of every kind."""
     modulus, values = float(data.study.contact.effective_modulus), data.values
     return {
         "axes": None if values is None else _slider_settings(values.axes, data.study),
