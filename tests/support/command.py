@@ -11,6 +11,10 @@ from unittest import mock
 from stiction import cli
 from stiction.views.files import REPORT_FILE_SIGNATURE, replace_text_file
 
+# If xarray was imported while Dask was available, it needs Dask even if main() would prevent the import.
+with contextlib.suppress(ImportError):
+    import dask.base  # noqa: F401
+
 
 @contextlib.contextmanager
 def disable_drawing():
@@ -54,9 +58,6 @@ def call_stiction(*arguments, cwd, columns=200, without_figures=False, without_r
             status = 0
         except SystemExit as exit_request:
             status = exit_request.code or 0
-        finally:
-            if sys.modules.get("dask") is None:  # allow imports that main() prevents
-                sys.modules.pop("dask", None)
     return SimpleNamespace(returncode=status, stdout=out.getvalue(), stderr=err.getvalue())
 
 
