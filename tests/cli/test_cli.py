@@ -52,6 +52,15 @@ def test_command_run_recomputes_nothing_if_the_result_is_complete(folder_and_out
     assert (folder / "quick" / "area.png").exists()
 
 
+def test_command_run_with_another_mu0_keeps_the_figures_of_earlier_values(folder_and_output, tmp_path):
+    shutil.copytree(folder_and_output[0] / "quick", tmp_path / "quick")
+    changes = "--set", "friction.mu0=[0.3]"
+    completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, *changes, cwd=tmp_path, without_figures=True)
+    message = " ".join(completed.stderr.split())
+    assert "its 3 repetitions are kept, and output files with the same names are replaced" in message
+    assert {"friction_mu0_0.1.png", "friction_mu0_0.3.png"} <= {path.name for path in (tmp_path / "quick").iterdir()}
+
+
 def test_command_run_adds_repetitions_and_reports_missing_repetitions(folder_and_output, tmp_path):
     assert_rejected(
         call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--set", "ensemble.seed=1", cwd=folder_and_output[0]),
