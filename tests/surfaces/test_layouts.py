@@ -261,7 +261,8 @@ EXPORT_FORMATS = {
     ),
     "sdf": (
         sdf_text, MASK_OPTION,
-        [{}, {"magic": "aNPL-V1.0"}, {"magic": "aBCR-1.0"}, {"break_after": 4}, {"space": "   = "}, {"break_after": 1}],
+        [{}, {"magic": "aNPL-V1.0"}, {"magic": "aBCR-1.0"}, {"magic": "aBC-1.0"}, {"break_after": 4},
+         {"space": "   = "}, {"break_after": 1}],
     ),
     "tencor": (
         tencor_text, {"unit": "Å", "spacing": ("0.5 um", "0.5 um")},

@@ -1,6 +1,6 @@
 r"""Lists of numbers of NanoScope, CODE V, ISO 5436-2 or an image. They are recognised in order to be rejected.
 
-NanoScope exports a map as a column of heights. The numbers of CODE V and ISO 5436-2 (.smd) have a scale.
+NanoScope exports a map as a column of heights. The numbers of CODE V and ISO 5436-2 (.smd, .prf) have a scale.
 
 ::
 
@@ -30,7 +30,7 @@ from stiction.surfaces.measured.raw import FormatError, RawHeights
 _CODE_V_PATTERN = re.compile(r"GRD\s+[0-9]+\s+[0-9]+\s+(?:SUR|WFR|FIL)\b", re.IGNORECASE)
 _TEXT_IMAGE_PATTERN = re.compile(r"P[123](?:\s+[0-9]+\s+[0-9]+(?:\s+[0-9]+)?)?", re.IGNORECASE)
 _FACES_PATTERN = re.compile(r"element face [1-9]", re.IGNORECASE)
-_SMD_PATTERN = re.compile(r"C[XZ]\s+[AI]\s+[0-9]+\s+[nuµm]?m\s+[0-9.]", re.IGNORECASE)
+_SMD_PATTERN = re.compile(r"C[XZ]\s+[AIM]\s+[0-9][0-9.e+]{0,20}\s+[nuµm]?m\s+[0-9.]", re.IGNORECASE)
 
 
 def _is_list_of_heights(text: DecodedText) -> bool:
@@ -50,7 +50,9 @@ def _reject(text: DecodedText) -> RawHeights:
     if _TEXT_IMAGE_PATTERN.fullmatch(text.line(0).strip()):
         raise FormatError("is an image as text (.pgm, .ppm), whose grey values have no height scale")
     if any(map(_SMD_PATTERN.match, text.first_lines[:30])):
-        raise FormatError("is an SMD file (ISO 5436-2), whose numbers are multiples of a scale; export it as X3P")
+        raise FormatError(
+            "is an SMD or PRF file (ISO 5436-2), whose numbers are multiples of a scale; export it as X3P"
+        )
     if any(map(_FACES_PATTERN.match, text.first_lines[:30])):
         raise FormatError("is a mesh with faces (.ply); export only its points as x, y, z")
     raise FormatError(

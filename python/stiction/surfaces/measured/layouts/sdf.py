@@ -25,6 +25,7 @@ from stiction.surfaces.measured.raw import FormatError, HeightProvenance, RawHei
 from stiction.surfaces.measured.split import numbers_in_lines
 
 _SDF_VERSION_PATTERN = re.compile(r"a(ISO|NPL|BCR|EUNA|GBS)-?\S{0,12}", re.IGNORECASE)
+_OTHER_VERSION_PATTERN = re.compile(r"a[A-Z]{1,8}[- ]?V?[0-9.]{1,8}", re.IGNORECASE)  # for example "aBC-1.0"
 _DECLARATION_PATTERN = re.compile(r"([A-Za-z]{1,30})\s*=\s*(\S.{0,200})?")
 
 
@@ -56,4 +57,13 @@ def _read(text: DecodedText) -> RawHeights:
     )  # fmt: skip
 
 
-LAYOUT = TextLayout("SDF", lambda text: _SDF_VERSION_PATTERN.fullmatch(text.line(0)) is not None, _read)
+def _is_sdf(text: DecodedText) -> bool:
+    """Return whether a text has the first line of an SDF file, or a similar line above the declarations of one."""
+    if _SDF_VERSION_PATTERN.fullmatch(text.line(0)) is not None:
+        return True
+    matches = map(_DECLARATION_PATTERN.fullmatch, text.first_lines[1:30])
+    names = {match[1].casefold() for match in matches if match is not None}
+    return _OTHER_VERSION_PATTERN.fullmatch(text.line(0)) is not None and {"numpoints", "zscale"} <= names
+
+
+LAYOUT = TextLayout("SDF", _is_sdf, _read)
