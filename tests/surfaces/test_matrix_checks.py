@@ -258,3 +258,32 @@ def test_map_with_lay_along_its_rows_has_no_caveat_of_a_profile(tmp_path, seed):
     grooves = np.convolve(rng.normal(size=46), np.hanning(5), "same")[3:-3, np.newaxis]
     path.write_text(to_text(grooves + np.cumsum(rng.normal(size=(40, 24)), axis=1) / 20))
     assert "wrapped" not in [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats]
+
+
+# ---- Coordinates that are not in columns ----------------------------------------------------------------------------
+
+
+def test_rows_of_coordinates_above_a_row_of_heights_are_rejected(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text(to_text(np.stack([X, Y, HEIGHTS.ravel()])))
+    assert "has 3 rows, of which rows 0 and 1, counted from 0, are the coordinates" in error_message(path, **OPTIONS)
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_column_of_coordinates_and_then_heights_is_rejected(tmp_path, order):
+    path = tmp_path / "a.txt"
+    columns = [column.reshape(HEIGHTS.shape).ravel(order) for column in (X, Y, HEIGHTS)]
+    path.write_text(to_text(np.concatenate(columns)[:, np.newaxis]))
+    assert "lists all x, then all y and all z" in error_message(path, **OPTIONS)
+
+
+def test_column_of_positions_and_then_heights_is_rejected(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text(to_text(np.concatenate([np.arange(120) / 2, HEIGHTS.ravel()[:120]])[:, np.newaxis]))
+    assert "lists all x and then all z" in error_message(path, **OPTIONS)
+
+
+def test_profile_of_a_ramp_and_a_rough_part_is_read_if_its_halves_differ_in_length(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text(to_text(np.concatenate([np.arange(120) / 100, HEIGHTS.ravel()[:151]])[:, np.newaxis]))
+    assert read_measurement(path, **OPTIONS).heights.size == 271

@@ -46,6 +46,11 @@ def reject_other_tables(values: Floats, column_numbers: Sequence[int]) -> None:
     if min(values.shape) < 3 and values.shape[1] != 3:
         return
     count = values.shape[1]
+    if values.shape[0] <= MAX_POINT_COLUMNS and (rows := find_grid_columns(values.T)) is not None:
+        raise FormatError(
+            f"has {values.shape[0]} rows, of which rows {rows[0]} and {rows[1]}, counted from 0, are the coordinates "
+            "of a grid; write x, y and z in columns, one point per line"
+        )
     if (places := find_grid_columns(values)) is not None:
         x, y = places
         other_places = [place for place in range(count) if place not in places]
@@ -61,6 +66,17 @@ def reject_other_tables(values: Floats, column_numbers: Sequence[int]) -> None:
         )
     if (description := _find_statistics(values)) is not None:
         raise FormatError(f"has {description}; leave only heights in the file")
+
+
+def reject_coordinates_above_heights(column: Floats) -> None:
+    """Raise `FormatError` if a column of numbers lists the coordinates of a grid first, and then the heights."""
+    if column.size % 3 or column.size < 3 * MIN_GRID_POINTS:
+        return
+    points = column.reshape(3, -1).T
+    # one of the first two coordinates changes in equal steps, and the other does not change
+    first_steps, second_steps = np.diff(points[:3, :2], axis=0)
+    if np.allclose(first_steps, second_steps, rtol=0.01, atol=0.0) and find_grid_columns(points) == (0, 1):
+        raise FormatError("lists all x, then all y and all z; write x, y and z in columns, one point per line")
 
 
 def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -> None:

@@ -24,6 +24,7 @@ from stiction.surfaces.measured.header import (
 )
 from stiction.surfaces.measured.matrix_checks import (
     find_wrapped_profile_caveat,
+    reject_coordinates_above_heights,
     reject_other_tables,
     reject_separate_blocks,
 )
@@ -248,6 +249,8 @@ def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = Fa
     if len(places) == 1:
         filled_rows = np.flatnonzero(~np.isnan(heights))
         end = int(filled_rows[-1]) + 1 if filled_rows.size and table.values.shape[1] > 1 else heights.size
+        if table.values.shape[1] == 1:
+            _reject_positions_above_heights(heights)
         heights, history = _remove_leading_count(heights[:end], table.values.shape[1])
         first_block = int(bool(history) and table.block_lengths[:1] == (1,))
         reject_separate_blocks(table.block_lengths[first_block:], table.block_lines[first_block:])
@@ -297,6 +300,15 @@ def _find_height_unit(table: ColumnTable, place: int) -> str | None:
             "choose another column (--columns)"
         )
     return unit if unit is not None and table.declared.factor is None else table.declared.unit or unit
+
+
+def _reject_positions_above_heights(column: Floats) -> None:
+    """Raise `FormatError` if a column of numbers lists all positions first, and then all heights."""
+    reject_coordinates_above_heights(column)
+    positions, heights = column[: column.size // 2], column[column.size // 2 :]
+    is_divisible = positions.size == heights.size >= MIN_JITTERED_POSITIONS
+    if is_divisible and has_equal_steps(positions) and not has_equal_steps(heights):
+        raise FormatError("lists all x and then all z; write x and z in columns, one point per line")
 
 
 def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
