@@ -394,3 +394,39 @@ def test_file_is_rejected_if_the_description_next_to_it_declares_slopes(tmp_path
     else:
         reading = read_with_interpretation(tmp_path / "dabam-900.dat", unit=("mm", "um"))
         assert reading.body.heights.tolist() == PROFILE.tolist()
+
+
+# ---- Names and units of columns -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("names", ["y (um) x (um) z (um)", "Y [um] X [um] Height [um]", "# y (um) x (um) z (um)"])
+def test_names_with_units_in_brackets_may_be_separated_by_single_blanks(read_text, names):
+    rows = "".join(f"{y * 0.5} {x * 0.25} {MAP[y, x]}\n" for y in range(14) for x in range(20))
+    body = read_text(f"{names}\n{rows}").body
+    assert body.spacing == (0.5, 0.25)
+    np.testing.assert_array_equal(body.heights, MAP)
+
+
+@pytest.mark.parametrize("third_line", ["Smp;Avg", ";part a", '"Smp";"Smp"', "part a;part a"])
+def test_line_of_objects_may_follow_the_names_and_the_units(read_text, third_line):
+    body = read_text(f"Position;Height\nmm;um\n{third_line}\n{ROWS}").body
+    np.testing.assert_array_equal(body.heights, PROFILE)
+    assert body.spacing == pytest.approx(0.5)
+    message = error_message(read_text, f"Position;Height\nmm;um\n{third_line}\n{ROWS}", unit=("mm", "nm"))
+    assert "declares its heights in um, but the given unit is nm" in message
+
+
+@pytest.mark.parametrize("row", ["{x};mm;{z};um\n", "{x};mm;{z};µm\n"])
+def test_words_beside_numbers_that_are_units_apply_to_the_numbers(read_text, row):
+    text = "".join(row.format(x=at / 2000, z=z) for at, z in enumerate(PROFILE))
+    body = read_text(text).body
+    np.testing.assert_array_equal(body.heights, PROFILE)
+    assert body.spacing == pytest.approx(0.5)
+    assert "but the given unit is nm" in error_message(read_text, text, unit=("mm", "nm"), columns=(0, 2))
+
+
+@pytest.mark.parametrize("columns", [None, (0,)])
+def test_numbers_in_several_units_are_rejected(read_text, columns):
+    text = "".join(f"{z};um\n" if at % 9 else f"{1000 * z:.1f};nm\n" for at, z in enumerate(PROFILE))
+    message = error_message(read_text, text, unit="um", spacing="0.5 um", columns=columns)
+    assert "has numbers in several units, according to the words in column 1: 'um' (106) and 'nm' (14)" in message

@@ -518,6 +518,11 @@ def parse_column_headings(header: Sequence[str], width: int, dialect: Dialect) -
     if not lines:
         return ColumnHeadings()
     names, has_unit_line = _parse_column_names(lines, width, dialect)
+    if len(lines) > 2 and not has_unit_line and not _names_axes(names):
+        # a line of objects or of kinds of values may follow the units
+        names_above, has_unit_line = _parse_column_names(lines[:-1], width, dialect)
+        if has_unit_line and _names_axes(names_above):
+            lines, names = lines[:-1], names_above
     units = _parse_column_units(lines, width, dialect)
     if has_unit_line:
         units = tuple(unit_in_column_name(name) for name in names)
@@ -534,6 +539,9 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
         *(uncommented_line.split(separator) for separator in "\t;,|"),
         re.split(r"\s{2,}", uncommented_line.strip()),
     ]
+    cells_with_units = re.split(r"(?<=[)\]])\s+", uncommented_line.strip())  # "x (mm) z (um)"
+    if all(is_unit(unit_in_column_name(cell) or "") for cell in cells_with_units):
+        candidates.append(cells_with_units)
     words = uncommented_line.split()
     if dialect.separator is None and len(words) == 2 * width and any(map(parse_length_unit, words[1::2])):
         return [

@@ -182,6 +182,7 @@ class WordColumn:
     words: str  # the most frequent words and their counts
     rarest: str  # the least frequent word
     missing: NDArray[np.bool_]  # (rows,) True at rows whose word marks a missing point according to the caller
+    units: tuple[str, ...] = ()  # different units of length, if all words are such units
 
 
 @dataclass(frozen=True)

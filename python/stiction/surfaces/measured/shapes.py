@@ -413,6 +413,7 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
 def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex] | None) -> ColumnTable:
     """Remove columns of words. In rows with a word for missing points, replace the heights by NaN.
 
+    If all words of a column are one unit of length, this is the unit of the column before it.
     Raises `FormatError` unless the caller gave such a word for each of these columns, or chose the columns.
     """
     word_places, numbers = [column.place for column in table.word_columns], _column_numbers(table)
@@ -420,7 +421,17 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
     for column in table.word_columns:
         name = f" ({printable_text(table.names[column.place])})" if table.names and table.names[column.place] else ""
         text = f"column {numbers[column.place]}{name}"
-        if column.missing.any():
+        units, place_before = list(_column_units(table)), column.place - 1
+        if len(column.units) > 1:
+            raise FormatError(
+                f"has numbers in several units, according to the words in {text}: {column.words}; convert them to one "
+                "unit"
+            )
+        if column.units and place_before in other_places and units[place_before] is None:
+            units[place_before] = column.units[0]
+            table = replace(table, units=tuple(units))
+            history_entry = f"unit of column {numbers[place_before]} from the words in {text}"
+        elif column.missing.any():
             history_entry = f"{int(column.missing.sum())} points missing according to the words in {text}"
             table = replace(table, values=_fill_missing_rows_with_nan(table.values, column.missing, other_places))
         elif columns is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,12 +12,14 @@ from stiction._text import printable_text
 from stiction.surfaces.measured.decode import NUMBER_LINE_CODE, TEXT_LINE_CODE, DecodedText
 from stiction.surfaces.measured.header import parse_column_headings, parse_declarations, parse_history
 from stiction.surfaces.measured.raw import (
+    LENGTH_UNITS,
     ColumnTable,
     FormatError,
     HeightChannels,
     HeightProvenance,
     RawHeights,
     WordColumn,
+    parse_length_unit,
 )
 from stiction.surfaces.measured.shapes import has_equal_steps
 from stiction.surfaces.measured.split import (
@@ -139,11 +141,18 @@ def _to_table(
                 describe_words(column.counts),
                 printable_text(min(column.counts, key=column.counts.__getitem__), 20),
                 np.isin(block.lines, column.missing_lines),
+                _find_units(column.counts),
             )
             for column in word_columns
             if column.place < width
         ),
     )
+
+
+def _find_units(words: Iterable[str]) -> tuple[str, ...]:
+    """Return the different units of length in a column of words that contains only such units."""
+    units = [parse_length_unit(word) for word in words]
+    return tuple({LENGTH_UNITS[unit]: unit for unit in units if unit}.values()) if all(units) else ()
 
 
 def make_height_provenance(block: NumberBlock) -> HeightProvenance:
