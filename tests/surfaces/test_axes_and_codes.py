@@ -280,7 +280,7 @@ def test_surfer_grid_with_an_impossible_header_is_rejected(tmp_path, header, mes
      ("a surface\nGRD 30 24 SUR WVL 0.6328 SSZ 1000 NDA -32768", "is a CODE V interferogram"),
      ("ISO 5436 - 2000 own\nPRF 0 own\nCX I 720 mm 1.0 D 5.0e-04\nCZ A 720 um 1.0e-4 L\n", "file (ISO 5436-2)"),
      ("1 2\nSG 0.0 PRF\nCX M 7.2e+002 MM 1.0 D\nCZ M 7.2e+002 UM 1.0e-006 L\nEOR\n", "file (ISO 5436-2)"),
-     ("P2\n30 24\n255", "is an image in text"),
+     ("P2\n30 24\n255", "is an image as text"),
      ("ply\nformat ascii 1.0\nelement vertex 720\nelement face 9\nend_header", "is a mesh with faces")],
 )  # fmt: skip
 def test_list_of_a_map_is_not_read_as_a_profile(tmp_path, header, message):
