@@ -136,6 +136,13 @@ def test_block_size_limits_the_time_and_memory_of_a_block(name):
         assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.MIN_BLOCKS)
 
 
+def test_short_members_are_stored_in_four_blocks_of_equal_size(monkeypatch):
+    """Check this because the first file of each size takes as long to write as ten members of profiles to compute."""
+    monkeypatch.setattr(runner, "estimate_member_time", lambda _: 0.011)
+    for total in (16, 64):
+        assert runner.choose_block_size(with_repetitions(total, RUNNER_STUDY)) == total // 4
+
+
 def test_run_of_a_study_with_impossible_gamma_raises_value_error():
     with pytest.raises(ValueError, match="gamma"):
         run(RUNNER_STUDY.with_changes({"surfaces.gamma": 100.0}))

@@ -61,7 +61,7 @@ TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
 MIN_BLOCKS = 16  # minimum number of blocks; with several blocks, the wait for the last block is short
-MIN_BLOCK_TIME = 0.06  # minimum computing time (s) of a block; writing its file takes some milliseconds
+MIN_BLOCK_TIME = 0.2  # minimum computing time (s) of a block; the first file of each size takes a tenth of a second
 MAX_SUBMITTED_TASKS = 1000  # maximum number of submitted tasks if the workers write the block files
 # maximum number of submitted tasks if this process writes the block files
 MAX_RETURNED_TASKS = 256
