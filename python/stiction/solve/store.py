@@ -490,8 +490,8 @@ def _read_study_file(path: Path) -> Study:
 def create_or_open_result(path: str | Path, study: Study, claim: FolderClaim | None = None) -> StoredResult:
     """Create a result in a folder. If the folder already contains a result of the same study, open it to resume.
 
-    Stale partial files are removed. The claim of the run, if given, is acquired; its folder is then refused to runs of
-    other studies. Raises a `StoreError` if the folder cannot be written, contains another study, is in use by a run of
+    Stale partial files are removed. The claim of the run, if given, is acquired, so that no other study can use the
+    folder. Raises a `StoreError` if the folder cannot be written, contains another study, is in use by a run of
     another study, or was created by another version.
     """
     path = Path(path)

@@ -579,8 +579,9 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
     is_common : bool
         Whether the noise is found along both axes with about the same density.
     hidden : float
-        Mean square slope of noise found along one axis only that rougher lines hide along the other; 0 if the spectrum
-        there is too low to contain it, or if the lines have the same noise, as rows with offsets.
+        Mean square slope along the other axis of noise that is found along one axis only, because rougher lines hide
+        it. 0 if the spectrum along the other axis is too low to contain this noise, or if neighbouring lines share
+        their noise, like rows with offsets.
     """
     axis = int(np.nanargmax(noise_wavelengths))
     (q, density, count, spacing), (other_q, other_density, _, other_spacing) = spectra[axis], spectra[1 - axis]
