@@ -1,11 +1,10 @@
-"""Compute the onset of sliding of rough surfaces, and write images/onset*.png and generated/onset_*.md.
+"""Compute the onset of sliding of rough surfaces, and write images/onset.png and generated/onset_*.md.
 
 The script takes about four minutes on one core. Arguments, as in ``onset.py dimension``, select tables.
 """
 
 import math
 import sys
-import time
 from itertools import product
 from pathlib import Path
 
@@ -193,30 +192,6 @@ def _sticking_contact_stiffness(is_contact: np.ndarray, *, is_fixed_along_y: boo
     return float(1 / (1 / load - mean_compliance))
 
 
-def measure_solution_times() -> list[str]:
-    lines = table_header(
-        "boundary, mean pressure",
-        "time of the normal load",
-        "time of 20 steps of tangential load",
-        "time of a step / time of the normal load",
-    )
-    upper, lower, unit = create_pair(32, 0)
-    for boundary, pressure in product(("periodic", "free"), (0.02, 0.1)):
-        half_space(upper, lower, [0.01 * unit], effective_modulus=EFFECTIVE_MODULUS, boundary=boundary)
-        start = time.process_time()
-        curve = half_space(upper, lower, [pressure * unit], effective_modulus=EFFECTIVE_MODULUS, boundary=boundary)
-        normal_time = time.process_time() - start
-        start = time.process_time()
-        curve.onset(0, mu0=MU0, tau0=0.02 * EFFECTIVE_MODULUS)
-        onset_time = time.process_time() - start
-        lines.append(
-            f"| {boundary}, {pressure:g} E\\* h' | {normal_time:.2f} s | {onset_time:.1f} s "
-            f"| {onset_time / 20 / normal_time:.2f} |"
-        )
-        print(lines[-1], flush=True)
-    return lines
-
-
 def fit_presliding_models() -> list[str]:
     """Fit the Iwan and LuGre models to the curve."""
     lines = table_header(
@@ -265,10 +240,8 @@ def compare_gap_slopes() -> list[str]:
 
 
 def compute_onset_over_dimension() -> list[str]:
-    """Compute the onset of profiles (built-in study) and of maps against D, and draw the onset of profiles."""
+    """Compute the onset of profiles (built-in study) and of maps against D."""
     lines = run(Study.named("presliding"), progress=True)
-    figure = lines.figure("onset")
-    figure.savefig(DOCS_FOLDER / "images/onset_dimension.png", dpi=300)
     areas = run(Study.named("presliding").with_changes(MAP_STUDY_CHANGES), progress=True)
     rows = table_header(
         "D",
@@ -369,7 +342,6 @@ def main(*names: str) -> None:
         "kernel": compare_tangential_kernels,
         "slopes": compare_gap_slopes,
         "fits": fit_presliding_models,
-        "costs": measure_solution_times,
         "dimension": compute_onset_over_dimension,
     }
     for name in names or tables:
