@@ -1,4 +1,4 @@
-"""Measure the error of neglecting asperity interaction, and write images/boundary_elements*.png and print the table.
+"""Measure the error of neglecting asperity interaction, and write generated/boundary_elements.md.
 
 The script takes about three minutes on two cores.
 """
@@ -9,7 +9,6 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.stats import t as student
 
 DOCS_FOLDER = Path(__file__).parents[1]
@@ -34,9 +33,7 @@ TABLE_LOAD_INDICES = (0, 4, 8)
 SEED = 2016
 NUM_CHECKED_PROFILES = 3
 
-COLOURS, MARKERS = ("#0072B2", "#D55E00", "#009E73"), "os^"  # Okabe & Ito
 FRACTION_COLUMN, COUNT_COLUMN, STIFFNESS_COLUMN = range(3)
-KAPPA_BY_THEORY = {"Bush–Gibson–Thomas": np.sqrt(2 * np.pi), "Persson": np.sqrt(8 / np.pi)}
 
 
 def compute_profile_results(
@@ -78,106 +75,6 @@ def mean_with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
 def format_ratios(ratios: np.ndarray) -> str:
     mean, low, high = (float(value) for value in mean_with_interval(ratios))
     return f"{mean:.2f} ({low:.2f} to {high:.2f})"
-
-
-def draw_curve(ax, hurst_index: int, values: np.ndarray, style: str, *, is_filled: bool) -> None:
-    """Draw means over profiles with error bars at each load; only the filled curve is labelled."""
-    mean, low, high = mean_with_interval(values)
-    ax.errorbar(
-        RELATIVE_LOADS * 1.06 ** (hurst_index - 1),
-        mean,
-        (mean - low, high - mean),
-        ls=style,
-        lw=0.9,
-        elinewidth=0.7,
-        marker=MARKERS[hurst_index],
-        ms=2.8,
-        mfc=COLOURS[hurst_index] if is_filled else "white",
-        mew=0.6,
-        color=COLOURS[hurst_index],
-        label=f"$H$ = {HURST_EXPONENTS[hurst_index]:g}" if is_filled else None,
-    )
-
-
-def draw_ratios(results: dict, quantity: int, label: str, name: str, exact_solution, *, log: bool) -> None:
-    figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
-    axes = figure.subplots(3, 1, sharex=True, sharey=True)
-    for ax, bandwidth in zip(axes, PAIR_COUNTS_BY_BANDWIDTH, strict=True):
-        for hurst_index, hurst in enumerate(HURST_EXPONENTS):
-            values = results[bandwidth, hurst]
-            for model_index, style in ((1, "-"), (2, ":")):
-                ratios = values[:, :, model_index, quantity] / values[:, :, 0, quantity]
-                draw_curve(ax, hurst_index, ratios, style, is_filled=model_index == 1)
-        fine_loads = np.geomspace(RELATIVE_LOADS[0] / 1.1, RELATIVE_LOADS[-1] * 1.1, 100)
-        ax.plot(
-            fine_loads, exact_solution(fine_loads * np.sqrt(2)), color="0.35", lw=0.9, ls="--", label="sinusoid, exact"
-        )
-        ax.axhline(1, color="0.7", lw=0.6, zorder=0)
-        ax.set_title(f"longest / shortest wavelength {bandwidth}", fontsize=7, pad=2)
-        ax.set_xscale("log")
-        ax.tick_params(labelsize=6.5)
-    if log:
-        ax.set_yscale("log")
-        ax.yaxis.set_ticks((0.2, 0.5, 1, 2, 5), labels=["0.2", "0.5", "1", "2", "5"])
-        ax.set_ylim(0.15, 6)
-    else:
-        ax.set_ylim(0.25, 1.1)
-    ax.xaxis.set_ticks((0.002, 0.01, 0.05, 0.2), labels=["0.002", "0.01", "0.05", "0.2"])
-    for axis in (axis for ax in axes for axis in (ax.xaxis, ax.yaxis)):
-        axis.set_tick_params(which="minor", labelbottom=False, labelleft=False)
-    axes[1].set_ylabel(label, fontsize=7)
-    ax.set_xlabel(r"$\bar p\,/\,E^* h'_{\mathrm{rms}}$", fontsize=7)
-    handles, labels = ax.get_legend_handles_labels()
-    (dotted_line,) = ax.plot([], [], ":", color="0.2", marker="o", mfc="white", ms=2.8, mew=0.6, lw=0.9)
-    figure.legend(
-        [*handles[1:], dotted_line, handles[0]],
-        [*labels[1:], "with interaction", labels[0]],
-        loc="outside lower center",
-        ncols=3,
-        fontsize=6.5,
-        frameon=False,
-        columnspacing=1,
-        handlelength=2.2,
-    )
-    figure.savefig(DOCS_FOLDER / "images" / name)
-
-
-def draw_kappa(results: dict) -> None:
-    figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
-    axes = figure.subplots(3, 1, sharex=True, sharey=True)
-    for ax, bandwidth in zip(axes, PAIR_COUNTS_BY_BANDWIDTH, strict=True):
-        for hurst_index, hurst in enumerate(HURST_EXPONENTS):
-            for model_index, style in ((0, "--"), (1, "-")):
-                draw_curve(
-                    ax,
-                    hurst_index,
-                    results[bandwidth, hurst][:, :, model_index, FRACTION_COLUMN] / RELATIVE_LOADS,
-                    style,
-                    is_filled=model_index == 1,
-                )
-        for (theory, value), style in zip(KAPPA_BY_THEORY.items(), ("-", "-."), strict=True):
-            ax.axhline(value, color="0.5", lw=0.7, ls=style, zorder=0, label=f"2-D: {theory}")
-        ax.set_title(f"longest / shortest wavelength {bandwidth}", fontsize=7, pad=2)
-        ax.set_xscale("log")
-        ax.tick_params(labelsize=6.5)
-    ax.set_ylim(0, 6)
-    ax.xaxis.set_ticks((0.002, 0.01, 0.05, 0.2), labels=["0.002", "0.01", "0.05", "0.2"])
-    for ax in axes:
-        ax.xaxis.set_tick_params(which="minor", labelbottom=False)
-    axes[1].set_ylabel(r"$\kappa = (A/A_0)\, E^* h'_{\mathrm{rms}}\,/\,\bar p$", fontsize=7)
-    axes[2].set_xlabel(r"$\bar p\,/\,E^* h'_{\mathrm{rms}}$", fontsize=7)
-    handles, labels = axes[2].get_legend_handles_labels()
-    (dashed_line,) = axes[2].plot([], [], "--", color="0.2", marker="o", mfc="white", ms=2.8, mew=0.6, lw=0.9)
-    figure.legend(
-        [*handles[2:], dashed_line, *handles[:2]],
-        [*labels[2:], "boundary elements", *labels[:2]],
-        loc="outside lower center",
-        ncols=2,
-        fontsize=6.5,
-        frameon=False,
-        columnspacing=1,
-    )
-    figure.savefig(DOCS_FOLDER / "images/boundary_elements_kappa.png")
 
 
 def render_load_rows(results: dict) -> list[str]:
@@ -296,24 +193,6 @@ def main() -> None:
             for bandwidth_and_exponent in bandwidths_and_exponents
         }
         check_results = {key: np.array([job.result() for job in values]) for key, values in check_jobs.items()}
-    # The curve is the ratio of cylinders to Westergaard's solution, with r = p̄/p* and p* = E* h'rms / √2.
-    draw_ratios(
-        results,
-        FRACTION_COLUMN,
-        "true contact area / boundary elements",
-        "boundary_elements_area.png",
-        lambda r: np.sqrt(r) / np.arcsin(np.sqrt(r)),
-        log=False,
-    )
-    draw_ratios(
-        results,
-        STIFFNESS_COLUMN,
-        "normal stiffness / boundary elements",
-        "boundary_elements_stiffness.png",
-        lambda r: -np.log(r) / 4,
-        log=True,
-    )
-    draw_kappa(results)
     tables = (render_load_rows(results), render_count_rows(results), render_check_rows(results, check_results))
     headings = (
         "Area and stiffness of the asperity model, without and with interaction, divided by those of the boundary "
