@@ -1,22 +1,29 @@
-"""Executors that run the tasks of a study, and a progress bar."""
+"""Executors that run the tasks of a study, a copy of the process that evaluates a function, and a progress bar."""
 
 from __future__ import annotations
 
 import contextlib
 import logging
+import multiprocessing
 import re
+import signal
 import sys
+import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, ThreadPoolExecutor
 from importlib import import_module
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from stiction._text import MAX_PATH_LENGTH, format_duration, printable_text
 from stiction._threads import num_usable_cores
 from stiction._units import short_repr
 from stiction.study.values import StudyError
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+    from multiprocessing.context import ForkProcess
 
 # minimum number of grid points for which several threads make a Fourier transform faster
 MIN_THREADED_POINTS = 2**16
@@ -71,6 +78,70 @@ def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
         pool.shutdown(wait=False, cancel_futures=True)
         raise
     pool.shutdown()
+
+
+@contextlib.contextmanager
+def evaluate_in_copy(function: Callable[[], _Result]) -> Iterator[Callable[[], _Result]]:
+    """Evaluate a function in a copy of this process, and yield a function that waits for the value and returns it.
+
+    The copy uses another core while this process runs Python code. If no copy can be made, or if it ends without a
+    value, the yielded function evaluates the function in this process, which raises its errors.
+    """
+    if not _can_be_copied():
+        yield function
+        return
+    context = multiprocessing.get_context("fork")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(target=_send_value, args=(function, receiver, sender), daemon=True)
+
+    def receive_value() -> _Result:
+        try:
+            return cast("_Result", receiver.recv())
+        except (EOFError, OSError):
+            return function()
+
+    with receiver:
+        try:
+            with sender, contextlib.suppress(OSError):  # the number of processes or the memory is limited
+                _start_without_interrupts(process)
+            yield receive_value
+        finally:
+            if process.pid is not None:
+                process.kill()
+                process.join()
+
+
+def _start_without_interrupts(process: ForkProcess) -> None:
+    """Start a copy of this process, which receives Ctrl-C only when it is ready for it."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        # Python 3.12 and later warn about threads of any library. OpenBLAS stops its threads in a copy.
+        with warnings.catch_warnings(action="ignore", category=DeprecationWarning):
+            process.start()
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+
+def _can_be_copied() -> bool:
+    """Return whether a copy of this process is safe and has a core of its own.
+
+    A copy has none of the other threads, which may hold locks. On macOS, system libraries do not work in copies.
+    """
+    return (
+        num_usable_cores() > 1
+        and threading.active_count() == 1
+        and not multiprocessing.current_process().daemon
+        and sys.platform == "linux"
+    )
+
+
+def _send_value(function: Callable[[], Any], receiver: Connection, sender: Connection) -> None:
+    """Send the value of a function. After an error or Ctrl-C, end without a value and without a message."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    receiver.close()  # Otherwise the copy would wait forever for a reader if the other process were killed.
+    with contextlib.suppress(Exception):
+        sender.send(function())
 
 
 def wrap_to_use_idle_threads(

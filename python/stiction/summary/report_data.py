@@ -1,11 +1,14 @@
-"""Data of a report. Every number of the report is evaluated here, before the page is rendered."""
+"""Data of a report. Every number of the report is evaluated here."""
 
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from stiction._caching import cached_property
 from stiction._checks import Floats
 from stiction.study.study_description import StudyDescription, describe_study
 from stiction.summary.evaluation import Evaluation
@@ -78,7 +81,8 @@ class MeasuredReportData(ReportData):
     num_opposing_contacts : int
         Number of contacts in the picture that oppose the motion in the first direction.
     summary : Summary
-    values : MeasuredReportValues
+    evaluate_values : callable
+        Function that returns `values`.
     positions : xarray.Dataset or None
         Result of `evaluate_positions_at_first_load`, or None if there is only one member.
     height_factors : dict
@@ -93,9 +97,14 @@ class MeasuredReportData(ReportData):
     num_opposing_contacts: int
     loading_cycle: xarray.Dataset | None
     summary: Summary
-    values: MeasuredReportValues
+    evaluate_values: Callable[[], MeasuredReportValues]
     positions: xarray.Dataset | None
     height_factors: dict[ScaledBodies, xarray.Dataset]
+
+    @cached_property
+    def values(self) -> MeasuredReportValues:
+        """Values at all loads, mu0 and tau0 of the report, evaluated on first use, because figures do not need them."""
+        return self.evaluate_values()
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,8 +140,8 @@ class GeneratedReportData(ReportData):
         Loads shown on the page, or an empty array if no pair is in contact.
     num_steps : int
         Number of computed loads or approaches.
-    values : GeneratedReportValues or None
-        None if no pair is in contact.
+    evaluate_values : callable
+        Function that returns `values`.
     contact_forces : xarray.Dataset or None
         As for `Result`.
     onset : xarray.Dataset or None
@@ -143,9 +152,14 @@ class GeneratedReportData(ReportData):
     amplitudes: Floats
     loads: Floats
     num_steps: int
-    values: GeneratedReportValues | None
+    evaluate_values: Callable[[], GeneratedReportValues | None]
     contact_forces: xarray.Dataset | None
     onset: xarray.Dataset | None
+
+    @cached_property
+    def values(self) -> GeneratedReportValues | None:
+        """Values at all loads, mu0 and tau0, evaluated on first use. None if no pair is in contact."""
+        return self.evaluate_values()
 
 
 def count_coefficients(result: Evaluation) -> int:
@@ -156,7 +170,7 @@ def count_coefficients(result: Evaluation) -> int:
 def collect_report_data(
     result: Evaluation, picture: xarray.Dataset | None = None
 ) -> MeasuredReportData | GeneratedReportData:
-    """Evaluate everything that the report on a result shows.
+    """Evaluate everything that the report on a result shows, except `values`, which are evaluated on first use.
 
     `picture` is a result of `contact_picture`; by default the picture stored with the result.
     """
@@ -190,7 +204,7 @@ def _collect_measured_data(result: Evaluation, picture: xarray.Dataset | None) -
         num_opposing_contacts=0 if picture is None else int(find_opposing_contacts(picture, first_direction).sum()),
         loading_cycle=result.loading_cycle,
         summary=result.summary(),
-        values=evaluate_measured_report(ReportGrid(result)),
+        evaluate_values=partial(evaluate_measured_report, ReportGrid(result)),
         positions=evaluate_positions_at_first_load(result) if result.members.size > 1 else None,
         height_factors={scaled: evaluate_height_factors(result, scaled) for scaled in result.height_factors},
     )
@@ -218,7 +232,7 @@ def _collect_generated_data(result: Evaluation) -> GeneratedReportData:
         amplitudes=head["amplitude"].values,
         loads=grid.loads,
         num_steps=int(head.sizes[study.step_quantity]),
-        values=evaluate_generated_report(grid, num_solved) if has_contact else None,
+        evaluate_values=partial(evaluate_generated_report, grid, num_solved) if has_contact else lambda: None,
         contact_forces=result.contact_forces if has_contact else None,
         onset=evaluate_onset_over_dimension(result) if has_contact else None,
     )

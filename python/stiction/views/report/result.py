@@ -7,13 +7,16 @@ scripts decode the numbers and draw.
 from __future__ import annotations
 
 import html
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from string import Template
+from typing import Any
 
 import xarray
 
 from stiction.evaluate.intervals import CONFIDENCE_LEVEL
-from stiction.solve.executors import thread_pool_executor
+from stiction.solve.executors import evaluate_in_copy
 from stiction.summary.evaluation import Evaluation
 from stiction.summary.report_data import (
     GeneratedReportData,
@@ -34,7 +37,7 @@ from stiction.views.report.page import (
     script_markup,
 )
 from stiction.views.report.pictures import list_panels
-from stiction.views.report.tables import STORED_FLOAT_BYTES, pack_arrays
+from stiction.views.report.tables import STORED_FLOAT_BYTES, PackedArrays, pack_arrays
 
 _ARROW_KEYS_HELP = "arrow keys move {}, plus and minus zoom"
 PLOT_PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
@@ -98,14 +101,35 @@ def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture:
 
 
 def _build_page(result: Evaluation, name: str, picture: xarray.Dataset | None) -> HtmlPage:
-    """Evaluate the data of the page, compose its content, and render it."""
+    """Evaluate the data of the page, compose its content, and render it.
+
+    A copy of this process evaluates and encodes the numbers while the figures are drawn.
+    """
     _check_size(result)
     data = collect_report_data(result, picture)
+    with evaluate_in_copy(partial(_compose_content, data, name)) as get_content:
+        panels = list_panels(data)
+        panel_markup = {
+            is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main)
+            for is_main in (True, False)
+        }
+        content, facts, packed_arrays = get_content()
+    return _render_page(data, content, panel_markup, script_markup(facts, packed_arrays.texts))
+
+
+def _compose_content(
+    data: MeasuredReportData | GeneratedReportData, name: str
+) -> tuple[ReportContent, dict[str, Any], PackedArrays]:
+    """Evaluate the values of the page. Return its content, the data for its scripts, and the encoded numbers."""
     content = (
         measured_report_content(data, name)
         if isinstance(data, MeasuredReportData) else generated_report_content(data, name)
     )  # fmt: skip
-    return _render_page(data, content)
+    packed_arrays = pack_arrays(content.arrays)
+    facts = common_facts(data) | content.facts
+    facts |= {"quantities": [table.record() for table in content.quantities]}
+    facts |= {"tables": packed_arrays.offsets, "formats": packed_arrays.formats, "leading": STORED_FLOAT_BYTES}
+    return content, facts, packed_arrays
 
 
 def _check_size(result: Evaluation) -> None:
@@ -125,20 +149,12 @@ def _check_size(result: Evaluation) -> None:
         )
 
 
-def _render_page(data: MeasuredReportData | GeneratedReportData, content: ReportContent) -> HtmlPage:
-    """Draw the figures of the page, encode its numbers, and insert them into the template."""
+def _render_page(
+    data: MeasuredReportData | GeneratedReportData, content: ReportContent, panel_markup: Mapping[bool, str],
+    scripts: str,
+) -> HtmlPage:  # fmt: skip
+    """Insert the content, the panels (main panels: True, others: False) and the scripts into the template."""
     notices_markup = _incompleteness_notices(data, content.name)
-    panels = list_panels(data)
-    with thread_pool_executor() as pool:  # A thread encodes numbers while figures are drawn.
-        packing = pool.submit(pack_arrays, content.arrays)
-        panel_markup = {
-            is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main)
-            for is_main in (True, False)
-        }
-        packed_arrays = packing.result()
-    facts = common_facts(data) | content.facts
-    facts |= {"quantities": [table.record() for table in content.quantities]}
-    facts |= {"tables": packed_arrays.offsets, "formats": packed_arrays.formats, "leading": STORED_FLOAT_BYTES}
     main_plots = MAIN_PLOTS[data.study.is_measured]
     plot_panels = {
         name: plot_panel_markup(name, title, description, **options)
@@ -159,7 +175,7 @@ def _render_page(data: MeasuredReportData | GeneratedReportData, content: Report
         head=content.heading_lines,
         body=body,
         versions=f"Computed by stiction {data.version}",
-        scripts=script_markup(facts, packed_arrays.texts),
+        scripts=scripts,
     )
 
 

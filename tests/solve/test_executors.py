@@ -1,0 +1,123 @@
+"""Test the evaluation of functions in a copy of the process.
+
+Scripts run in processes of their own, because a process with several threads, as of pytest, is not copied.
+"""
+
+import os
+import subprocess
+import sys
+import textwrap
+
+import pytest
+from stiction import Study, run
+from stiction.views.report import save_report
+
+pytestmark = pytest.mark.skipif(
+    sys.platform != "linux" or len(os.sched_getaffinity(0)) < 2, reason="copies need Linux and two cores"
+)
+
+
+def run_script(script):
+    """Run a script with the process number `pid` and `evaluate_in_copy`, and return its output without errors."""
+    start = "import os, signal, sys, threading, time\nfrom stiction.solve.executors import evaluate_in_copy\n"
+    code = f"{start}pid = os.getpid()\n{textwrap.dedent(script)}"
+    completed = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, start_new_session=True, check=False
+    )
+    assert completed.stderr == ""
+    return completed.stdout.split()
+
+
+def test_function_is_evaluated_in_another_process():
+    script = """
+        print("printed once")
+        with evaluate_in_copy(lambda: (os.getpid(), bytes(10**6))) as get_value:
+            number, content = get_value()
+        print(number == pid, len(content))
+    """
+    assert run_script(script) == ["printed", "once", "False", "1000000"]
+
+
+@pytest.mark.parametrize(
+    "preparation",
+    [
+        "threading.Thread(target=time.sleep, args=(1,)).start()",
+        "os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])",
+    ],
+    ids=["several threads", "one core"],
+)
+def test_function_is_evaluated_in_this_process_without_a_safe_copy_or_a_second_core(preparation):
+    script = f"""
+        {preparation}
+        with evaluate_in_copy(os.getpid) as get_number:
+            print(get_number() == pid)
+    """
+    assert run_script(script) == ["True"]
+
+
+@pytest.mark.parametrize("end", ["os.kill(os.getpid(), signal.SIGKILL)", "1 / 0", "(each for each in [1])"])
+def test_function_is_evaluated_in_this_process_if_the_copy_ends_without_a_value(end):
+    """Check a copy that is killed, an error in the copy, and a value that cannot be sent."""
+    script = f"""
+        def count():
+            return 5 if os.getpid() == pid else {end}
+        with evaluate_in_copy(count) as get_value:
+            print(get_value())
+    """
+    assert run_script(script) == ["5"]
+
+
+def test_error_of_the_function_is_raised_in_this_process():
+    script = """
+        def fail():
+            raise ValueError("reason")
+        try:
+            with evaluate_in_copy(fail) as get_value:
+                get_value()
+        except ValueError as error:
+            print(error)
+    """
+    assert run_script(script) == ["reason"]
+
+
+def test_copy_ends_if_its_value_is_not_used():
+    script = """
+        import multiprocessing
+        start = time.monotonic()
+        try:
+            with evaluate_in_copy(lambda: time.sleep(30)):
+                print(len(multiprocessing.active_children()))
+                raise ValueError
+        except ValueError:
+            print(len(multiprocessing.active_children()), time.monotonic() - start < 10)
+    """
+    assert run_script(script) == ["1", "0", "True"]
+
+
+def test_interrupt_ends_the_copy_without_a_message():
+    """Send the interrupt to all processes, as a terminal does."""
+    script = """
+        def interrupt_all():
+            os.killpg(0, signal.SIGINT)
+            time.sleep(30)
+        start = time.monotonic()
+        try:
+            with evaluate_in_copy(interrupt_all) as get_value:
+                get_value()
+        except KeyboardInterrupt:
+            print("interrupted", time.monotonic() - start < 10)
+    """
+    assert run_script(script) == ["interrupted", "True"]
+
+
+def test_report_evaluated_in_a_copy_equals_the_report_evaluated_in_one_process(tmp_path):
+    small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    result = run(Study.named("quick").with_changes(small), store=tmp_path / "small")
+    script = f"""
+        from stiction.cli import main
+        sys.argv = ["stiction", "report", {str(tmp_path / "small")!r}, "-o", {str(tmp_path / "copy.html")!r}]
+        main()
+    """
+    run_script(script)
+    save_report(result, tmp_path / "one.html", name="small")
+    assert (tmp_path / "copy.html").read_bytes() == (tmp_path / "one.html").read_bytes()
