@@ -409,6 +409,7 @@ def test_pair_command_evaluates_the_members_only_once_at_each_load(scans_folder,
         return evaluate_piece(piece, study, loads, mu0, tau0, load_definition, names, *others)
 
     monkeypatch.setattr(member_values, "_evaluate_piece", evaluate_and_record)
+    monkeypatch.setattr("stiction.views.report.result.evaluate_in_copy", contextlib.nullcontext)  # record all requests
     options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--load", "9 MPa", "--shifts", 4, "--onset", 0]
     result = call_stiction(
         "pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *options, "-o", tmp_path / "out", cwd=scans_folder,
@@ -420,11 +421,20 @@ def test_pair_command_evaluates_the_members_only_once_at_each_load(scans_folder,
     assert [request for request in set(requests) if requests.count(request) > 1] == []
 
 
-def test_pair_command_interrupted_while_it_draws_keeps_the_printed_result(scans_folder, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("function", "message"),
+    [
+        ("views.figures.draw_figures", "the result is stored in"),
+        ("cli.result_output.print_resolution_and_onset", "2 of 2 positions are finished and stored"),
+    ],
+)
+def test_pair_command_interrupted_after_its_result_keeps_the_printed_result(
+    function, message, scans_folder, tmp_path, monkeypatch
+):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("stiction.views.figures.draw_figures", interrupt)
+    monkeypatch.setattr(f"stiction.{function}", interrupt)
     monkeypatch.setattr("stiction.cli.application.signal.signal", lambda *_: None)  # do not ignore Ctrl-C afterwards
     monkeypatch.setattr("os._exit", sys.exit)  # an interrupted command ends its process
     arguments = ["pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, "--load", "7 MPa", "--shifts", 2, "--onset", 0]
@@ -432,7 +442,7 @@ def test_pair_command_interrupted_while_it_draws_keeps_the_printed_result(scans_
     interrupted = call_stiction(*arguments, cwd=scans_folder, without_report=True)
     assert interrupted.returncode == 130
     assert "μ_s = " in interrupted.stdout
-    assert "interrupted; the result is stored in" in interrupted.stderr
+    assert f"interrupted; {message}" in interrupted.stderr
     monkeypatch.undo()
     finished = call_stiction(*arguments, cwd=scans_folder, without_figures=True, without_report=True)
     assert finished.returncode == 0

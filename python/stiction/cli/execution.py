@@ -72,18 +72,20 @@ def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable:
 
 def compute_result_in_folder(
     study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
-    **options: Any,
+    show_companions: Callable[[Result], Any] = lambda _: None, **options: Any,
 ) -> Result:  # fmt: skip
     """Run `complete_result` and print its messages. After Ctrl-C, explain how to resume the computation.
 
-    `print_written` is called with the names of written files.
+    `print_written` is called with the names of written files, and `show_companions` with the complete result.
     """
     check_output_directory(directory)
     try:
-        return complete_result(
+        result = complete_result(
             study, directory, executor, progress=True, print_finished=print_written, print_remark=print_message,
             announce=show_status, **options,
         )  # fmt: skip
+        show_companions(result)
+        return result
     except StudyMismatchError as error:
         is_replaceable = "replace" in options and not error.is_edited
         raise error.with_remedy(_conflict_advice(error, study, is_replaceable=is_replaceable)) from None

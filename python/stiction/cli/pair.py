@@ -176,6 +176,10 @@ def pair(
         print_pair_values(result, verbose=verbose)
         printed_results.append(result)
 
+    def print_companions(result: Result) -> None:
+        if not as_json and part_number is None:
+            print_resolution_and_onset(result, verbose=verbose)
+
     with open_executor(workers, scheduler) as executor:
         results: list[Result] = []
         if replace or not (output / STUDY_FILE).exists():
@@ -191,9 +195,8 @@ def pair(
                 replace=replace,
                 onset=measured_pair.options.onset,
                 show_result=print_values,
+                show_companions=print_companions,
             )
-            for printed_result in printed_results[len(results) :]:
-                print_resolution_and_onset(printed_result, verbose=verbose)
             results.append(result)
     if part_number is not None:
         return
