@@ -1,4 +1,4 @@
-"""Reference for Gaussian regression filters (ISO 16610): a weighted least-squares fit at each point, in loops."""
+"""Reference for Gaussian regression filters (ISO 16610): a weighted least-squares fit at each point."""
 
 import math
 
@@ -7,26 +7,18 @@ import numpy as np
 GAUSSIAN_FILTER_ALPHA = math.sqrt(math.log(2) / math.pi)
 
 
-def gaussian_weight(distance, cutoff):
-    return math.exp(-math.pi * (distance / (GAUSSIAN_FILTER_ALPHA * cutoff)) ** 2)
-
-
 def mean_line(heights, spacing, cutoff, *, degree=1, weights=None):
     """Return the mean line: at each point, the constant term of a polynomial fitted with Gaussian weights."""
-    points = len(heights)
-    weights = [1.0] * points if weights is None else weights
+    heights = np.asarray(heights)
+    weights = np.ones(len(heights)) if weights is None else np.asarray(weights)
+    x = spacing * np.arange(len(heights))
     smoothed = []
-    for i in range(points):
-        normal_matrix, right_hand_side = np.zeros((degree + 1, degree + 1)), np.zeros(degree + 1)
-        for j in range(points):
-            offset = (j - i) * spacing
-            weight = weights[j] * gaussian_weight(offset, cutoff)
-            powers = [(offset / cutoff) ** k for k in range(degree + 1)]
-            for k in range(degree + 1):
-                right_hand_side[k] += weight * heights[j] * powers[k]
-                for m in range(degree + 1):
-                    normal_matrix[k, m] += weight * powers[k] * powers[m]
-        smoothed.append(np.linalg.solve(normal_matrix, right_hand_side)[0])
+    for position in x:
+        offsets = (x - position) / cutoff
+        weights_at_point = weights * np.exp(-math.pi * (offsets / GAUSSIAN_FILTER_ALPHA) ** 2)
+        powers = np.vander(offsets, degree + 1, increasing=True)
+        weighted_powers = powers.T * weights_at_point
+        smoothed.append(np.linalg.solve(weighted_powers @ powers, weighted_powers @ heights)[0])
     return np.array(smoothed)
 
 
