@@ -1,12 +1,19 @@
 """Tests that ARCHITECTURE.md names the packages and files of the tree, and that modules say what they do."""
 
 import ast
+import functools
 import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PACKAGE_FOLDER = ROOT / "python/stiction"
 ARCHITECTURE_PAGE = ROOT / "ARCHITECTURE.md"
+
+
+@functools.cache
+def parse_file(path):
+    """Return the syntax tree of a module, which several tests read."""
+    return ast.parse(path.read_text("utf-8"))
 
 
 def test_architecture_page_has_a_row_for_each_package():
@@ -31,7 +38,7 @@ def test_architecture_page_refers_only_to_existing_files():
 
 def test_modules_state_their_purpose_in_their_first_line():
     paths = [path for path in PACKAGE_FOLDER.rglob("*.py") if path.name != "__init__.py"]
-    assert [path for path in paths if not ast.get_docstring(ast.parse(path.read_text("utf-8")))] == []
+    assert [path for path in paths if not ast.get_docstring(parse_file(path))] == []
     headers = sorted((ROOT / "cpp/include/stiction").glob("*.hpp"))
     assert [path for path in headers if not path.read_text("utf-8").startswith("// ")] == []
 
@@ -53,9 +60,7 @@ def multiplies_strength(node):
 def test_friction_law_alone_multiplies_mu0_and_tau0():
     sources = {path.relative_to(PACKAGE_FOLDER).as_posix(): path for path in PACKAGE_FOLDER.rglob("*.py")}
     assert {
-        name
-        for name, path in sources.items()
-        if any(multiplies_strength(node) for node in ast.walk(ast.parse(path.read_text("utf-8"))))
+        name for name, path in sources.items() if any(multiplies_strength(node) for node in ast.walk(parse_file(path)))
     } == MODULES_WITH_THE_FRICTION_LAW
 
 
@@ -75,7 +80,7 @@ def test_friction_law_of_a_study_is_built_from_its_inputs():
     calls = {
         name
         for name, path in sources.items()
-        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        for node in ast.walk(parse_file(path))
         if isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) == "FrictionLaw"
     }
     assert {name for name in calls if not name.startswith(("mechanics/", "calibration/"))} == (

@@ -36,9 +36,15 @@ DEPENDENCIES_OF_HELP = {"typer", "click", "shellingham", "annotated_doc", "typin
 """Dependencies that `stiction --help` imports. Numeric packages must not be among them."""
 
 
+@functools.cache
+def parse_file(path):
+    """Return the syntax tree of a module, which several tests read."""
+    return ast.parse(path.read_text("utf-8"))
+
+
 def imported_names(source):
     """Yield the full names that a module imports from the package, also inside functions."""
-    for node in ast.walk(ast.parse((PACKAGE_FOLDER / source).read_text("utf-8"))):
+    for node in ast.walk(parse_file(PACKAGE_FOLDER / source)):
         names = []
         if isinstance(node, ast.Import):
             names = [name.name for name in node.names]
@@ -63,7 +69,7 @@ MODULES = {
 @functools.cache
 def imported_modules(module, *, only_top_level=False):
     """Return the modules of the package that a module imports, also inside functions and for type checkers."""
-    tree = ast.parse(MODULES[module].read_text("utf-8"))
+    tree = parse_file(MODULES[module])
     found = set()
     for node in tree.body if only_top_level else ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("stiction."):
@@ -115,7 +121,7 @@ def find_slow_modules():
     """Return the modules that load a slow package when they are imported."""
     slow = set()
     for name, path in MODULES.items():
-        for node in ast.parse(path.read_text("utf-8")).body:
+        for node in parse_file(path).body:
             names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             names += [each.name for each in node.names] if isinstance(node, ast.Import) else []
             if {each.split(".")[0] for each in names} & SLOW_PACKAGES:
@@ -131,7 +137,7 @@ def test_functions_import_only_modules_that_load_slow_packages():
     for module, path in MODULES.items():
         if layer_of(module) == "cli":
             continue
-        for function in ast.walk(ast.parse(path.read_text("utf-8"))):
+        for function in ast.walk(parse_file(path)):
             if not isinstance(function, ast.FunctionDef):
                 continue
             for node in ast.walk(function):
