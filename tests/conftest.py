@@ -11,8 +11,10 @@ import hypothesis
 import numpy as np
 import pytest
 from stiction import Profile, random_phases, run, weierstrass_mandelbrot
+from stiction.study.input_distributions import NUM_INPUT_SAMPLES
 from support.command import disable_drawing, disable_reports
 from support.generated_studies import SMALL_STUDY
+from support.input_samples import use_input_samples
 
 # Background jobs of a shell ignore SIGINT, which some tests send to themselves.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -22,6 +24,25 @@ hypothesis.settings.register_profile(
     "without time limits", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
 )
 hypothesis.settings.load_profile("without time limits")
+
+
+NUM_INPUT_SAMPLES_IN_TESTS = 2**10
+"""Number of samples of uncertain inputs in most tests: a sixteenth of the number for users."""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def few_input_samples(request):
+    """Draw few samples of uncertain inputs in the tests that `./dev test` runs, to save time."""
+    draws_all = request.config.option.markexpr in ("browser", "docs", "soak")
+    with use_input_samples(NUM_INPUT_SAMPLES if draws_all else NUM_INPUT_SAMPLES_IN_TESTS):
+        yield
+
+
+@pytest.fixture
+def all_input_samples():
+    """Draw as many samples of uncertain inputs as for users. Results must be created during the test."""
+    with use_input_samples(NUM_INPUT_SAMPLES):
+        yield
 
 
 @pytest.fixture(scope="session")

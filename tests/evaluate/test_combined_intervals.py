@@ -95,6 +95,7 @@ def test_combined_interval_adds_input_and_positions_in_quadrature():
     )
 
 
+@pytest.mark.usefixtures("all_input_samples")
 def test_remaining_width_averages_over_the_values_of_an_input():
     """A wide log-normal tau0 scales the effect of the modulus, so the mean width exceeds the width at the median."""
     changes = {"friction.tau0": "0.002..0.2 GPa", "contact.effective_modulus": "50..200 GPa"}

@@ -149,6 +149,7 @@ def test_area_function_is_bounded_by_the_nominal_area():
     assert area.elastic_area(np.sqrt(10.0)) == pytest.approx(np.sqrt(30.0))
 
 
+@pytest.mark.usefixtures("all_input_samples")
 def test_interval_of_the_area_covers_the_areas_at_the_ends_of_the_hardness_range():
     ranged = press("0.8..1.25 GPa", yield_exponent=1.25)
     estimate = ranged.at()["contact_area"].squeeze()

@@ -336,6 +336,7 @@ def test_dilation_angle_has_no_interval_if_the_uncertain_input_does_not_change_i
 # ---- Strips ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("all_input_samples")
 def test_scatter_between_strips_equals_scatter_of_tests_on_single_strips():
     face, options = create_rough_map(128), {"path": "150 um", "steps": 3, "mu0": 0.6, "hardness": "200 MPa"}
     test = shear(face, **options)

@@ -30,6 +30,7 @@ from stiction.study.input_distributions import (
         (0.3, "", (0.3, 0.3), "exact"),
     ],
 )
+@pytest.mark.usefixtures("all_input_samples")
 def test_input_distribution_has_95_percent_of_samples_between_its_limits(text, kind, ends, distribution) -> None:
     result = parse_uncertain_input("input", text, kind)
     assert result.distribution == distribution

@@ -152,6 +152,7 @@ def test_replaced_value_has_no_uncertainty_unless_it_equals_the_value_of_the_stu
     assert changed.quantile("hardness", [0.1, 0.9]).tolist() == [0.5, 0.5]
 
 
+@pytest.mark.usefixtures("all_input_samples")
 def test_replaced_mu0_of_an_interface_has_no_joint_distribution_with_tau0():
     study = STUDY.with_changes({"friction.interface": "MoS2 on bearing steel, dry air"})
     inputs = Inputs.from_study(study)

@@ -91,6 +91,7 @@ def test_effective_modulus_that_differs_from_the_materials_keeps_their_relative_
     assert (estimate.low / 40, estimate.high / 40) == pytest.approx((0.969, 1.032), abs=0.003)
 
 
+@pytest.mark.usefixtures("all_input_samples")
 def test_interface_of_an_old_study_defines_mu0_and_tau0():
     friction = 'mu0 = [0.001]\ntau0 = ["0.02479 GPa"]'
     known = f'mu0 = "5.005e-05..0.00195"\ntau0 = "24.3..25.3 MPa"\ninterface = "{FILM}"'
