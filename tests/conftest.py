@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from stiction import Profile, random_phases, run, weierstrass_mandelbrot
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES
-from support.command import disable_drawing, disable_reports
+from support.command import disable_companion_files, disable_drawing, disable_reports
 from support.generated_studies import SMALL_STUDY
 from support.input_samples import use_input_samples
 
@@ -118,6 +118,20 @@ def no_contact_pictures():
     """Disable the contact pictures that are stored with results, for faster tests of values and intervals."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stiction.pipeline.contact_picture", lambda _: None)
+        yield
+
+
+@pytest.fixture(scope="module")
+def no_companion_files():
+    """Disable contact pictures, cutoff studies and onsets of pairs, for faster tests of values and intervals."""
+    with disable_companion_files():
+        yield
+
+
+@pytest.fixture
+def omit_companion_files():
+    """Disable contact pictures, cutoff studies and onsets of pairs during a test, for faster tests of other output."""
+    with disable_companion_files():
         yield
 
 

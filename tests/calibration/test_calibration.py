@@ -27,7 +27,7 @@ from stiction.study.interfaces import GROWTH_HEADER_ENTRY, HARDNESS_HEADER_ENTRY
 from stiction.views.calibration import calibration_text
 from support.rough_surfaces import rough_maps
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 BALL = Ball("5 mm", "3 GPa")
 LOADS = np.geomspace(5.0, 2000.0, 8)

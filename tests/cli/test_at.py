@@ -13,7 +13,7 @@ from stiction.evaluate.at_load import at_load
 from stiction.solve.store import open_stored_result
 from stiction.summary.summary import summarize
 from stiction.views.json_record import SCHEMA_VERSION
-from support.command import assert_rejected, call_stiction, check_stiction, disable_reports
+from support.command import assert_rejected, call_stiction, check_stiction, disable_companion_files, disable_reports
 from support.generated_studies import SMALL_STUDY
 
 MATERIAL_OPTIONS = ("--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "0 MPa,20 MPa")
@@ -40,7 +40,7 @@ def results_folder(tmp_path_factory, no_figures):
         SMALL_STUDY.with_changes({"ensemble.repetitions": 4, "friction.tau0": ["0 MPa", "100 MPa"]}),
         store=path / "study",
     )
-    with no_figures(), disable_reports():
+    with no_figures(), disable_reports(), disable_companion_files():
         for name, arguments in PAIR_ARGUMENTS.items():
             assert get_stiction_output("pair", *arguments, "--output", name, cwd=path)
     return path

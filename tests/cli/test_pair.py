@@ -399,6 +399,7 @@ def test_preview_and_model_check_ignore_dwell_time(scans_folder):
         assert not parsed_pair.preview_study.friction.wait
 
 
+@pytest.mark.usefixtures("omit_companion_files")
 def test_pair_command_evaluates_the_members_only_once_at_each_load(scans_folder, tmp_path, monkeypatch):
     requests = []
     evaluate_piece = member_values._evaluate_piece
@@ -450,6 +451,7 @@ def test_pair_command_interrupted_after_its_result_keeps_the_printed_result(
     assert (tmp_path / "out" / "friction.png").exists()
 
 
+@pytest.mark.usefixtures("omit_companion_files")
 def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_path):
     options = ["--hardness", "0.5..1.5 GPa", "--junction-growth", 0, "--load", "7 MPa", "--shifts", 4]
     options += ["--direction", "0,90", "--onset", 0]
@@ -478,6 +480,7 @@ def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_pat
             assert not has_interval or interval[0] == pytest.approx(limits, rel=1e-8)
 
 
+@pytest.mark.usefixtures("omit_companion_files")
 @pytest.mark.parametrize(
     "bodies", [["hole.csv", "lower.csv", "--offsets", 2], ["--gap", "hole.npy", *MAP_ARGUMENTS[2:]]]
 )
@@ -526,6 +529,7 @@ def test_pair_command_rejects_a_missing_material_and_a_file_name_given_as_materi
 # ---- Output --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("omit_companion_files")
 def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeypatch):
     for module in ("application", "pair"):
         monkeypatch.setattr(f"stiction.cli.{module}.is_stderr_terminal", lambda: True)
@@ -763,7 +767,7 @@ def test_pair_command_resumes_with_the_same_options_and_rejects_different_option
     assert store.open_stored_result(scans_folder / "areas").finished_members.size == 2
 
 
-@pytest.mark.usefixtures("disable_figures", "no_reports")
+@pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
 def test_pair_command_with_changed_tau0_reuses_stored_repetitions(scans_folder):
     command = (
         "pair",
@@ -821,7 +825,7 @@ def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeyp
     assert "μ_s" in completed.stdout
 
 
-@pytest.mark.usefixtures("disable_figures", "no_reports")
+@pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
 def test_two_parts_of_a_run_by_the_pair_command_form_a_complete_result(scans_folder):
     arguments = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mu0", "30", "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
@@ -831,7 +835,7 @@ def test_two_parts_of_a_run_by_the_pair_command_form_a_complete_result(scans_fol
     assert "not in per cent" in completed.stdout  # mu0 = 30 causes a caveat.
 
 
-@pytest.mark.usefixtures("disable_figures", "no_reports")
+@pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
 def test_command_run_rejects_a_changed_scan_file(scans_folder):
     arguments = [
         "pair",
@@ -1076,7 +1080,7 @@ def test_width_option_converts_the_force_to_the_force_on_a_strip_1_um_wide(scans
             parse_study(scans_folder, *PROFILE_FILES, *arguments, *rejected_options, "--width", "5 mm")
 
 
-@pytest.mark.usefixtures("disable_figures", "no_reports")
+@pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
 def test_result_for_profiles_lists_the_assumptions_of_the_model(scans_folder, tmp_path):
     arguments = ["pair", *PROFILE_FILES, "--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--load", "40 MPa"]
     record = json.loads(

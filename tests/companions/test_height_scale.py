@@ -29,7 +29,7 @@ from support.command import disable_drawing
 from support.generated_studies import TINY_STUDY
 from support.rough_surfaces import rough_maps
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 SCALING_TOLERANCE = 1e-9  # relative difference between two ways of scaling the same bodies
 SOLUTION_TOLERANCE = 1e-3  # relative difference between solutions of one problem in different units

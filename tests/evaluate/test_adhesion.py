@@ -28,7 +28,7 @@ from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.text import main_values_text, result_text
 from support.rough_surfaces import rough_maps
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 REPEATED_SOLUTION_TOLERANCE = 1e-9
 """Relative tolerance between two solutions of one contact that start from different initial pressures."""

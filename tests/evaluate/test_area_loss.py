@@ -10,7 +10,7 @@ from stiction.summary.summary import summarize
 from stiction.views.sentence import inputs_text
 from support.rough_surfaces import rough_maps
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 SLOPE_TOLERANCE = 5e-3
 """Relative tolerance of sums of parts of a coefficient: through the slopes, τ0 also changes the normal load."""

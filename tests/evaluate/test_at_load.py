@@ -41,7 +41,7 @@ from stiction.views.rows import summary_table, values_frame
 from support.rough_surfaces import rough_maps
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 SCANS = Path(__file__).parents[2] / "examples/scans"
 

@@ -23,7 +23,7 @@ from stiction.views.sentence import dwell_time_text
 from support.rough_surfaces import rough_maps
 from support.studies_of_files import pair_study
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 SIDES = ("upper", "lower")
 MAX_SAMPLING_ERROR = 0.02  # largest error of an interval end due to random samples, relative to the interval width

@@ -11,7 +11,7 @@ from stiction.mechanics.friction import FrictionLaw
 from stiction.solve.member_sums import MemberSums
 from stiction.views.latex import latex_table
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 TABOR_TOLERANCE = 5e-3
 """Relative difference of the friction of a fully plastic pair from Tabor's closed form."""

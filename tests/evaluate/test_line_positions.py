@@ -22,7 +22,7 @@ from stiction import (
 from stiction.evaluate import intervals
 from support.studies_of_files import pair_study
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 LOADS = [0.003, 0.03]
 INTERFACE_OPTIONS = {"mu0": 0.3, "tau0": 0.1}

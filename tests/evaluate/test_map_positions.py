@@ -27,7 +27,7 @@ from stiction.surfaces.pairing import MIN_PIECE_SIDE_POINTS, MapPairs
 from support.rough_surfaces import rough_maps, self_affine_map
 from support.studies_of_files import pair_study
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 LOADS = (0.02, 0.1)
 ASPERITY_OPTIONS = {"mechanics": "asperities", "level": "mean", "direction": [0, 45]}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from stiction import Profile, Surface, pair, self_affine, self_affine_surface
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 
 @pytest.fixture(scope="module")

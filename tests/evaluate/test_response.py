@@ -18,7 +18,7 @@ from stiction.study.members import load_bodies
 from stiction.views.rows import values_frame
 from support.rough_surfaces import rough_maps
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 HARDNESS, MODULUS, LOAD = 1.0, 80.0, 20.0  # GPa, GPa, mN
 OPTIONS = {

@@ -15,7 +15,7 @@ from stiction.surfaces.measured.writing import write_surface
 from stiction.surfaces.scan_defects import estimate_roughness_drift
 from stiction.views.sentence import point_note_text
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 PAIR_OPTIONS = {"load": "2 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "direction": [0.0, 180.0]}
 SCAN_COUNTS = [(3, 3), (3, 6), (4, 5), (6, 6)]  # numbers of scans of the upper and of the lower part

@@ -10,7 +10,7 @@ from stiction.mechanics.hardness import estimate_indentation_depth, size_effect_
 from stiction.views.sentence import inputs_text
 from support.rough_surfaces import rough_maps
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 METAL_OPTIONS = {
     "effective_modulus": 100.0, "hardness": 0.5, "load": "20 MPa", "cutoff": "none", "shifts": 6, "mu0": 0.2,

@@ -32,7 +32,7 @@ from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.rows import summary_json
 from support.rough_surfaces import rough_maps, rough_profile
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 SPACING = 0.1
 TIP_RADIUS = 5.0  # µm

@@ -19,7 +19,7 @@ MODULUS_STUDY = STUDY.with_changes({"contact.effective_modulus": "80 GPa"})
 
 def compute_pair(directory=None, **options):
     maps = [
-        self_affine_surface(seed, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1, shortest_wavelength=0.6)
+        self_affine_surface(seed, hurst_exponent=0.8, rms=0.02, shape=(32, 32), spacing=0.1, shortest_wavelength=0.6)
         for seed in (1, 2)
     ]
     values = {"load": "10 MPa", "mu0": 0.2, "cutoff": "none", "shifts": 3, "onset": 0, "directory": directory}
@@ -217,11 +217,12 @@ def study_file(tmp_path_factory):
     ("friction.tau0", '["20 MPa"]', "τ0 = 20 MPa, ", "τ0"),
     ("friction.tau0", '"20..30 MPa"', "τ0 = 24.5 MPa (20..30 MPa), ", "τ0"),
 ])  # fmt: skip
+@pytest.mark.usefixtures("disable_figures", "omit_companion_files")
 def test_run_with_a_changed_entry_prints_its_value_and_range_and_lists_it_in_the_budget(
     study_file, tmp_path, key, entry, text, label
 ):
-    options = {"cwd": tmp_path, "without_figures": True, "without_report": True}
-    check_stiction("run", study_file, "--set", f"{key}={entry}", "--output", "changed", **options)
+    arguments = ["--set", f"{key}={entry}", "--output", "changed"]
+    check_stiction("run", study_file, *arguments, cwd=tmp_path, without_report=True)
     document = json.loads(check_stiction("info", "changed", "--json", cwd=tmp_path).stdout)
     point = document["points"][0]
     assert text in point["sentence"]

@@ -30,7 +30,7 @@ from stiction.study.input_distributions import Z_95
 from stiction.study.inputs import find_interface
 from support.command import assert_rejected, call_stiction, check_stiction
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 INTERFACE_KINDS = ("measured", "lumped", "bound")
 

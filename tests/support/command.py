@@ -26,6 +26,29 @@ def disable_drawing():
         yield
 
 
+@contextlib.contextmanager
+def disable_companion_files():
+    """Return a context manager that omits contact pictures, cutoff studies and onsets of pairs, to save time."""
+    with (
+        mock.patch("stiction.pipeline.contact_picture", return_value=None),
+        mock.patch("stiction.pipeline.compute_companion_files", return_value=None),
+    ):
+        yield
+
+
+def empty_figures():
+    """Return a context manager in which commands write empty figures with the names of the figures of a result."""
+    from matplotlib.figure import Figure
+    from stiction.views.figures import standard
+
+    select_figures = standard.select_figures
+
+    def select_empty_figures(*arguments):
+        return ((name, Figure) for name, _ in select_figures(*arguments))
+
+    return mock.patch.object(standard, "select_figures", select_empty_figures)
+
+
 def disable_reports():
     """Return a context manager that replaces the reports of results by empty pages, to save time."""
 
@@ -44,6 +67,7 @@ def call_stiction(*arguments, cwd, columns=200, without_figures=False, without_r
     out, err = io.StringIO(), io.StringIO()
     with (
         disable_drawing() if without_figures else contextlib.nullcontext(),
+        empty_figures() if without_figures else contextlib.nullcontext(),
         disable_reports() if without_report else contextlib.nullcontext(),
         contextlib.chdir(cwd),
         contextlib.redirect_stdout(out),

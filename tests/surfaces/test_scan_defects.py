@@ -20,7 +20,7 @@ from stiction.surfaces.scan_defects import ScanDefects, find_scan_defects
 from support.machined_surfaces import MACHINED_SURFACES, filtered_noise, scale_to_unit_rms
 from support.rough_surfaces import rough_maps
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from stiction import Study, half_space, material, open_result, pair, run, self_a
 from stiction.study.members import load_bodies
 from support.command import assert_rejected, call_stiction, check_stiction
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 ROOT = Path(__file__).parents[2]
 SCANS = ROOT / "examples/scans"

@@ -13,7 +13,7 @@ from stiction.views.latex import latex_table
 from support.rough_surfaces import rough_maps
 from support.synthetic_results import generated_result, generated_study, measured_result, measured_study
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 SUMMARIES = {
     "pair": summarize(measured_result(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study()),

@@ -8,7 +8,7 @@ from scipy.ndimage import grey_dilation
 from stiction import Surface, pair
 from support.rough_surfaces import rough_maps
 
-pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 NUM_POINTS, SPACING = 128, 0.02
 PAIR_OPTIONS = {
