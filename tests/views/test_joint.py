@@ -2,6 +2,7 @@
 
 import io
 import json
+import pickle
 import re
 import shutil
 import subprocess
@@ -12,6 +13,7 @@ import pandas
 import pytest
 from stiction import Study, half_space, material, open_result, pair, run, self_affine_surface
 from stiction.study.members import load_bodies
+from stiction.summary.evaluation import Evaluation
 from support.command import assert_rejected, call_stiction, check_stiction
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
@@ -19,7 +21,24 @@ pytestmark = pytest.mark.usefixtures("no_companion_files")
 ROOT = Path(__file__).parents[2]
 SCANS = ROOT / "examples/scans"
 UNIT_SYSTEMS = {"mm,N,MPa": (1e3, 1e-3), "m,N,Pa": (1e6, 1e-9), "um,mN,GPa": (1.0, 1.0)}  # µm and GPa per unit
+NUM_POSITIONS = 8
 NUMBER_PATTERN = r"[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def evaluate_once():
+    """Evaluate each result only once at the same loads, because files in all units and formats show equal values."""
+    evaluate, datasets = Evaluation.at, {}
+
+    def evaluate_or_copy(result, *arguments, **options):
+        key = id(result), pickle.dumps((arguments, options))
+        if key not in datasets:
+            datasets[key] = result, evaluate(result, *arguments, **options)
+        return datasets[key][1].copy(deep=True)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Evaluation, "at", evaluate_or_copy)
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +51,7 @@ def result(folder):
     """Return the result of the pair in README, with fewer positions."""
     return pair(
         SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", upper="steel", lower="brass", hardness="120 HV ± 10 %",
-        mu0=0.2, tau0="50 MPa", load="50 MPa", offsets=16, onset=0, directory=folder / "pair",
+        mu0=0.2, tau0="50 MPa", load="50 MPa", offsets=NUM_POSITIONS, onset=0, directory=folder / "pair",
     )  # fmt: skip
 
 
@@ -184,11 +203,10 @@ def test_computed_joint_has_the_stiffness_of_direct_solutions_at_every_pressure(
         np.testing.assert_allclose(frame[f"{title} stiffness (MPa/mm)"], at[name].sel(statistic="mean"), rtol=1e-6)
     study = result.study
     bodies, contact = load_bodies(study), study.contact.solver_arguments()
+    pairs = [bodies.member(member, 0.0).pair for member in range(NUM_POSITIONS)]
     for index in (2, 14, 30):
         loads = result.nominal_area * 1e-3 * pressures[index] * np.array([0.999, 1.001])
-        closures = np.mean(
-            [half_space(*bodies.member(member, 0.0).pair, loads, **contact).closure for member in range(16)], axis=0
-        )
+        closures = np.mean([half_space(*pair, loads, **contact).closure for pair in pairs], axis=0)
         expected = 1e3 * np.diff(loads)[0] / result.nominal_area / (1e-3 * np.diff(closures)[0])
         assert frame["normal stiffness (MPa/mm)"][index] == pytest.approx(expected, rel=0.01)
     interpolated = pandas.read_csv(io.StringIO(export_text(result, folder / "joint.csv", joint=True)))
