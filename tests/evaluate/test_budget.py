@@ -392,7 +392,7 @@ def test_combined_interval_contains_the_interval_of_the_mean_for_random_statisti
         effective_modulus="80 GPa",
         **PAIR_OPTIONS,
     )
-    count, ends, scatters, contact_counts = 300, [], [], []
+    count, ends, scatters, contact_counts = 100, [], [], []
     for _ in range(count):
         value, scatter, half_width = random.uniform(0.21, 1.0), random.uniform(0.001, 1.5), random.uniform(0.001, 0.6)
         ends.append(value * np.array([1.0, 1 - half_width, 1 + half_width * random.uniform(0.5, 2)]))

@@ -5,7 +5,6 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from stiction import (
-    Result,
     Study,
     Surface,
     area_map,
@@ -97,9 +96,12 @@ def compute_curves(study, upper, lower):
             )  # fmt: skip
 
 
-def test_figures_and_report_are_drawn_for_every_contact_model(result, tmp_path):
+@pytest.mark.parametrize("name", STUDIES)
+def test_figures_and_report_are_drawn_for_every_contact_model(name, tmp_path):
     """Half-space results lack the quantities of asperities that figures use for the limits of the asperity model."""
-    result = Result(result)
+    study = STUDIES[name]
+    direction = {"contact.direction": "+x"} if study.contact.direction else {}
+    result = run(study.with_changes({"surfaces.amplitude": study.surfaces.amplitude[:1]} | direction))
     names = {path.stem for path in draw_figures(result, tmp_path)}
     assert {name.split("_")[0] for name in names} >= {"friction", "area"}
     assert report_page(result).startswith("<!doctype html>")

@@ -87,6 +87,13 @@ def change_in_place(dataset):
     dataset.attrs.clear()
 
 
+@pytest.fixture(scope="module")
+def evaluated_result(surface_folder, call_counts):
+    """Return a result with its summary in its cache, and the text of this summary."""
+    result = open_result(surface_folder / "pair")
+    return result, repr(result)
+
+
 @pytest.mark.parametrize(
     "get_dataset",
     [
@@ -118,10 +125,9 @@ def change_in_place(dataset):
         "pieces",
     ],
 )
-def test_change_of_a_returned_dataset_does_not_change_later_results(surface_folder, call_counts, get_dataset):
-    result = open_result(surface_folder / "pair")
+def test_change_of_a_returned_dataset_does_not_change_later_results(surface_folder, evaluated_result, get_dataset):
+    result, summary_text = evaluated_result
     expected = get_dataset(result).copy(deep=True)
-    summary_text = repr(result)
     change_in_place(get_dataset(result))
     xarray.testing.assert_identical(get_dataset(result), expected)
     assert repr(result) == summary_text

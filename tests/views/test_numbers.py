@@ -322,7 +322,7 @@ def test_friction_in_reports_of_measured_surfaces_equals_library_values(dataset_
     facts, errors = report_evaluator.facts, []
     study = parse_study_of_dataset(dataset)
     study_setting = (0, 0, 0, 0, study.friction.mu0[0], float(study.friction.tau0[0]))
-    for _, rule_index, way_index, load_index, mu0, tau0 in (study_setting, *random_settings(report_evaluator, 25, 4)):
+    for _, rule_index, way_index, load_index, mu0, tau0 in (study_setting, *random_settings(report_evaluator, 12, 4)):
         reference = at_load(dataset, [facts["loads"]["values"][load_index]], mu0=[mu0], tau0=[tau0])
         reference = add_uncertainty(reference, dataset, budget=False).isel(
             load=0, mu0=0, tau0=0, cut_off=0, sliding=rule_index
