@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import textwrap
+import time
 
 import pytest
 from stiction import Study, run
@@ -92,6 +93,19 @@ def test_copy_ends_if_its_value_is_not_used():
             print(len(multiprocessing.active_children()), time.monotonic() - start < 10)
     """
     assert run_script(script) == ["1", "0", "True"]
+
+
+def test_copy_ends_if_the_process_is_killed():
+    """The script ends with its last process, because the copy inherits the standard output."""
+    script = """
+        with evaluate_in_copy(lambda: time.sleep(50)):
+            time.sleep(0.5)
+            print("killed", flush=True)
+            os.kill(pid, signal.SIGKILL)
+    """
+    start = time.monotonic()
+    assert run_script(script) == ["killed"]
+    assert time.monotonic() - start < 40
 
 
 def test_interrupt_ends_the_copy_without_a_message():

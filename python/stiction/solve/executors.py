@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import logging
 import multiprocessing
 import re
@@ -30,6 +31,7 @@ MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
 CONNECTION_TIMEOUT = "15s"
+_SET_PARENT_DEATH_SIGNAL = 1  # operation PR_SET_PDEATHSIG of prctl on Linux
 PROGRESS_PREFIX = "progress: "  # start of a line of progress
 PROGRESS_LINE_INTERVAL = 60.0  # time (s) between two lines of progress if the output is not a terminal
 
@@ -136,10 +138,14 @@ def _can_be_copied() -> bool:
 
 
 def _send_value(function: Callable[[], Any], receiver: Connection, sender: Connection) -> None:
-    """Send the value of a function. After an error or Ctrl-C, end without a value and without a message."""
+    """Send the value of a function. After an error or Ctrl-C, end without a value and without a message.
+
+    The copy also ends if the other process is killed.
+    """
+    ctypes.CDLL(None).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    receiver.close()  # Otherwise the copy would wait forever for a reader if the other process were killed.
+    receiver.close()
     with contextlib.suppress(Exception):
         sender.send(function())
 
