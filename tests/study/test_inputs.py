@@ -77,7 +77,7 @@ def test_one_entry_of_a_study_has_the_central_value_and_the_range_of_an_input(ke
     ({"contact.yield_exponent": "0.2..1.2"}, "contact.yield_exponent", "must be from 0.5 to 10, including its unc"),
     ({"contact.yield_exponent": True}, "contact.yield_exponent", "must be a number, or a text with a range or an unc"),
     ({"contact.junction_growth": 0, "contact.work_of_adhesion": "50 mJ/m^2"}, "contact.yield_exponent",
-     "must not be given if work_of_adhesion is above 0, because areas of adhesive contacts are computed with the p"),
+     "must not be given if work_of_adhesion is above 0, because areas of adhesive contacts are computed with p"),
 ])  # fmt: skip
 def test_study_rejects_entries_that_are_impossible_or_contradict_each_other(changes, key, reason):
     with pytest.raises(StudyError, match=reason) as caught:
