@@ -13,7 +13,7 @@ from stiction.solve.layout import (
     stack_members,
     variable_specs,
 )
-from stiction.solve.member_solution import compute_member_arrays, estimate_member_time
+from stiction.solve.member_solution import compute_member_arrays, estimate_member_iterations, estimate_member_time
 from stiction.study.members import find_body_attributes, load_bodies
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
@@ -146,3 +146,32 @@ def test_changed_scan_file_is_rejected_when_bodies_are_loaded(tmp_path):
     np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)
     with pytest.raises(ValueError, match=r"upper\.npy has changed since"):
         load_bodies(study.with_changes({"ensemble.seed": 5}))
+
+
+def create_half_space_study(folder, monkeypatch, num_points, **contact):
+    """Return a study of maps that estimates of run time take for maps with the given number of points."""
+    monkeypatch.setattr(member_solution, "count_grid_points", lambda study: num_points)
+    changes = {f"contact.{name}": value for name, value in contact.items()}
+    return create_study_from_files(folder, spacing=write_maps(folder)).with_changes(
+        {"contact.mechanics": "half-space"} | changes
+    )
+
+
+@pytest.mark.parametrize(("num_points", "ratio"), [(512**2, 1.0), (2048**2, 2.0)])
+def test_estimated_solution_time_is_doubled_for_large_free_maps(tmp_path, monkeypatch, num_points, ratio):
+    free_time, periodic_time = (
+        estimate_member_time(create_half_space_study(tmp_path, monkeypatch, num_points, boundary=boundary))
+        for boundary in ("free", "periodic")
+    )
+    assert free_time == pytest.approx(ratio * periodic_time, rel=0.01)
+
+
+def test_estimated_iterations_of_soft_adhesive_maps_increase_with_the_side_above_256_points(tmp_path, monkeypatch):
+    soft = {"work_of_adhesion": "50 mJ/m^2", "effective_modulus": "1 kPa"}
+    iterations = [
+        estimate_member_iterations(create_half_space_study(tmp_path, monkeypatch, side**2, **soft))
+        for side in (128, 256, 512, 1024)
+    ]
+    assert iterations[0] == pytest.approx(iterations[1], rel=0.01)
+    assert iterations[2] == pytest.approx(2 * iterations[1], rel=0.02)
+    assert iterations[3] == pytest.approx(2 * iterations[2], rel=0.02)
