@@ -17,7 +17,13 @@ from stiction._core import __version__
 from stiction._files import FolderClaim, check_replaceable, replace_file_atomically
 from stiction._text import format_duration
 from stiction.companions.contact_picture import contact_picture
-from stiction.companions.onset import ONSET_TABLE_SIGNATURE, compute_onset, format_backbone_csv, load_stored_onset
+from stiction.companions.onset import (
+    ONSET_TABLE_SIGNATURE,
+    compute_onset,
+    estimate_onset_time,
+    format_backbone_csv,
+    load_stored_onset,
+)
 from stiction.companions.resolution import find_cutoff_study
 from stiction.evaluate.load_range import has_only_negligible_loads
 from stiction.result import Result
@@ -245,6 +251,7 @@ def compute_companion_files(
                 _write_onset_table(result, stored_onset)  # the coefficient of the result may have changed
             return
         announce("onset of sliding")
+        _print_time_if_long(print_remark, "onset of sliding", estimate_onset_time(stored_result.study, onset))
         new_onset = compute_onset(stored_result.study, executor, members=onset)
     except ValueError as error:  # an exception means that files of the bodies are missing
         print_remark(f"cutoff study and onset are not computed: {error}")

@@ -137,9 +137,13 @@ def test_csv_table_escapes_file_names_that_start_like_formulas(scans_folder, fir
 
 def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans_folder, monkeypatch):
     options = {"cwd": scans_folder, "without_figures": True, "without_report": True}
-    assert "computing" not in check_stiction(*PAIR_COMMAND, "-o", "short", **options).stderr
+    command = [*PAIR_COMMAND[: PAIR_COMMAND.index("--onset")], "--onset", "1"]
+    tasks = ("computing 2 positions: about ", "onset of sliding: about ")
+    short_output = check_stiction(*command, "-o", "short", **options).stderr
+    assert not any(task in short_output for task in tasks)
     monkeypatch.setattr(pipeline, "MIN_ANNOUNCED_TIME", 0.0)
-    assert "computing 2 positions: about " in check_stiction(*PAIR_COMMAND, "-o", "long", **options).stderr
+    long_output = check_stiction(*command, "-o", "long", **options).stderr
+    assert all(task in long_output for task in tasks)
 
 
 def test_table_command_replaces_a_table_that_an_equal_command_wrote_at_the_same_time(tmp_path, monkeypatch):

@@ -28,7 +28,7 @@ from stiction.mechanics.onset import DEFAULT_POISSON_RATIO
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, quantity_attributes
 from stiction.solve.executors import wrap_to_use_idle_threads
-from stiction.solve.member_solution import PressedPair
+from stiction.solve.member_solution import PressedPair, estimate_solution_time
 from stiction.solve.store import ONSET_FILE, read_companion_file
 from stiction.study.members import count_grid_points, load_bodies
 from stiction.study.stored_values import ANY_STORED_VALUE, AttributeSpec, VariableSpec
@@ -45,6 +45,8 @@ ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"  # first bytes of the f
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members whose onset is computed: in general (first), and for maps with the half-space (second)."""
 
+
+NUM_SOLUTIONS_PER_ONSET = 8  # time of an onset curve on one core, as a multiple of the time of a contact solution
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Fractions of the sliding load at which the curve is evaluated."""
@@ -72,18 +74,12 @@ def compute_onset(
     and `statistic`. It also contains the slip map of the first member, and the parameters of Iwan and LuGre models of
     the mean curve. Returns None for generated bodies, without friction, or if the solver fails for all members.
     """
-    if not study.is_measured:
+    indices = _find_onset_members(study, members)
+    if not indices:
         return None
     mu0, tau0 = float(study.friction.mu0[0]), float(study.friction.tau0[0])
-    if mu0 == tau0 == 0:
-        return None
     load = float(study.friction.load[0]) if load is None else load
     surfaces: Any = study.surfaces
-    first_index = surfaces.first_scan_member_index
-    first_index = first_index if first_index < study.ensemble.repetitions else 0
-    is_slow = surfaces.is_areal and study.uses_half_space
-    num_members = (NUM_AREAL_ONSET_MEMBERS if is_slow else NUM_ONSET_MEMBERS) if members is None else members
-    indices = range(first_index, min(first_index + num_members, study.ensemble.repetitions))
     compute_curve: Any = partial(
         compute_member_onset, study, load=load, mu0=mu0, tau0=tau0, cut_off=surfaces.reported_cut_off()
     )
@@ -93,6 +89,25 @@ def compute_onset(
         return None
     onset = _average_onset_curves(study, curves, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
     return onset.assign(curves[0]["map"])
+
+
+def _find_onset_members(study: Study, count: int | None) -> range:
+    """Return the indices of the members whose onset is computed: none for generated bodies, or without friction."""
+    surfaces: Any = study.surfaces
+    if not study.is_measured or float(study.friction.mu0[0]) == float(study.friction.tau0[0]) == 0:
+        return range(0)
+    first_index = surfaces.first_scan_member_index
+    first_index = first_index if first_index < study.ensemble.repetitions else 0
+    is_slow = surfaces.is_areal and study.uses_half_space
+    num_members = (NUM_AREAL_ONSET_MEMBERS if is_slow else NUM_ONSET_MEMBERS) if count is None else count
+    return range(first_index, min(first_index + num_members, study.ensemble.repetitions))
+
+
+def estimate_onset_time(study: Study, members: int | None = None) -> float:
+    """Estimate the time (s) on one core of `compute_onset`, or return 0 for asperities, which take little time."""
+    if not study.uses_half_space:
+        return 0.0
+    return len(_find_onset_members(study, members)) * NUM_SOLUTIONS_PER_ONSET * estimate_solution_time(study)
 
 
 def compute_member_onset(
