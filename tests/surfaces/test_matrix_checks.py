@@ -226,6 +226,25 @@ def test_rows_of_another_width_above_a_matrix_are_rejected(tmp_path):
     )
 
 
+@pytest.mark.parametrize("names", ["", "x (um) z (um)\n", "24 18\nx (um) z (um)\n"])
+@pytest.mark.parametrize("words", ["Ra 0.07 x z\n", "mean\n", "a b\nc d\n"])
+def test_row_of_a_profile_above_words_is_not_dropped(tmp_path, names, words):
+    path = tmp_path / "a.txt"
+    rows = [f"{x:.1f} {z:.4f}\n" for x, z in zip(X[:20], HEIGHTS[0], strict=True)]
+    path.write_text(names + rows[0] + words + "".join(rows[1:]))
+    line = names.count("\n") + 1
+    message = error_message(path, unit="um")
+    assert f"line {line} (" in message
+    assert f"has a position that continues in line {line + 1 + words.count(chr(10))}, but between them" in message
+
+
+@pytest.mark.parametrize("line", ["0 1", "1 2", "0.5 0.5", "20 1", "10 0.07"])
+def test_two_numbers_above_names_that_are_no_position_are_ignored(tmp_path, line):
+    path = tmp_path / "a.txt"
+    path.write_text(f"{line}\nx (um) z (um)\n" + "".join(f"{x} {z}\n" for x, z in zip(X[:20], HEIGHTS[0], strict=True)))
+    assert np.array_equal(read_measurement(path).heights, HEIGHTS[0])
+
+
 def test_profile_in_few_lines_has_a_caveat(tmp_path):
     path = tmp_path / "a.txt"
     heights = create_map(1, 125)[0]

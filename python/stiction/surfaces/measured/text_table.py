@@ -30,6 +30,7 @@ from stiction.surfaces.measured.split import (
     describe_remedy_of_word,
     detect_dialect,
     find_numeric_line_runs,
+    is_numeric_row,
     parse_number_block,
 )
 from stiction.surfaces.measured.word_columns import LocatedWordColumn, describe_words, replace_word_columns
@@ -78,6 +79,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
             "one table in the file"
         )
     _reject_rows_above(text, block)
+    _reject_separated_positions(text, runs, block)
     return _to_table(text, block, 0, word_columns)
 
 
@@ -93,6 +95,27 @@ def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
             f"{text.describe_line(rows[0])} and {len(rows) - 1} more lines of numbers do not belong to the same table "
             f"as lines {block.lines[0] + 1} to {block.lines[-1] + 1}; keep only one table in the file"
         )
+
+
+def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], block: NumberBlock) -> None:
+    """Raise `FormatError` if a row of two cells above a block contains a position of the same profile.
+
+    Such a row is separated from the block by words, and its position precedes those of the block by whole steps.
+    """
+    start = int(block.lines[0])
+    if block.values.shape != (block.lines.size, 2) or block.lines.size < 2:
+        return
+    positions = block.values[:, 0]
+    for line, last in runs:
+        if line >= start or last > line or not is_numeric_row(text.line(line), block.dialect, text):
+            continue
+        row = parse_number_block(text, line, line, block.dialect).values[0]
+        steps = (positions[0] - row[0]) / (positions[1] - positions[0]) if positions[1] != positions[0] else np.nan
+        if row.size == 2 and 0.9 < steps < start - line + 0.1 and abs(steps - round(steps)) < 0.1:
+            raise FormatError(
+                f"{text.describe_line(line)} has a position that continues in line {start + 1}, but between them are "
+                "words; remove the words, or the first row"
+            )
 
 
 def _to_table(
