@@ -93,7 +93,21 @@ def test_header_line_with_another_quantity_along_x_rejects_the_positions(tmp_pat
 
 @pytest.mark.parametrize(
     "name",
-    ["1000*z", "10^3 z", "z/1000", "-z", "log z", "|z|", "z/Sq", "z·10³", "z normalised", "abs(z)", "exp(-z)", "exp z"],
+    [
+        "1000*z",
+        "10^3 z",
+        "z/1000",
+        "-z",
+        "log z",
+        "|z|",
+        "z/Sq",
+        "z·10³",
+        "z normalised",
+        "abs(z)",
+        "exp(-z)",
+        "exp z",
+        "z, 0.1x",
+    ],
 )
 def test_column_of_calculated_heights_has_a_caveat(tmp_path, name):
     path = write_columns(tmp_path / "a.csv", f"x (um);{name} (um)")

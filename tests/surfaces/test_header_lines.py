@@ -130,7 +130,10 @@ def test_equal_spacings_along_both_axes_are_used(read_text, line):
      "values times 1000", "facteur: 0.001", "係数 0.001", "коэффициент 0.001", "exponent: -3", "1 digit = 0.01 um",
      "1 LSB = 0.5 nm", "Counts per um: 100", "Height per gray level: 0.02 um", "normalized by 0.8 um", "in 10 nm",
      "units of 0.1 um", "in thousandths of um", "normalised to 1", "z times 3", "LSB: 0.5 nm",
-     "add_offset 0 scale_factor 0.001", "times 1e3", "z/1000", "Z: 10 nm per step"],
+     "add_offset 0 scale_factor 0.001", "times 1e3", "z/1000", "Z: 10 nm per step",
+     "Conversion 0.01", "Umrechnung: 0.001", "Vertical magnification 0.001", "Überhöhung 10", "Z LSB: 0.01",
+     "z = 0.01 * value", "height = counts / 100",
+     "Vergrößerung 10:1", "Vertical scale 1000:1"],
 )  # fmt: skip
 def test_factor_in_words_adds_a_caveat(read_text, line):
     reading = read_text(f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
@@ -148,7 +151,7 @@ def test_factor_above_a_displayed_matrix_adds_a_caveat(read_text, factor):
     "line",
     ["Factor: 1", "Objective: x100", "Magnification x1000", "1024 x 1000 points", "Form factor 0.5", "Speed: 2 mm/s",
      "Pixel size: 0.5 um x 0.5 um", "Feedback gain: 0.3", "Gain: 45 dB", "Scale: 1", "Speed: 0.5 mm/s in 2 mm", "100",
-     "Scan in 0.5 um steps", "Sampling times 3",
+     "Scan in 0.5 um steps", "Sampling times 3", "Conversion of 12 files", "Maßstab 1:1", "Vertical magnification 1",
      "Scaled to 1:1", "divided by 1.0", "values times 1", "# history: multiplied by 2 um, as declared in the file"],
 )  # fmt: skip
 def test_factor_that_does_not_apply_to_heights_has_no_caveat(read_text, line):
@@ -171,6 +174,18 @@ def test_given_unit_does_not_replace_an_unknown_unit_of_a_column(read_text, name
     message = error_message(read_text, names.format(unit) + ROWS, unit=("mm", "um"))
     shown_unit = "inch" if unit == '"' else unit
     assert f"has heights in {shown_unit!r}, which is not a supported unit of length" in message
+
+
+@pytest.mark.parametrize(
+    "names", ['x/mm;z/"\n', 'x_mm;z_"\n', 'x;z\nmm;"\n', 'x in mm;z in "\n', 'x (mm);z\nZ unit = "\n', 'x/mm;"z/"\n']
+)
+def test_inch_mark_without_brackets_is_an_unknown_unit(read_text, names):
+    message = error_message(read_text, names + ROWS, unit=("mm", "um"))
+    assert "has heights in 'inch', which is not a supported unit of length" in message
+
+
+def test_names_in_quotation_marks_contain_no_inch_mark(read_text):
+    assert read_text(f'"x/mm";"z/um"\n{ROWS}').body.heights.tolist() == PROFILE.tolist()
 
 
 @pytest.mark.parametrize("unit", UNKNOWN_UNITS[:-1])

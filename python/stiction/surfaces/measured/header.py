@@ -112,21 +112,26 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
     rf"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|conversion|calibration|unit|multiplication|amplitude|"
     rf"add[ _]offset\W*{DECIMAL_PATTERN})[\s_-]*)*"
     r"(?:fa[ck]tor|facteur|fattore|fator|multiplier|multiplicat\w*|scaling|skalierung|sensitivity|empfindlichkeit|"
-    r"exponent|gain|verstärkung|amplification|倍率|係数|系数|比例|множитель|коэффициент)(?![^\W\d_]).{0,20}?"
+    r"exponent|gain|verstärkung|amplification|conversion(?! of)|umrechnung|magnification|vertikalvergrößerung|"
+    r"überhöhung|倍率|係数|系数|比例|множитель|коэффициент)(?![^\W\d_]).{0,20}?"
     rf"{SEPARATOR_PATTERN}{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}.*|"
     rf"\W*(?:(?:z|heights?|data|values?|vertical)[\s_-]*)*scale{SEPARATOR_PATTERN}"
     rf"{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}\W*|"
     rf".*(?:\b(?:[nuµp]?m|heights?|volts?|V)|[0-9][nuµp]m)\s*(?:/|per)\s*(?:{_DIGIT_PATTERN}|div|[nuµm]m)\b.*|"
     rf".*\b{_DIGIT_PATTERN}\s*(?:/|per)\s*[nuµm]m\b.*|.*\b(?:tenth|hundredth|thousandth)s? of\b.*|"
-    rf"\W*LSB{SEPARATOR_PATTERN}{DECIMAL_PATTERN}.*|"
+    rf"\W*(?:z|heights?)\s*=\s*(?:(?!1(?:[.,]0*)?\s*[*×·x]){DECIMAL_PATTERN}\s*[*×·x]\s*[^\W\d].*|"
+    rf"[^\W\d]\w*\s*[*×·x/]\s*{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}\W*)|"
+    rf"\W*(?:vertical[\s_-]*)?(?:vergrößerung|maßstab|massstab|scale){SEPARATOR_PATTERN}{_NOT_ONE_PATTERN}(?!1\s*:\s*1\W*$)"
+    rf"{DECIMAL_PATTERN}\s*:\s*1\W*|"
+    rf"\W*(?:z\W+)?LSB{SEPARATOR_PATTERN}{DECIMAL_PATTERN}.*|"
     rf".*(?<![0-9.,])1\s*{_DIGIT_PATTERN}\s*[=:]\s*{DECIMAL_PATTERN}.*",
     re.IGNORECASE,
 )
 """Pattern of a line that describes a factor in words. The factor may apply to the heights."""
 
 _OTHER_FACTOR_PATTERN = re.compile(
-    r"objective|objektiv|magnif|zoom|lens|shape|form|crest|filter|quality|aspect|exaggerat|spring|frequency|defl|piezo|bias|"
-    r"feedback|\bdB\b",
+    r"objective|objektiv|(?<!vertical )(?<!height )(?<!\bz )magnif|zoom|lens|shape|form|crest|filter|quality|aspect|"
+    r"exaggerat|spring|frequency|defl|piezo|bias|feedback|\bdB\b",
     re.IGNORECASE,
 )
 _HEIGHT_FACTOR_PATTERN = re.compile(
@@ -212,7 +217,7 @@ _LENGTH_AXIS_PATTERN = re.compile(
 """Pattern of the names of positions along a profile in several languages."""
 
 _CALCULATION_PATTERN = re.compile(
-    r"[*×·^√]|(?<![^\W_])x\s?10+(?![0-9])|\|\w[^|]*\||/\s*(?:[0-9]|[RS][aqz]\b)|^\W*[-−]\s*z\b|"
+    r"[*×·^√]|(?<![^\W_])x\s?10+(?![0-9])|[0-9]x(?![^\W_])|\|\w[^|]*\||/\s*(?:[0-9]|[RS][aqz]\b)|^\W*[-−]\s*z\b|"
     r"\b(?:log(?:10)?|ln|sqrt)\b|\b(?:abs|exp)\s*(?:[0-9]|z\b)|\bd\w\s*/\s*d\w\b|"
     r"\b(?:scaled|normali[sz]ed|skaliert|normiert)\b",
     re.IGNORECASE,
@@ -276,13 +281,17 @@ class ColumnHeadings:
     height_unit: str | None = None  # unit of the heights, if a line mentions heights but no other quantity
 
 
-_INCH_MARK_PATTERN = re.compile(r'([(\[])\s*"{1,2}\s*([)\]])')
+_INCH_MARK_PATTERN = re.compile(r'([(\[])\s*"{1,2}\s*([)\]])|(?<=[^\W\d]/)"{1,2}(?=[,;\t]|$)')
+_UNPAIRED_INCH_MARK_PATTERN = re.compile(r'(?<=[,;\t:=_ ])"(?=[,;\t]|$)')
+"""Pattern of an inch mark in a line with an odd number of double quotes, as in `Unit: "`."""
 
 
 def normalise_line(line: str) -> str:
     """Replace full-width characters, unit ligatures, inch marks and entities in a line, and remove double quotes."""
     line = html.unescape(line) if "&" in line else line
     line = _INCH_MARK_PATTERN.sub(r"\1inch\2", unicodedata.normalize("NFKC", line))
+    if line.count('"') % 2:
+        line = _UNPAIRED_INCH_MARK_PATTERN.sub("inch", line)
     return line.replace('"', "").replace("\u03bc", "µ").replace("\u2212", "-")
 
 
