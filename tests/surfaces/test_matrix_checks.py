@@ -245,6 +245,23 @@ def test_two_numbers_above_names_that_are_no_position_are_ignored(tmp_path, line
     assert np.array_equal(read_measurement(path).heights, HEIGHTS[0])
 
 
+@pytest.mark.parametrize("point", [".", ","])
+@pytest.mark.parametrize(("cut", "names"), [(0, []), (1, ["truncated"]), (4, ["truncated"]), (5, ["truncated"])])
+def test_number_that_is_cut_off_at_the_end_of_a_profile_has_a_caveat(tmp_path, cut, names, point):
+    path = tmp_path / "a.txt"
+    text = "".join(f"{x / 2:.4f};{z:.4f}\n" for x, z in enumerate(HEIGHTS.ravel()[:120])).replace(".", point)
+    path.write_text(text[: len(text) - cut - 1])
+    assert [caveat.name for caveat in read_with_interpretation(path, unit="um").caveats] == names
+
+
+@pytest.mark.parametrize("form", [".4g", ".0f"])
+def test_last_number_among_numbers_of_different_or_no_decimals_has_no_caveat(tmp_path, form):
+    path = tmp_path / "a.txt"
+    path.write_text("\n".join(f"{z * 100:{form}}" for z in [*HEIGHTS.ravel()[:120], 0.5]))
+    names = [caveat.name for caveat in read_with_interpretation(path, unit="nm", spacing="0.5 um").caveats]
+    assert "truncated" not in names
+
+
 def test_profile_in_few_lines_has_a_caveat(tmp_path):
     path = tmp_path / "a.txt"
     heights = create_map(1, 125)[0]

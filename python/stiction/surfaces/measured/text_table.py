@@ -14,6 +14,7 @@ from stiction.surfaces.measured.header import parse_column_headings, parse_decla
 from stiction.surfaces.measured.raw import (
     LENGTH_UNITS,
     ColumnTable,
+    FileCaveat,
     FormatError,
     HeightChannels,
     HeightProvenance,
@@ -43,6 +44,10 @@ MAX_HISTORY_STEPS = 1000
 
 # Maximum number of lines with numbers below the data, as a fraction of the number of data lines.
 MAX_FOOTER_FRACTION = 0.1
+
+
+# The last number of a text may be cut off if at least this many numbers above it have the same number of decimals.
+MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 
 # Minimum number of rows of a separate block above the data. A smaller block is a size or a count.
@@ -158,6 +163,7 @@ def _to_table(
             *(f"{text.describe_line(line)} skipped as a count or a size" for line in block.omitted[:MAX_HISTORY_STEPS]),
         ),
         source=make_height_provenance(block),
+        caveats=_find_cut_number(block),
         word_columns=tuple(
             WordColumn(
                 column.place,
@@ -170,6 +176,20 @@ def _to_table(
             if column.place < width
         ),
     )
+
+
+def _find_cut_number(block: NumberBlock) -> tuple[FileCaveat, ...]:
+    """Return a caveat if the last number of a text has fewer decimals than each of the numbers above it."""
+    start = int(block.lines.size) - MIN_ROWS_ABOVE_CUT_NUMBER - 1
+    if start < 0 or (block.text.line_kinds[int(block.lines[-1]) + 1 :] == TEXT_LINE_CODE).any():
+        return ()
+    cells = [block.row_cells(row)[-1:] for row in range(start, block.lines.size)]
+    matches = [block.dialect.number_pattern.fullmatch(cell) for row in cells for cell in row]
+    *counts, last_count = (len(match[3] or "") if match else -1 for match in matches)
+    if len(counts) < MIN_ROWS_ABOVE_CUT_NUMBER or len(set(counts)) > 1 or not 0 <= last_count < counts[0]:
+        return ()
+    text = f"its last number, {printable_text(cells[-1][0], 20)}, has fewer decimals than those above it"
+    return (FileCaveat("truncated", text, "export it again, or accept it if the number is complete"),)
 
 
 def _find_units(words: Iterable[str]) -> tuple[str, ...]:
