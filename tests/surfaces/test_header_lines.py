@@ -119,6 +119,20 @@ def test_equal_spacings_along_both_axes_are_used(read_text, line):
     assert read_text(f"{line}\nZ unit: um\n{MAP_TEXT}").body.spacings == pytest.approx((0.5, 0.5))
 
 
+@pytest.mark.parametrize(
+    "lines", ["Track distance = 0.002 mm\nPixel size: 0.5 um\n", "Pixel size: 0.5 um\ndy = 2 um\n"]
+)
+def test_pixel_size_that_contradicts_the_spacing_of_rows_is_not_used(read_text, lines):
+    assert "contains no spacing" in error_message(read_text, lines + MAP_TEXT, unit="um")
+    options = {"unit": "um", "spacing": ("2 um", "0.5 um")}
+    assert read_text(lines + MAP_TEXT, **options).body.spacings == pytest.approx((2.0, 0.5))
+
+
+@pytest.mark.parametrize("lines", ["Pixel size: 2 um\nLine spacing: 2 um\n", "Pixel size: 2 um\ndy = 0.002 mm\n"])
+def test_pixel_size_that_agrees_with_the_spacing_of_rows_is_used(read_text, lines):
+    assert read_text(lines + MAP_TEXT, unit="um").body.spacings == pytest.approx((2.0, 2.0))
+
+
 # ---- Factors --------------------------------------------------------------------------------------------------------
 
 
@@ -182,6 +196,11 @@ def test_given_unit_does_not_replace_an_unknown_unit_of_a_column(read_text, name
 def test_inch_mark_without_brackets_is_an_unknown_unit(read_text, names):
     message = error_message(read_text, names + ROWS, unit=("mm", "um"))
     assert "has heights in 'inch', which is not a supported unit of length" in message
+
+
+@pytest.mark.parametrize("names", ["k/1/um;z/um\n", "elapsed/1/um;z (um)\n", "x 1/um;z um\n"])
+def test_positions_in_a_reciprocal_length_are_rejected(read_text, names):
+    assert "has positions in '1/um', which is not a supported unit of length" in error_message(read_text, names + ROWS)
 
 
 def test_names_in_quotation_marks_contain_no_inch_mark(read_text):

@@ -656,6 +656,8 @@ def unit_in_column_name(cell: str) -> str | None:
         return parse_length_unit(after_name[1]) or after_name[1]
     if "/" in (word := _split_name(last)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):  # "z_nm/nm"
         return word
+    if not bracketed_texts and (match := re.search(r"(?:^|[\s_/])(1/[^\W\d_]+)$", last)):  # "k/1/um"
+        return match[1]
     unit = parse_length_unit((last if bracketed_texts else _split_name(last)[-1].rpartition("/")[2]).strip(" \"'.:"))
     if unit is not None:
         return unit

@@ -134,6 +134,9 @@ def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
         else:
             spacing = spacing or declaration
     along_axes = [find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, parse_bracketed_length) for axis in "yx"]
+    if along_axes[0] and pixel_sizes and not _are_equal(along_axes[0], pixel_sizes[0]):  # "Track distance: 2 um"
+        unclear = UnclearSpacing(along_axes[0].line.strip())
+        spacing = pixel_sizes = None
     written = [
         find_first_match(pattern, lines, lambda match: parse_length(*match.groups(), line=match.string))
         for pattern in _STICTION_SPACING_PATTERNS
@@ -223,6 +226,12 @@ def find_first_match(
     """Parse the lines that begin with a pattern, and return the first result that is not None."""
     matches = (match for line in lines if (match := pattern.match(line)))
     return next((value for match in matches if (value := parse_match(match)) is not None), None)
+
+
+def _are_equal(first: DeclaredLength, second: DeclaredLength) -> bool:
+    return math.isclose(
+        first.length * LENGTH_UNITS[first.unit], second.length * LENGTH_UNITS[second.unit], rel_tol=1e-3
+    )
 
 
 def _pair_if_complete(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
