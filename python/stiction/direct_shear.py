@@ -121,7 +121,7 @@ def shear_test(
         periodic.
     register : bool
         True to start where the faces fit best: the upper face is shifted, rotated by up to 3 degrees (maps) and tilted
-        until the gap is smallest. The attributes of the result contain the position.
+        until the gap is smallest, also between grid points. The attributes of the result contain the position.
     strips : int, optional
         Number of strips along the motion that are also sheared one by one. Their scatter widens the intervals. By
         default 4 to 8 strips of maps with at least 128 points across the motion; 0 for none.
@@ -343,6 +343,7 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
         **{f"registration_shift_{axis}_um": shift for axis, shift in shifts},
         "registration_rotation_deg": registration.rotation, "registration_correlation": registration.correlation,
         "registration_rms_gap_um": registration.rms_gap, "rms_gap_before_registration_um": registration.rms_gap_before,
+        "registration_gap_noise_um": registration.gap_noise,
     }  # fmt: skip
 
 

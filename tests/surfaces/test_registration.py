@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, levelled, rotated, self_affine_surface
-from stiction.surfaces.registration import measure_fit, register_faces
+from scipy.interpolate import RectBivariateSpline
+from stiction import Profile, Surface, levelled, self_affine_surface
+from stiction.surfaces.registration import MAX_ROTATION, measure_fit, register_faces
 
 ROUGH = {"hurst_exponent": 0.8, "rms": 100.0, "spacing": 50.0, "shortest_wavelength": 250.0}
 LARGE = self_affine_surface(5, shape=(200, 200), **ROUGH)
@@ -23,16 +24,57 @@ def test_registration_of_two_pieces_of_a_map_finds_their_shift_exactly():
     assert registration.rms_gap < 1e-9 < registration.rms_gap_before
 
 
-@pytest.mark.parametrize("angle", [-2.2, 1.3])
-def test_rotation_and_shift_are_found_despite_tilt_and_noise(angle):
-    turned = rotated(LARGE, angle)
-    first_row, first_column = ((np.array(turned.heights.shape) - 128) // 2).tolist()
-    noise = np.random.default_rng(1).normal(0, 1.0, (128, 128)) + 0.5 * np.arange(128)
-    piece = cut_piece(turned, first_row + 4, first_column - 3)
-    _, _, registration = register_faces(Surface(piece.heights + noise, spacing=50.0), cut_piece(LARGE, 36, 36))
-    assert registration.rotation == pytest.approx(-angle, abs=0.25)  # a quarter of a point at the ends
-    np.testing.assert_allclose(registration.shift, (200.0, -150.0), atol=75)
-    assert registration.rms_gap < 0.2 * registration.rms_gap_before
+def cut_moved_pair(angle, shift, noise=0.0, points=100):
+    """Return two faces of one fine map, the upper one rotated by an angle (degrees) and shifted along y and x (points).
+
+    The fine map has twice the resolution, and an interpolation of another order than the registration.
+    """
+    fine = self_affine_surface(7, shape=(300, 300), **(ROUGH | {"spacing": 25.0}))
+    spline = RectBivariateSpline(np.arange(300), np.arange(300), fine.heights, kx=5, ky=5)
+    rng, radians, distance = np.random.default_rng(1), np.radians(angle), np.arange(points) - (points - 1) / 2
+    y, x = np.meshgrid(distance, distance, indexing="ij")
+    rows = (y, x * np.sin(radians) + y * np.cos(radians) + shift[0])
+    columns = (x, x * np.cos(radians) - y * np.sin(radians) + shift[1])
+    lower, upper = (
+        Surface(spline.ev(149.5 + 2 * row, 149.5 + 2 * column) + rng.normal(0, noise, (points, points)), spacing=50.0)
+        for row, column in zip(rows, columns, strict=True)
+    )
+    return upper, lower
+
+
+@pytest.mark.parametrize("noise", [0.0, 1.0])
+@pytest.mark.parametrize("shift", [(0, 2), (0.5, 0), (3.25, -4.5)])
+@pytest.mark.parametrize("angle", [0, 0.25, 0.5, -2])
+def test_registration_finds_mates_to_a_fraction_of_a_point(angle, shift, noise):
+    _, _, registration = register_faces(*cut_moved_pair(angle, shift, noise))
+    np.testing.assert_allclose(np.array(registration.shift) / 50, shift, atol=0.02)
+    assert registration.rotation == pytest.approx(angle, abs=0.02)
+    assert registration.rms_gap < 1.5 * max(noise, 0.05)
+    assert registration.gap_noise == pytest.approx(np.sqrt(2) * noise, rel=0.25, abs=0.05)
+
+
+def test_registration_of_a_map_that_is_averaged_for_the_search_finds_an_exact_mate():
+    large = self_affine_surface(
+        7, hurst_exponent=0.8, rms=1000.0, shape=(272, 272), spacing=500.0, shortest_wavelength=2000.0
+    )
+    _, _, registration = register_faces(cut_piece(large, 8, 10, points=256), cut_piece(large, 8, 8, points=256))
+    assert (registration.shift, registration.rotation) == ((0, 1000), 0)
+    assert registration.rms_gap < 1e-9
+
+
+def test_rotation_of_faces_that_do_not_fit_stays_within_its_limit():
+    other = self_affine_surface(9, shape=(64, 64), **ROUGH)
+    rotations = [register_faces(cut_piece(LARGE, row, row, points=64), other)[2].rotation for row in (0, 40, 80, 120)]
+    assert np.abs(rotations).max() <= MAX_ROTATION + 1e-9
+
+
+def test_rotation_and_shift_are_found_despite_tilt_and_unequal_shapes():
+    upper, lower = cut_moved_pair(1.3, (4, -3), noise=1.0)
+    tilted = Surface(upper.heights[:90] + 0.5 * np.arange(100), spacing=50.0)
+    _, _, registration = register_faces(tilted, lower)
+    assert registration.rotation == pytest.approx(1.3, abs=0.02)
+    middle = np.array([-5 * np.cos(np.radians(1.3)) + 4, 5 * np.sin(np.radians(1.3)) - 3])
+    np.testing.assert_allclose(np.array(registration.shift) / 50, middle, atol=0.02)
 
 
 def test_profiles_are_registered_by_a_shift():
@@ -41,6 +83,13 @@ def test_profiles_are_registered_by_a_shift():
     _, _, registration = register_faces(upper, lower)
     assert registration.shift == (550.0,)
     assert registration.rms_gap < 1e-9
+
+
+def test_profiles_are_registered_between_points():
+    fine = self_affine_surface(7, shape=(4, 600), **(ROUGH | {"spacing": 25.0})).row(0)
+    upper, lower = (Profile(fine.heights[start : start + 256 : 2], spacing=50.0) for start in (23, 16))
+    _, _, registration = register_faces(upper, lower)
+    assert registration.shift[0] == pytest.approx(175, abs=0.5)
 
 
 def test_registration_ignores_missing_points():

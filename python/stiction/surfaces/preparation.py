@@ -461,12 +461,10 @@ def rotated(surface: Surface, angle: float) -> Surface:
         return surface.changed(heights, f"rotated by {angle:g} degrees", spacing=spacing, missing=missing)
     if min(surface.heights.shape) < MIN_POINTS:
         raise ValueError(f"angle must be a multiple of 90 degrees for a surface of {surface.heights.shape} points")
-    from scipy.interpolate import RectBivariateSpline
-
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
     side_lengths = (rows - 1) * dy, (columns - 1) * dx
     radians = math.radians(angle)
-    height, width = _inscribed_rectangle(*side_lengths, radians)
+    height, width = inscribed_rectangle(*side_lengths, radians)
     shape = math.floor(height / dy) + 1, math.floor(width / dx) + 1
     if min(shape) < MIN_POINTS:
         raise ValueError(
@@ -475,9 +473,24 @@ def rotated(surface: Surface, angle: float) -> Surface:
         )
     y = (np.arange(shape[0]) - (shape[0] - 1) / 2)[:, np.newaxis] * dy
     x = (np.arange(shape[1]) - (shape[1] - 1) / 2) * dx
+    heights, missing = interpolate_rotated(surface, y, x, radians)
+    lost_fraction = 1 - shape[0] * shape[1] / surface.heights.size
+    history_entry = f"rotated by {angle:g} degrees, {100 * lost_fraction:.0f} % cut off"
+    return surface.changed(heights, history_entry, missing=missing)
+
+
+def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple[Floats, Any]:
+    """Return the heights of a surface rotated by an angle (radians) about its middle, and the mask of missing points.
+
+    The points of the result are at distances y (a column) and x (µm) from the middle. The mask is None if the surface
+    has no missing points.
+    """
+    from scipy.interpolate import RectBivariateSpline
+
+    (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
     # positions of the new points before the rotation about the middle
-    source_row = (side_lengths[0] / 2 - x * math.sin(radians) + y * math.cos(radians)) / dy
-    source_column = (side_lengths[1] / 2 + x * math.cos(radians) + y * math.sin(radians)) / dx
+    source_row = ((rows - 1) * dy / 2 - x * math.sin(angle) + y * math.cos(angle)) / dy
+    source_column = ((columns - 1) * dx / 2 + x * math.cos(angle) + y * math.sin(angle)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)
     # round-off may move positions beyond the sides
     source_row, source_column = np.clip(source_row, 0, rows - 1), np.clip(source_column, 0, columns - 1)
@@ -489,12 +502,10 @@ def rotated(surface: Surface, angle: float) -> Surface:
             for round_x in _NEIGHBOUR_ROUNDING_FUNCTIONS
         ]
         missing = np.logical_or.reduce([surface.missing[corner] for corner in corner_indices])
-    lost_fraction = 1 - shape[0] * shape[1] / surface.heights.size
-    history_entry = f"rotated by {angle:g} degrees, {100 * lost_fraction:.0f} % cut off"
-    return surface.changed(heights, history_entry, missing=missing)
+    return heights, missing
 
 
-def _inscribed_rectangle(height: float, width: float, angle: float) -> tuple[float, float]:
+def inscribed_rectangle(height: float, width: float, angle: float) -> tuple[float, float]:
     """Return the height and width of the largest axis-parallel rectangle within a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer_side, shorter_side = max(height, width), min(height, width)

@@ -14,16 +14,20 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.surfaces.preparation import levelled, rotated
+from stiction.surfaces.preparation import inscribed_rectangle, interpolate_rotated, levelled, rotated
 from stiction.surfaces.profile import Profile, combine_missing_masks, select_from_mask
 from stiction.surfaces.surface import Surface
 
 MAX_ROTATION = 3.0  # largest rotation (degrees) of the search
-ROTATION_STEP = 0.5  # first step (degrees) of the search
+ROTATION_STEP = 0.5  # step (degrees) of the search on coarse maps
+GRID_TOLERANCE = 0.02  # distance (points) to a position on the grid up to which this position is used
 MAX_SECOND_FIT_RATIO = 0.7  # maximum ratio of the correlation at any other shift to the one at the best shift
 MIN_OVERLAP_FRACTION = 0.5  # minimum overlap along each axis, relative to the shorter face
 _MIN_COARSE_POINTS = {1: 64, 2: 16}  # minimum number of points along each axis for a comparison, by dimension
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}  # maximum number of points along each axis in the search, by dimension
+_MAX_REFINEMENTS = 20  # maximum number of Gauss-Newton steps
+_STEP_SCALES = (1.0, 0.5, 0.25)  # fractions of a Gauss-Newton step to try until the gap decreases
+_CONVERGED_MOVE = 1e-4  # largest move of a corner (points) at which the refinement ends
 _PEAK_WIDTH_FRACTION = 0.05  # positions closer to the best one than this fraction of the length belong to its peak
 
 
@@ -41,6 +45,8 @@ class Registration:
         Root-mean-square gap, after subtracting a plane or line, of the given and of the registered faces.
     correlation : float
         Correlation of the slopes of both faces: 1 for a perfect fit, about 0 for unrelated faces.
+    gap_noise : float, µm
+        Noise of the registered gap, if it is independent from point to point.
     """
 
     shift: tuple[float, ...]
@@ -48,31 +54,41 @@ class Registration:
     rms_gap_before: float
     rms_gap: float
     correlation: float
+    gap_noise: float
+
+
+@dataclass(frozen=True)
+class _Position:
+    """Position of the upper face relative to the lower one: shift of the middle (µm) and rotation (radians)."""
+
+    shift: tuple[float, ...]
+    rotation: float
 
 
 def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
     """Return the overlapping parts of two facing bodies at the position at which they fit best, and this position.
 
-    The spacings of both bodies must be equal. The upper face is rotated (maps only), shifted by whole grid points, and
-    tilted so that the gap has no slope on average.
+    The spacings of both bodies must be equal. The upper face is rotated (maps only), shifted, and tilted so that the
+    gap has no slope on average. It is interpolated by a cubic spline unless it fits at whole points without a rotation.
     """
     rms_gap_before = _measure_rms_gap(*_cut_overlap(upper, lower, (0,) * lower.heights.ndim))
-    rotation = _find_rotation(upper, lower) if isinstance(upper, Surface) else 0.0
-    rotated_upper = rotated(upper, rotation) if rotation else upper
-    offset = _find_offset(rotated_upper, lower)
-    upper_part, lower_part = _cut_overlap(rotated_upper, lower, offset)
+    factor = _find_coarsening(upper, lower)
+    coarse_upper, coarse_lower = _coarsen(upper, factor), _coarsen(lower, factor)
+    position = _refine(coarse_upper, coarse_lower, _find_coarse_position(coarse_upper, coarse_lower))
+    if factor > 1:
+        position = _refine(upper, lower, _to_full_grid(position, upper, lower, factor))
+    offset = _find_grid_offset(upper, lower, position)
+    if offset is None:
+        upper_part, lower_part = _interpolate_overlap(upper, lower, position)
+    else:
+        upper_part, lower_part = _cut_overlap(upper, lower, offset)
+        position = _Position(_offset_to_shift(offset, upper, lower), 0.0)
     gap = _compute_gap(upper_part, lower_part)
     upper_part = upper_part.changed(lower_part.heights + gap.heights, "registered")
-    correlation = correlate_facing_slopes(upper_part, lower_part)
-    middle_distances = [
-        (step + (count - other) / 2) * spacing
-        for step, count, other, spacing in zip(
-            offset, rotated_upper.heights.shape, lower.heights.shape, lower.spacings, strict=True
-        )
-    ]
     registration = Registration(
-        tuple(middle_distances), rotation, rms_gap_before, _measure_rms_gap(upper_part, lower_part), correlation
-    )
+        position.shift, math.degrees(position.rotation), rms_gap_before, _measure_rms_gap(upper_part, lower_part),
+        correlate_facing_slopes(upper_part, lower_part), _estimate_noise(gap),
+    )  # fmt: skip
     return upper_part, lower_part, registration
 
 
@@ -200,65 +216,167 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
     return np.where(functools.reduce(np.logical_and.outer, allowed), correlations, np.nan)
 
 
-def _find_rotation(upper: Surface, lower: Surface) -> float:
-    """Return the rotation (degrees) of the upper map at which the gap is smallest.
-
-    The search starts with the slopes of coarse maps. The result is 0 if the rotation moves the ends of the map by less
-    than half of a point.
-    """
-    from scipy.optimize import minimize_scalar
-
-    factor = _find_coarsening(upper, lower)
-    coarse_upper, coarse_lower = _coarsen(upper, factor), _coarsen(lower, factor)
-
-    def correlate(angle: float) -> float:
-        return find_best_fit(rotated(coarse_upper, angle) if angle else coarse_upper, coarse_lower)[0]
-
-    def measure_gap(angle: float) -> float:
-        rotated_upper = rotated(upper, angle)
-        return _measure_rms_gap(*_cut_overlap(rotated_upper, lower, _find_offset(rotated_upper, lower)))
-
-    angles = np.arange(-MAX_ROTATION, MAX_ROTATION + ROTATION_STEP / 2, ROTATION_STEP)
-    best_angle = float(angles[int(np.argmax([correlate(float(angle)) for angle in angles]))])
-    bounds = best_angle - ROTATION_STEP, best_angle + ROTATION_STEP
-    optimum = minimize_scalar(lambda angle: measure_gap(float(angle)), bounds=bounds, options={"xatol": 0.01})
-    smallest_rotation = math.degrees(1 / max(lower.heights.shape))  # moves the ends of the map by half of a point
-    return float(optimum.x) if abs(optimum.x) > smallest_rotation else 0.0
+def _find_coarse_position(upper: Any, lower: Any) -> _Position:
+    """Return the position, in steps of `ROTATION_STEP` and of one point, at which the slopes of two bodies fit best."""
+    if isinstance(upper, Profile):
+        return _Position(_offset_to_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
+    fits = []
+    for angle in np.arange(-MAX_ROTATION, MAX_ROTATION + ROTATION_STEP / 2, ROTATION_STEP).tolist():
+        rotated_upper = rotated(upper, angle) if angle else upper
+        correlation, offset = find_best_fit(rotated_upper, lower)
+        position = _Position(_offset_to_shift(offset, rotated_upper, lower), math.radians(angle))
+        fits.append((correlation, position))
+    return max(fits, key=lambda fit: fit[0])[1]
 
 
-def _find_offset(upper: Any, lower: Any) -> tuple[int, ...]:
-    """Return the offset (points) of the upper face with the smallest gap, near the offset at which slopes fit best."""
-    factor = _find_coarsening(upper, lower)
-    _, offset = find_best_fit(_coarsen(upper, factor), _coarsen(lower, factor))
-    return _refine_offset(upper, lower, tuple(factor * step for step in offset), factor)
-
-
-def _refine_offset(upper: Any, lower: Any, offset: tuple[int, ...], factor: int) -> tuple[int, ...]:
-    """Return the offset with the smallest gap near `offset`. The step of the search is halved down to one point."""
-    smallest_gap, step = _measure_rms_gap(*_cut_overlap(upper, lower, offset)), max(factor // 2, 1)
-    while True:
-        moves = np.stack(np.meshgrid(*[(-step, 0, step)] * len(offset)), -1).reshape(-1, len(offset))
-        candidates = [tuple(int(a + b) for a, b in zip(offset, move, strict=True)) for move in moves]
-        gaps = [
-            _measure_rms_gap(*_cut_overlap(upper, lower, candidate))
-            if _has_min_overlap(upper, lower, candidate)
-            else math.inf
-            for candidate in candidates
-        ]
-        if min(gaps) < smallest_gap:
-            smallest_gap, offset = min(gaps), candidates[int(np.argmin(gaps))]
-        elif step == 1:
-            return offset
-        else:
-            step //= 2
-
-
-def _has_min_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> bool:
-    """Return whether two bodies overlap by `MIN_OVERLAP_FRACTION` along each axis at an offset (points)."""
-    return all(
-        min(other, step + count) - max(0, step) >= MIN_OVERLAP_FRACTION * min(count, other)
-        for step, count, other in zip(offset, upper.heights.shape, lower.heights.shape, strict=True)
+def _offset_to_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[float, ...]:
+    """Convert an offset of the first point (points) to a shift of the middle (µm)."""
+    return tuple(
+        (step + (count - other) / 2) * spacing
+        for step, count, other, spacing in zip(
+            offset, upper.heights.shape, lower.heights.shape, lower.spacings, strict=True
+        )
     )
+
+
+def _to_full_grid(position: _Position, upper: Any, lower: Any, factor: int) -> _Position:
+    """Return a position found with coarse bodies, relative to the middles of the full bodies."""
+    shift = tuple(
+        distance + (count % factor - other % factor) / 2 * spacing
+        for distance, count, other, spacing in zip(
+            position.shift, upper.heights.shape, lower.heights.shape, lower.spacings, strict=True
+        )
+    )
+    return _Position(shift, position.rotation)
+
+
+def _find_grid_offset(upper: Any, lower: Any, position: _Position) -> tuple[int, ...] | None:
+    """Return the offset (points) that moves the upper face to a position within `GRID_TOLERANCE`, or None."""
+    no_shift = _offset_to_shift((0,) * lower.heights.ndim, upper, lower)
+    steps = [
+        (distance - start) / spacing
+        for distance, start, spacing in zip(position.shift, no_shift, lower.spacings, strict=True)
+    ]
+    move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
+    is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)
+    return tuple(round(step) for step in steps) if is_on_grid else None
+
+
+def _measure_distances(body: Any) -> list[Floats]:
+    """Return the distances (µm) of the points of a body from its middle along each axis."""
+    return [
+        (np.arange(count) - (count - 1) / 2) * spacing
+        for count, spacing in zip(body.heights.shape, body.spacings, strict=True)
+    ]
+
+
+def _interpolate(upper: Any, distances: list[Floats], rotation: float) -> tuple[Floats, Any]:
+    """Return heights of the rotated upper face at distances (µm) from its middle, and the mask of missing points."""
+    if isinstance(upper, Surface):
+        return interpolate_rotated(upper, distances[0][:, np.newaxis], distances[1], rotation)
+    from scipy.interpolate import CubicSpline
+
+    points = np.clip(distances[0] / upper.spacing + (len(upper) - 1) / 2, 0, len(upper) - 1)
+    heights = CubicSpline(np.arange(len(upper)), upper.heights)(points)
+    if upper.missing is None:
+        return heights, None
+    return heights, upper.missing[np.floor(points).astype(np.intp)] | upper.missing[np.ceil(points).astype(np.intp)]
+
+
+def _interpolate_overlap(upper: Any, lower: Any, position: _Position) -> tuple[Any, Any]:
+    """Return the upper face, interpolated at the points of the lower face, and the lower face, where they overlap.
+
+    The overlap of maps is the largest rectangle within the rotated upper face, cut by the sides of the lower face.
+    """
+    side_lengths = [(count - 1) * spacing for count, spacing in zip(upper.heights.shape, upper.spacings, strict=True)]
+    if isinstance(upper, Surface):
+        side_lengths = list(inscribed_rectangle(side_lengths[0], side_lengths[1], position.rotation))
+    distances = [
+        lower_distances - step for lower_distances, step in zip(_measure_distances(lower), position.shift, strict=True)
+    ]
+    inside = [
+        np.flatnonzero(np.abs(along) <= length / 2 + 1e-9 * spacing)
+        for along, length, spacing in zip(distances, side_lengths, lower.spacings, strict=True)
+    ]
+    index = tuple(slice(int(points[0]), int(points[-1]) + 1) if points.size else slice(0) for points in inside)
+    heights, missing = _interpolate(
+        upper, [along[points] for along, points in zip(distances, index, strict=True)], position.rotation
+    )
+    lower_part = lower.changed(lower.heights[index], "overlap", missing=select_from_mask(lower.missing, index))
+    missing = missing if missing is not None and missing.any() else None
+    return upper.changed(heights, "overlap", missing=missing), lower_part
+
+
+def _refine(upper: Any, lower: Any, position: _Position) -> _Position:
+    """Return the position near `position` at which the gap is smallest, by the Gauss-Newton method.
+
+    The derivatives of the gap are the slopes of the lower face, so the noise of the upper face does not favour
+    positions between its points, at which interpolation smooths this noise.
+    """
+    spacings, ends = np.array(lower.spacings), max(lower.heights.shape) / 2
+    max_rotation = math.radians(MAX_ROTATION)
+    rms_gap, step = _solve_step(upper, lower, position)
+    for _ in range(_MAX_REFINEMENTS):
+        for scale in _STEP_SCALES:
+            shift = tuple((np.array(position.shift) + scale * step[: spacings.size]).tolist())
+            rotation = position.rotation + scale * float(step[spacings.size :].sum())
+            trial = _Position(shift, min(max(rotation, -max_rotation), max_rotation))
+            if not _has_min_overlap(upper, lower, trial):
+                continue
+            trial_gap, trial_step = _solve_step(upper, lower, trial)
+            if trial_gap < rms_gap:
+                break
+        else:
+            return position
+        move = np.max(np.abs(np.subtract(trial.shift, position.shift)) / spacings)
+        move += abs(trial.rotation - position.rotation) * ends
+        position, rms_gap, step = trial, trial_gap, trial_step
+        if move < _CONVERGED_MOVE:
+            break
+    return position
+
+
+def _solve_step(upper: Any, lower: Any, position: _Position) -> tuple[float, Floats]:
+    """Return the rms gap (µm) at a position, and the step of the shift (µm) and rotation that should close the gap."""
+    upper_part, lower_part = _interpolate_overlap(upper, lower, position)
+    missing = combine_missing_masks(upper_part, lower_part)
+    measured = np.ones(lower_part.heights.shape, bool) if missing is None else ~missing
+    slopes = [
+        np.gradient(lower_part.heights, spacing, axis=axis)[measured] for axis, spacing in enumerate(lower.spacings)
+    ]
+    distances = np.meshgrid(*_measure_distances(lower_part), indexing="ij")
+    planes = [np.ones(slopes[0].shape), *(along[measured] for along in distances)]
+    changes = [-slope for slope in slopes]
+    if isinstance(upper, Surface):
+        changes.append(slopes[1] * planes[1] - slopes[0] * planes[2])
+    gap = (upper_part.heights - lower_part.heights)[measured]
+    columns = [*changes, *planes]
+    norms = [float(np.linalg.norm(column)) or 1.0 for column in columns]
+    matrix = np.array([[np.vdot(a, b) for b in columns] for a in columns]) / np.outer(norms, norms)
+    moments = np.array([np.vdot(column, gap) for column in columns]) / norms
+    step = -np.linalg.lstsq(matrix, moments, rcond=None)[0] / norms
+    return _measure_rms_gap(upper_part, lower_part), step[: len(changes)]
+
+
+def _has_min_overlap(upper: Any, lower: Any, position: _Position) -> bool:
+    """Return whether two bodies overlap by `MIN_OVERLAP_FRACTION` along each axis at a position."""
+    for count, other, spacing, shift in zip(
+        upper.heights.shape, lower.heights.shape, lower.spacings, position.shift, strict=True
+    ):
+        step = shift / spacing - (count - other) / 2
+        if min(other, step + count) - max(0.0, step) < MIN_OVERLAP_FRACTION * min(count, other):
+            return False
+    return True
+
+
+def _estimate_noise(gap: Any) -> float:
+    """Return the noise (µm) of a gap, from its fourth differences along the last axis, or 0 if they are unknown.
+
+    Fourth differences of noise that is independent from point to point have 70 times its variance.
+    """
+    values = np.diff(gap.heights if gap.missing is None else np.where(gap.missing, np.nan, gap.heights), 4, axis=-1)
+    values = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(values**2) / 70)) if values.size else 0.0
 
 
 def _cut_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, Any]:
