@@ -34,6 +34,8 @@ MAX_EDGE_LOAD_FRACTION = 0.2  # maximum fraction of the load at the edges of the
 MAX_HARDNESS_LOAD_FRACTION = 0.5  # maximum fraction of the load at the hardness without a caveat
 MAX_INITIAL_AREA_FRACTION = 0.5  # maximum ratio of contact area to overlap at the start without a caveat
 MAX_USUAL_PEAK = math.tan(math.radians(70))  # largest peak that Barton and Choubey (1977) recommend to use
+MAX_GAP_NOISE_RATIO = 3.0  # maximum ratio of the rms gap of registered faces to its noise without a caveat
+MIN_GAP_FRACTION = 0.01  # minimum ratio of the rms gap to the rms height change over the interval of Z2 for a caveat
 MIN_FIT_CORRELATION = 0.5  # minimum correlation of the slopes at the start of the path without a caveat
 
 _CSV_COLUMNS = {
@@ -103,7 +105,7 @@ def shear_values(test: xarray.Dataset) -> list[dict[str, Any]]:
 def list_caveats(test: xarray.Dataset) -> list[str]:
     """Return the caveats about a shear test as sentences."""
     status, displacement = test["status"].values, test["displacement"].values
-    caveats = []
+    caveats = _list_fit_caveats(test.attrs)
     if (reason := _NO_PEAK_REASONS.get(str(test.attrs["peak_status"]))) is not None:
         first = displacement[int(np.argmax(status == test.attrs["peak_status"]))]
         caveats.append(f"There is no peak: at a displacement of {format_with_unit(first, 'um')}, {reason}.")
@@ -154,15 +156,6 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
                 f"At the peak, {contact_text} the load, so the result depends on chance: shear longer faces, or "
                 "several profiles."
             )
-    correlation = float(test.attrs["fit_correlation"])
-    if correlation < MIN_FIT_CORRELATION:
-        caveats.append(
-            "The slopes of the faces agree poorly even where they fit best: check which faces belong together, and how "
-            "they were scanned."
-            if "registration_rms_gap_um" in test.attrs
-            else f"The slopes of the faces agree poorly where the path starts (correlation {correlation:.2f}): "
-            "register the faces, or check how they were scanned."
-        )
     edge_fractions = test["load_fraction_at_edges"].values
     edge_fraction = float(np.max(edge_fractions, initial=0.0, where=np.isfinite(edge_fractions)))
     if edge_fraction > MAX_EDGE_LOAD_FRACTION:
@@ -176,6 +169,31 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
             count_text = f"{int((status == name).sum())} of {status.size} displacements"
             caveats.append(f"At {count_text}, first at {first}, the faces {words}.")
     return caveats
+
+
+def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
+    """Return a caveat if the faces fit poorly, or if their gap is larger than noise explains."""
+    correlation, is_registered = float(attributes["fit_correlation"]), "registration_rms_gap_um" in attributes
+    if correlation < MIN_FIT_CORRELATION:
+        if not is_registered:
+            return [
+                f"The slopes of the faces agree poorly where the path starts (correlation {correlation:.2f}): register "
+                "the faces, or check how they were scanned."
+            ]
+        return [
+            f"The slopes of the faces agree poorly even where they fit best (correlation {correlation:.2f}): check "
+            "which faces belong together, whether the rows of one scan run backwards, and any crop."
+        ]
+    if not is_registered:
+        return []
+    rms_gap, noise = float(attributes["registration_rms_gap_um"]), attributes.get("registration_gap_noise_um", math.nan)
+    height_change = float(attributes["z2"]) * float(attributes["sampling_interval_um"])
+    if not rms_gap > max(MAX_GAP_NOISE_RATIO * float(noise), MIN_GAP_FRACTION * height_change):
+        return []
+    return [
+        f"Even where the faces fit best, their gap (rms {format_with_unit(rms_gap, 'um')}) is larger than their noise "
+        f"({format_with_unit(float(noise), 'um')}): the gap lowers the peak, so check that it is real."
+    ]
 
 
 def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
