@@ -1,6 +1,7 @@
 """Test pairs and studies with adhesion: stored values, text, figures, caveats and rejected input."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -271,6 +272,9 @@ def test_work_of_adhesion_given_as_zero_leaves_values_unchanged_and_adds_no_cave
         for result in (default_result, zero_adhesion_result, adhesive_result)
     ]
     assert has_caveat == [True, False, False]
+    # The estimate is not a lower bound, unless it is more than the load itself.
+    (text,) = (caveat.text for caveat in default_result.caveats if caveat_text in caveat.text)
+    assert re.search(r"by (about [\d.]+|more than 100) %$", text)
     steep_result = pair(rough_surface("upper", 0.03), rough_surface("lower", 0.03), **PAIR_OPTIONS | {"load": "20 MPa"})
     assert not any(caveat_text in caveat.text for caveat in steep_result.caveats)
     assert "adhesion" not in repr(zero_adhesion_result)

@@ -665,7 +665,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
         # the asperity model does not include adhesion
         min_added_load = MAX_NEGLECTED_ADHESION_FRACTION if study.uses_half_space else 1.0
         if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added_load:
-            added_text = f"at least {format_percent(added_load)}" if added_load < 1 else "more than 100 %"
+            added_text = f"about {100 * added_load:.2g} %" if added_load < 1 else "more than 100 %"
             work_text = f"{1e6 * TYPICAL_WORK_OF_ADHESION:g} mJ/m²"
             text = f"adhesion of {work_text} would increase the load on the contacts by {added_text}"
             option_text = "" if study.uses_half_space else "--mechanics half-space and "
