@@ -466,6 +466,7 @@ def test_friction_tests_on_both_a_ball_and_a_plastic_pair_determine_junction_gro
     assert low < 9.0 < high
     assert middle == pytest.approx(9.0, abs=1.0)
     assert high - low < 8.0  # The interval from the given range of α alone would have a width of 25.7.
+    assert "narrow the range to α = " in " ".join(calibration_text(interface).split())
 
 
 def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -> None:
@@ -473,6 +474,7 @@ def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -
     low, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.975])
     assert low < 1.5
     assert high > 24.0
+    assert "α = 0..27, a range that they do not narrow" in " ".join(calibration_text(interface).split())
     value, *ends = interface.predict(compute_plastic_pair("0..27"), "20 MPa")
     assert value == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.01)
     assert np.ptp(ends) < 0.12 * value  # The given range of α alone would give an interval from 0.28 to 0.376.
@@ -705,6 +707,9 @@ def test_calibration_text_states_an_interval_of_area_per_load_if_the_modulus_is_
     condition = " ".join(calibration_text(interface).split()).partition("A/F of the tests: ")[2].partition("1/GPa")[0]
     numbers = [float(word.strip("[],")) for word in condition.split()]
     assert numbers[0] == pytest.approx(interface.area_per_load, rel=0.01)
+    range_text = " ".join(calibration_text(interface).split()).partition("the tests span ")[2].partition(" 1/GPa")[0]
+    ratios = [ball.area_per_load(float(load)) for load in LOADS]
+    assert [float(word) for word in range_text.split(" to ")] == pytest.approx([min(ratios), max(ratios)], rel=0.01)
     assert len(numbers) == (3 if has_interval else 1)
     if has_interval:  # A/F is proportional to E* to the power of -2/3
         assert numbers[2] / numbers[1] == pytest.approx(2 ** (2 / 3), rel=0.05)

@@ -4,7 +4,17 @@ import json
 
 import numpy as np
 import pytest
-from stiction import Ball, Result, interface, read_interface, self_affine_surface, write_interface, write_surface
+from stiction import (
+    Ball,
+    Profile,
+    Result,
+    interface,
+    read_interface,
+    self_affine_surface,
+    write_interface,
+    write_profile,
+    write_surface,
+)
 from stiction.calibration.tests_file import parse_friction_tests
 from stiction.solve.store import open_stored_result
 from support.command import assert_rejected, call_stiction, check_stiction
@@ -99,6 +109,29 @@ def test_calibrate_command_warns_about_a_ball_loaded_beyond_yield(tmp_path):
     options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
     completed = check_stiction("calibrate", *options, cwd=tmp_path)
     assert "may exceed the yield limit" in completed.stderr
+
+
+def test_calibrate_command_reports_caveats_and_lay_of_the_tested_pairs(tmp_path):
+    for side, seed in (("upper", 1), ("lower", 2)):
+        surface = self_affine_surface(seed, hurst_exponent=0.8, rms=0.05, shape=(512, 512), spacing=0.1, side=side)
+        write_profile(Profile(surface.heights[0], spacing=0.1), tmp_path / f"{side}.csv")
+    options = ("--effective-modulus", "80 GPa", "--mu0", 0.2, "--offsets", 8, "--onset", 0)
+    loads = ("--load", "0.1 MPa", "--load", "200 MPa")
+    check_stiction(
+        "pair", "upper.csv", "lower.csv", *options, *loads, "--mechanics", "half-space", "-o", "grooves",
+        cwd=tmp_path, without_figures=True, without_report=True,
+    )  # fmt: skip
+    result = Result(open_stored_result(tmp_path / "grooves"))
+    fault = result.summary("0.1 MPa").first.faults[0]
+    arguments = ("calibrate", "--pair", "grooves", "--measured", "0.25±0.01", "--load")
+    output = " ".join(check_stiction(*arguments, "0.1 MPa", cwd=tmp_path).stdout.split())
+    assert "! grooves at " in output
+    assert "(100 kPa), do not quote: " in output
+    assert fault.text in output
+    assert "grooves: computed for parallel grooves across the scans" in output
+    record = json.loads(check_stiction(*arguments, "0.1 MPa", "--json", cwd=tmp_path).stdout)
+    assert fault.text in record["pair_caveats"][0]
+    assert len(record["lays"]) == 1
 
 
 @pytest.mark.parametrize(

@@ -82,7 +82,7 @@ def calibrate(
     from stiction.cli.result_output import choose_message_printer, open_result_with_warning
     from stiction.study.input_distributions import Z_95, parse_uncertain_input
     from stiction.study.interfaces import write_interface
-    from stiction.views.calibration import calibration_figure, calibration_json, calibration_text
+    from stiction.views.calibration import calibration_figure, calibration_json, calibration_text, tested_pair_notes
     from stiction.views.style import save_figure
 
     bodies: dict[str, Any] = {folder.resolve().name: open_result_with_warning(folder) for folder in pair or ()}
@@ -117,7 +117,11 @@ def calibrate(
         error = (value.high - value.low) / (2 * Z_95) or None
         tests = (FrictionTest(next(iter(bodies.values())), load, coefficient=value.value, uncertainty=error),)
     interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
-    print_output(calibration_json(interface) if as_json else calibration_text(interface))
+    pairs = {name: body for name, body in bodies.items() if not isinstance(body, Ball)}
+    pair_caveats, lays = tested_pair_notes(pairs, tests)
+    print_output(
+        calibration_json(interface, pair_caveats, lays) if as_json else calibration_text(interface, pair_caveats + lays)
+    )
     if ball is not None and (elasticity := bodies["ball"].elasticity).hardness is not None:
         min_area_per_load = min(
             bodies["ball"].area_per_load(test.load) for test in tests if test.result is bodies["ball"]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._checks import check_instance
+from stiction._checks import Floats, check_instance
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_with_unit
 from stiction._repr import render_png
@@ -18,29 +18,38 @@ from stiction.calibration.prediction import Interface
 from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_VALUE_LIMIT, StrengthFit
 from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
-from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
-from stiction.views.sentence import junction_growth_text
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, point_load_text
+from stiction.views.sentence import junction_growth_text, lay_assumption
 from stiction.views.style import ALL_CONTACTS_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MIN_PRINTED_AREA_RANGE = 1e-6  # relative range of A/F above which the interval of A/F is printed
+    from stiction.calibration.friction_tests import FrictionTest
+    from stiction.summary.evaluation import Evaluation
+
+MIN_PRINTED_AREA_RANGE = 1e-6  # relative range of A/F above which the interval or the range of A/F is printed
+# The tests narrow a range if they move a limit of its 95 % interval by more than this fraction of the interval's width.
+MIN_NARROWING = 0.05
 MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution that the figure shows
 
 
-def calibration_text(interface: Interface) -> str:
-    """Format a calibration: the sum mu0 + tau0 A/F, the fits, and mu0 and tau0 if the tests separate them."""
+def calibration_text(interface: Interface, pair_notes: Sequence[str] = ()) -> str:
+    """Format a calibration: the sum mu0 + tau0 A/F, the fits, and mu0 and tau0 if the tests separate them.
+
+    `pair_notes` are paragraphs about the tested pairs, from `tested_pair_notes`.
+    """
     first_fit = interface.fits[0]
     sum_text = f"μ0 + τ0 A/F = {Estimate(*interface.identified).table_text}"
-    condition = f"{SLIDING_RULE_DESCRIPTIONS[first_fit.sliding]}; A/F of the tests: {_area_per_load_text(interface)}"
+    condition = f"{SLIDING_RULE_DESCRIPTIONS[first_fit.sliding]}; {_area_per_load_text(interface)}"
     lines = [wrap_text(f"{sum_text}, {condition}", hanging_indent="  ")]
     if interface.separated:
         mu0, tau0 = Estimate(*interface.mu0), Estimate(*(1e3 * item for item in interface.tau0))
         lines += [f"μ0 = {mu0.table_text}", f"τ0 = {tau0.table_text} MPa"]
     else:
         lines += [wrap_text(item, hanging_indent="  ") for item in _describe_unseparated_mu0_tau0(interface)]
+    lines += [wrap_text(note, hanging_indent="  ") for note in pair_notes]
     if interface.junction_growth is not None:
         lines += [wrap_text(_junction_growth_text(interface), hanging_indent="  ")]
     lines += [
@@ -54,26 +63,62 @@ def calibration_text(interface: Interface) -> str:
     return "\n".join(lines)
 
 
+def tested_pair_notes(pairs: Mapping[str, Evaluation], tests: Sequence[FrictionTest]) -> tuple[list[str], list[str]]:
+    """Return the caveats that prevent coefficients of tested pairs from being quoted, and the lays of their profiles.
+
+    A caveat names the pair and the loads of the tests to which it applies.
+    """
+    caveat_texts, lay_texts = [], []
+    for name, result in pairs.items():
+        loads = sorted({float(test.load) for test in tests if test.result is result})
+        if not loads:
+            continue
+        loads_of_caveats: dict[str, list[str]] = {}
+        for point in result.summary(loads).reported_points:
+            for fault in point.faults:
+                load_texts = loads_of_caveats.setdefault(f"{fault.text}, so A/F may be wrong; {fault.remedy}", [])
+                load_texts += [text for text in [point_load_text(point)] if text not in load_texts]
+        caveat_texts += [
+            f"! {name} at {', '.join(load_texts)}, do not quote: {text}"
+            for text, load_texts in loads_of_caveats.items()
+        ]
+        if lay := lay_assumption(result.study):
+            lay_texts.append(
+                f"{name}: computed for {lay}. Another lay would change A/F, and no interval includes this change."
+            )
+    return caveat_texts, lay_texts
+
+
 def _area_per_load_text(interface: Interface) -> str:
-    """Format the ratio A/F of the tests, with its interval if the ratio is uncertain."""
-    area_per_load = interface.fits[0].area_per_load
-    if not np.isfinite(area_per_load).all() or np.ptp(area_per_load) <= MIN_PRINTED_AREA_RANGE * np.median(
-        area_per_load
-    ):
-        return f"{interface.area_per_load:.3g} 1/GPa"
-    low, high = np.quantile(area_per_load, [0.025, 0.975])
-    return f"{Estimate(interface.area_per_load, float(low), float(high)).text()} 1/GPa"
+    """Format the mean A/F of the tests, with its interval if A/F is uncertain, and the range of A/F of the tests."""
+    area_per_load, ratios = interface.fits[0].area_per_load, np.array([test[0] for test in interface.tests])
+    is_exact = not np.isfinite(area_per_load).all() or _is_constant(area_per_load)
+    low, high = (math.nan, math.nan) if is_exact else np.quantile(area_per_load, [0.025, 0.975])
+    mean_text = (
+        f"{interface.area_per_load:.3g}"
+        if is_exact
+        else Estimate(interface.area_per_load, float(low), float(high)).text()
+    )
+    if ratios.size < 2 or _is_constant(ratios):
+        return f"A/F of the tests: {mean_text} 1/GPa"
+    return f"mean A/F of the tests: {mean_text} 1/GPa; the tests span {min(ratios):.3g} to {max(ratios):.3g} 1/GPa"
+
+
+def _is_constant(ratios: Floats) -> bool:
+    return bool(np.ptp(ratios) <= MIN_PRINTED_AREA_RANGE * np.median(ratios))
 
 
 def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
     sum_value, area_per_load = interface.identified[0], interface.area_per_load
     num_tests = len(interface.tests)
     shortage_text = (
-        f"A/F varies by {format_percent(interface.variation)} among the {num_tests} tests"
+        f"the standard deviation of A/F of the {num_tests} tests is {format_percent(interface.variation)} of the mean"
         if num_tests > 1
         else "there is one test"
     )
-    requirement_text = f"a variation of {format_percent(MIN_AREA_VARIATION)}" if num_tests > 2 else "three tests"
+    requirement_text = (
+        f"a standard deviation of {format_percent(MIN_AREA_VARIATION)}" if num_tests > 2 else "three tests"
+    )
     yield (
         f"The tests determine only the sum μ0 + τ0 A/F: {shortage_text}. To determine μ0 and τ0, {requirement_text} "
         f"{'is' if num_tests > 2 else 'are'} required."
@@ -90,9 +135,12 @@ def _junction_growth_text(interface: Interface) -> str:
     if growth.is_exact:
         return f"{text}. A pair with this interface uses the same value."
     low, value, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
+    prior_low, prior_high = growth.quantile([0.025, 0.975])
+    if max(abs(low - prior_low), abs(high - prior_high)) <= MIN_NARROWING * (prior_high - prior_low):
+        return f"{text}, a range that they do not narrow. A pair with this interface uses the same range."
     name = "H/k" if growth.uses_slip_lines else "α"
-    text += f", and are consistent with {name} = {Estimate(value, low, high).text()}"
-    return f"{text}. A pair with this interface uses the same range."
+    text += f", and narrow the range to {name} = {Estimate(value, low, high).text()}"
+    return f"{text}. A pair with this interface uses the narrowed range."
 
 
 def _describe_fit(interface: Interface, fit: StrengthFit) -> Iterator[str]:
@@ -117,8 +165,8 @@ def _describe_fit(interface: Interface, fit: StrengthFit) -> Iterator[str]:
         yield f"{rule}: residuals vary with the load (probability {fit.trend:.1g}), so the law does not fit."
 
 
-def calibration_json(interface: Interface) -> str:
-    """Return the calibration as a JSON record."""
+def calibration_json(interface: Interface, pair_caveats: Sequence[str] = (), lays: Sequence[str] = ()) -> str:
+    """Return the calibration as a JSON record. `pair_caveats` and `lays` come from `tested_pair_notes`."""
     separate_status = "ok" if interface.separated else "not separated"
     coordinates = {"area_per_load_per_GPa": interface.area_per_load}
     values = [
@@ -147,6 +195,7 @@ def calibration_json(interface: Interface) -> str:
         "calibrate", values, kind="interface", variation=interface.variation, separated=interface.separated,
         junction_growth=None if interface.junction_growth is None else interface.junction_growth.short_text,
         excluded=list(interface.excluded), fits=fits, would_separate=advice_records,
+        pair_caveats=list(pair_caveats), lays=list(lays),
     )  # fmt: skip
 
 

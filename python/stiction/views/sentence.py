@@ -276,18 +276,22 @@ def _averaged_members_text(point: PointSummary) -> str:
 PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # text for the width that the paper assumes for profiles
 
 
+def lay_assumption(study: Study) -> str:
+    """Return the assumed lay and width of measured profiles, or an empty string for other surfaces."""
+    if not study.is_measured:
+        return ""
+    if study.surfaces.press == "lines":
+        is_plane = study.uses_half_space or "cylinder" in get_contact_law_name(study)
+        return f"{'parallel grooves across the scans' if is_plane else 'contacts of spheres'} on {PROFILE_STRIP_TEXT}"
+    return "isotropic surfaces" if study.surfaces.press == "surrogates" else ""
+
+
 def list_assumptions(study: Study) -> tuple[str, ...]:
     """Return the assumptions of a study: lay and width of profiles, contact model, and adhesion."""
     if not study.is_measured:
         return ()
-    surfaces, contact, assumptions = study.surfaces, study.contact, []
-    if surfaces.press == "lines":
-        is_plane = study.uses_half_space or "cylinder" in get_contact_law_name(study)
-        assumptions.append(
-            f"{'parallel grooves across the scans' if is_plane else 'contacts of spheres'} on {PROFILE_STRIP_TEXT}"
-        )
-    elif surfaces.press == "surrogates":
-        assumptions.append("isotropic surfaces")
+    contact = study.contact
+    assumptions = [lay] if (lay := lay_assumption(study)) else []
     assumptions += [] if study.uses_half_space else ["contacts that do not interact"]
     assumptions += (
         [] if contact.hardness is not None or "jackson" in get_contact_law_name(study) else ["elastic contact"]
