@@ -43,7 +43,7 @@ The spacing then has a relative error of at most 1/1000.
 """
 
 _SPACING_RANGE = (1e-6, 1e6)
-_MAX_LENGTH = 1e9  # maximum value in µm; larger values have a wrong unit or mark missing points
+_MAX_LENGTH = 1e9  # maximum length or height (µm); larger numbers have a wrong unit or mark missing points
 MISSING_CODE_TOLERANCE = 1e-6  # relative tolerance for codes for missing points that are stored in single precision
 _Length = TypeVar("_Length", float, Floats)
 
@@ -393,7 +393,7 @@ def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> 
     has_two_spacings = unclear is not None and len(unclear.lengths) == len(given) == 2
     if unclear and has_two_spacings and not np.allclose(sorted(unclear.lengths), sorted(given), MAX_STEP_UNEVENNESS):
         raise FormatError(
-            f"declares two spacings in its header line {unclear.line[:80]!r}, but the given spacings are "
+            f"declares two spacings in its header line {unclear.line[:80]!r}, which differ from the given spacings of "
             f"{' and '.join(f'{item:g}' for item in given)} µm"
         )
     if raw.bare_spacing is None:
