@@ -41,7 +41,7 @@ _STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
 )  # fmt: skip
 
 
-def reject_other_tables(values: Floats, column_numbers: Sequence[int]) -> None:
+def reject_points_and_statistics(values: Floats, column_numbers: Sequence[int]) -> None:
     """Raise `FormatError` if a table of at least three columns contains points or statistics."""
     if min(values.shape) < 3 and values.shape[1] != 3:
         return

@@ -25,7 +25,7 @@ from stiction.surfaces.measured.header import (
 from stiction.surfaces.measured.matrix_checks import (
     find_wrapped_profile_caveat,
     reject_coordinates_above_heights,
-    reject_other_tables,
+    reject_points_and_statistics,
     reject_separate_blocks,
 )
 from stiction.surfaces.measured.raw import (
@@ -566,7 +566,7 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
 def _read_matrix(table: ColumnTable) -> RawHeights:
     """Return a matrix of heights. Raises `FormatError` if the table contains anything else, such as positions."""
     reject_separate_blocks(table.block_lengths, table.block_lines)
-    reject_other_tables(table.values, _column_numbers(table))
+    reject_points_and_statistics(table.values, _column_numbers(table))
     is_declared_map = table.area or table.declared.size is not None or table.declared.spacings is not None
     caveats = () if is_declared_map else find_wrapped_profile_caveat(table.values)
     table, history = _remove_position_column(table)
@@ -602,7 +602,7 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
         if has_equal_steps(line[0]) and _first_line_has_positions(line, None):
             raise FormatError(
                 f"contains {rows} rows of {columns} columns, of which the last {name} has equal steps, like positions "
-                "or numbers; leave only heights in the file"
+                f"or {'row' if name == 'column' else 'column'} numbers; remove that {name}"
             )
     if first_column or first_row:
         both_first = first_column and first_row
