@@ -131,7 +131,7 @@ def find_slow_modules():
     return slow
 
 
-def test_functions_import_only_modules_that_load_slow_packages():
+def test_imports_inside_functions_are_of_slow_modules_only():
     """Exempt `cli`: its functions import what they run, so that help texts load none of it."""
     slow_modules = find_slow_modules()
     for module, path in MODULES.items():

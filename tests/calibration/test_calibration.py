@@ -771,7 +771,7 @@ def test_calibration_with_a_known_area_loss_recovers_tau0() -> None:
     assert interface.tau0[0] == pytest.approx(3e-4, rel=0.01)
 
 
-def test_area_loss_cancels_for_the_tested_surfaces_only() -> None:
+def test_prediction_interval_excludes_the_area_loss_only_for_tested_surfaces() -> None:
     interface = calibrate(simulate_soft_ball_tests(SOFT_BALL, 0.15), common=0.0, sliding="all")
     _, low, high = interface.tau0
     assert low < 3e-4 * 0.9

@@ -67,7 +67,7 @@ def test_command_does_not_overwrite_a_file_of_another_program(scans_folder, argu
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 
-def test_output_files_of_the_pair_command_contain_values_for_the_latest_stored_study(scans_folder):
+def test_pair_files_are_written_for_the_stored_study_file_if_it_has_changed(scans_folder):
     check_stiction(*PAIR_COMMAND, cwd=scans_folder, without_figures=True)
     folder = scans_folder / "pair"
     result, report = open_result(folder), (folder / "report.html").read_bytes()

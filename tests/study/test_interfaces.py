@@ -69,15 +69,15 @@ def result(film_file):
 
 @pytest.mark.parametrize("name", [*interfaces()])
 def test_published_interface_is_displayed_without_a_sum_at_an_unknown_area(name):
-    published = interface(name)
-    lines = repr(published).splitlines()
+    law = interface(name)
+    lines = repr(law).splitlines()
     assert lines[0] == "Interface"
-    assert "A/F" not in repr(published)
+    assert "A/F" not in repr(law)
     (strength,) = (line for line in lines if line.startswith("  tau0  "))
     assert strength.endswith("] MPa")
-    value, low, high = (1e3 * limit for limit in published.tau0)
+    value, low, high = (1e3 * limit for limit in law.tau0)
     assert strength.split()[1:4] == [f"{value:.4g}", f"[{low:.4g},", f"{high:.4g}]"]
-    assert np.isnan(published.identified).all()
+    assert np.isnan(law.identified).all()
 
 
 def test_change_of_the_returned_catalogue_does_not_change_published_interfaces():

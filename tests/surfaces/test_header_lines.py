@@ -108,7 +108,7 @@ def test_two_spacings_without_axes_are_rejected_and_must_agree_with_given_spacin
 
 
 @pytest.mark.parametrize("line", TWO_SPACINGS_WITH_AXES)
-def test_two_spacings_with_axes_are_used(read_text, line):
+def test_two_spacings_that_name_their_axes_are_assigned_to_these_axes(read_text, line):
     reading = read_text(f"{line}\nZ unit: um\n{MAP_TEXT}")
     assert reading.body.spacings == pytest.approx((10.0, 0.5))
     assert not reading.caveats

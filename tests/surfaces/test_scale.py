@@ -280,7 +280,7 @@ class TestMachinedTexture:
             heights = filtered_noise(np.random.default_rng(seed), (2048,), hurst)
             assert math.isnan(instrument_limit(make_body(heights)).period)
 
-    def test_noise_on_a_turned_profile_has_unknown_origin_unless_the_texture_is_declared(self):
+    def test_origin_of_noise_on_a_turned_profile_is_unknown_without_declared_texture(self):
         rng = np.random.default_rng(3)
         heights = turned_surface(rng, 1, feed=(40, 40), rough=0.02, depth_variation=0.0)
         noisy_body = make_body(heights + 0.05 * heights.std() * rng.normal(size=heights.size))

@@ -139,7 +139,7 @@ def test_caveat_that_applies_to_some_of_the_conditions_states_their_number():
     assert "edge (1 of 2)" in " ".join(text.split())
 
 
-def test_remedy_is_listed_only_if_it_changes_printed_digits():
+def test_assessment_lists_a_remedy_only_if_it_changes_the_printed_interval():
     point = summarize(measured_result(), measured_study()).points[0]
     cases = (
         ((0.205, 0.215), True),
