@@ -22,7 +22,7 @@ from stiction.mechanics.materials import (
 
 NUM_MATERIAL_DIGITS = 3  # number of digits of the properties of materials
 # Number of digits of the elastic constants of two materials. E* of all pairs of materials then has three exact digits.
-NUM_DIGITS_OF_PAIRED_MATERIALS = 6
+NUM_ELASTIC_CONSTANT_DIGITS = 6
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,8 @@ MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body
 # Maximum junction-growth coefficient α; α is 27 for a von Mises body with H equal to three times its yield strength.
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 SLIP_LINE_TEXT = "slip-line"  # text of an input that selects yield by slip lines
-LOWEST_SHEAR_RATIO, HIGHEST_SHEAR_RATIO = 5.0, 6.5  # ratios of hardness to shear strength that are accepted
+# smallest and largest accepted ratio of hardness to shear strength
+MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
 # Limits of the exponent of the yielding area, from far below the exponent of fine asperities to above that of steps.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9  # largest fraction of the true area that contacts may lose under shear
@@ -389,8 +390,10 @@ def _parse_slip_lines(source: str) -> UncertainInput:
         limits = MIN_SHEAR_RATIO, MAX_SHEAR_RATIO
         return UncertainInput(CENTRAL_SHEAR_RATIO, *limits, "uniform", text, uses_slip_lines=True)
     parsed = parse_uncertain_input("", ratio)
-    if not LOWEST_SHEAR_RATIO <= parsed.low <= parsed.high <= HIGHEST_SHEAR_RATIO:
-        allowed_range = f"from {LOWEST_SHEAR_RATIO:g} to {HIGHEST_SHEAR_RATIO:g}, including its uncertainty"
+    if not MIN_HARDNESS_TO_SHEAR_RATIO <= parsed.low <= parsed.high <= MAX_HARDNESS_TO_SHEAR_RATIO:
+        allowed_range = (
+            f"from {MIN_HARDNESS_TO_SHEAR_RATIO:g} to {MAX_HARDNESS_TO_SHEAR_RATIO:g}, including its uncertainty"
+        )
         raise ValueError(f"must have a ratio of hardness to shear strength {allowed_range}, got {short_repr(source)}")
     return replace(parsed, text=text, uses_slip_lines=True)
 

@@ -15,7 +15,7 @@ import numpy as np
 from stiction._text import printable_path
 from stiction._units import exact_quantity_text, short_repr
 from stiction.mechanics.materials import Material, material, softest_material
-from stiction.study.elasticity import NUM_DIGITS_OF_PAIRED_MATERIALS, derive_elasticity, format_material_value
+from stiction.study.elasticity import NUM_ELASTIC_CONSTANT_DIGITS, derive_elasticity, format_material_value
 from stiction.study.input_distributions import InputValue, parse_input_value
 from stiction.study.interfaces import InterfaceSettings
 from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
@@ -77,11 +77,10 @@ def _convert_contact_section(contact: dict[str, Any], known: Mapping[str, Any]) 
         return contact
     bodies = {
         "young": [
-            format_material_value(body.young_modulus, "GPa", digits=NUM_DIGITS_OF_PAIRED_MATERIALS)
-            for body in materials
+            format_material_value(body.young_modulus, "GPa", digits=NUM_ELASTIC_CONSTANT_DIGITS) for body in materials
         ],
         "poisson": [
-            format_material_value(body.poisson_ratio, digits=NUM_DIGITS_OF_PAIRED_MATERIALS) for body in materials
+            format_material_value(body.poisson_ratio, digits=NUM_ELASTIC_CONSTANT_DIGITS) for body in materials
         ],
     }
     return _replace_effective_modulus(contact, bodies, is_one_material=materials[0] == materials[1])

@@ -300,7 +300,7 @@ def presses_scans(pair: PairProperties) -> bool:
 
 
 @make_condition("must not be given with {positions}")
-def has_no_positions(pair: PairProperties) -> bool:
+def uses_default_positions(pair: PairProperties) -> bool:
     """Return False if the user has listed the relative positions of the bodies."""
     return pair.options.positions is None
 
@@ -737,16 +737,16 @@ class EnsembleOptions(OptionGroup):
 
     shifts: Annotated[PositiveInteger | None, PairOption(
         "N", "Relative positions of two maps.", usual="16", key="ensemble.repetitions",
-        applies=(has_two_bodies, presses_areas, has_no_positions),
+        applies=(has_two_bodies, presses_areas, uses_default_positions),
         field=FormField(label="positions", keyboard="numeric", example="16"),
     )] = None  # fmt: skip
     offsets: Annotated[PositiveInteger | None, PairOption(
         "N", "Positions along the lower profile.", usual="64, or 1 for several lines", key="surfaces.offsets",
-        applies=(presses_lines, has_no_positions),
+        applies=(presses_lines, uses_default_positions),
     )] = None  # fmt: skip
     travel: Annotated[QuantityInput | None, PairOption(
         "LENGTH", "The largest offset.", kind="length", usual="half the length", key="surfaces.travel",
-        applies=(presses_lines, has_no_positions),
+        applies=(presses_lines, uses_default_positions),
     )] = None  # fmt: skip
     positions: Annotated[Positions | None, PairOption(
         "LENGTHS", 'Positions of the slider on the counterface, "0 um,5 um"; for maps, x and y of each position.',

@@ -30,7 +30,7 @@ from stiction.mechanics.materials import Material, material, softest_material
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.study.contact_tables import choose_load_steps
 from stiction.study.elasticity import (
-    NUM_DIGITS_OF_PAIRED_MATERIALS,
+    NUM_ELASTIC_CONSTANT_DIGITS,
     NUM_MATERIAL_DIGITS,
     PairElasticity,
     determine_elasticity,
@@ -697,7 +697,7 @@ class MeasuredPair:
                 for name, values in given_values.items():
                     entries[name].append(values[index % len(values)])
                 continue
-            digits = NUM_MATERIAL_DIGITS if elasticity.materials is None else NUM_DIGITS_OF_PAIRED_MATERIALS
+            digits = NUM_MATERIAL_DIGITS if elasticity.materials is None else NUM_ELASTIC_CONSTANT_DIGITS
             entries["young"].append(format_material_value(body.young_modulus, "GPa", digits=digits))
             entries["poisson"].append(format_material_value(body.poisson_ratio, digits=digits))
         return entries | ({} if elasticity.materials is None else {"materials": list(elasticity.materials)})

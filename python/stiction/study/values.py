@@ -328,11 +328,11 @@ def check_keys(
             if not any(kind is not base and issubclass(kind, base) for base in section_classes)
         ]
         if base_classes:
-            places = " and ".join(dict.fromkeys(kind.place for kind in base_classes))
+            other_sections = " and ".join(dict.fromkeys(kind.place for kind in base_classes))
             selectors = [kind.selectors().items() - case.selectors().items() for kind in base_classes]
             common_keys = sorted(set.intersection(*selectors))
             remedy = " and ".join(f"{name} = {format_toml_value(value)}" for name, value in common_keys)
-            reason = f"belongs to {places}, not to {case.place}"
+            reason = f"belongs to {other_sections}, not to {case.place}"
             raise make_key_error(str(key), f"{reason}; it requires {remedy}" if remedy else reason)
     for key, field in case.model_fields.items():
         if field.is_required() and key not in section:

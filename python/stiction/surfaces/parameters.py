@@ -39,28 +39,28 @@ class ParameterDefinition:
     is_fraction: bool = False
 
 
-_HEIGHT_CLAUSE, _HYBRID_CLAUSE, _RATIO_CLAUSE = ("height parameters", "hybrid parameters", "material ratio functions")
-_PEAK_CLAUSE, _ELEMENT_CLAUSE = "peak heights and pit depths per section", "profile elements"
+_HEIGHT_GROUP, _HYBRID_GROUP, _RATIO_GROUP = ("height parameters", "hybrid parameters", "material ratio functions")
+_PEAK_GROUP, _ELEMENT_GROUP = "peak heights and pit depths per section", "profile elements"
 
 _PROFILE_PARAMETER_TEXTS = {
-    "a": ("arithmetic mean height", _HEIGHT_CLAUSE, r"\frac1l \int |z|\,dx", "µm"),
-    "q": ("root-mean-square height", _HEIGHT_CLAUSE, r"\left(\frac1l \int z^2\,dx\right)^{1/2}", "µm"),
-    "z": ("maximum height per section, mean of the sections", _PEAK_CLAUSE, r"\frac1n \sum_i (p_i + v_i)", "µm"),
-    "p": ("peak height per section, mean of the sections", _PEAK_CLAUSE, r"\frac1n \sum_i p_i,\ p_i = \max_i z", "µm"),
-    "v": ("pit depth per section, mean of the sections", _PEAK_CLAUSE, r"\frac1n \sum_i v_i,\ v_i = -\min_i z", "µm"),
-    "t": ("total height", _HEIGHT_CLAUSE, r"\max z - \min z", "µm"),
-    "sk": ("skewness", _HEIGHT_CLAUSE, r"\frac{1}{q^3} \frac1l \int z^3\,dx", ""),
-    "ku": ("kurtosis", _HEIGHT_CLAUSE, r"\frac{1}{q^4} \frac1l \int z^4\,dx", ""),
-    "dq": ("root-mean-square slope", _HYBRID_CLAUSE, r"\left(\frac1l \int (dz/dx)^2\,dx\right)^{1/2}", ""),
-    "Sm": ("mean spacing of the profile elements", _ELEMENT_CLAUSE, r"\frac1m \sum_i X_i", "µm"),
-    "c": ("mean height of the profile elements", _ELEMENT_CLAUSE, r"\frac1m \sum_i Z_i", "µm"),
-    "mr": ("material ratio at the mean line, (c) = 0", _RATIO_CLAUSE, r"\frac1l\,|\{x: z > c\}|", ""),
-    "dc": ("height difference of material ratios 20 % and 80 %", _RATIO_CLAUSE, r"c(20\,\%) - c(80\,\%)", "µm"),
-    "k": ("core height", _RATIO_CLAUSE, r"\text{fall of the core line from 0 to 100 \%}", "µm"),
-    "pk": ("reduced peak height", _RATIO_CLAUSE, r"2 A_1/mrk_1", "µm"),
-    "vk": ("reduced pit depth", _RATIO_CLAUSE, r"2 A_2/(1 - mrk_2)", "µm"),
-    "mrk1": ("material ratio at the upper end of the core", _RATIO_CLAUSE, r"mr(\text{core line at 0})", ""),
-    "mrk2": ("material ratio at the lower end of the core", _RATIO_CLAUSE, r"mr(\text{core line at 100 \%})", ""),
+    "a": ("arithmetic mean height", _HEIGHT_GROUP, r"\frac1l \int |z|\,dx", "µm"),
+    "q": ("root-mean-square height", _HEIGHT_GROUP, r"\left(\frac1l \int z^2\,dx\right)^{1/2}", "µm"),
+    "z": ("maximum height per section, mean of the sections", _PEAK_GROUP, r"\frac1n \sum_i (p_i + v_i)", "µm"),
+    "p": ("peak height per section, mean of the sections", _PEAK_GROUP, r"\frac1n \sum_i p_i,\ p_i = \max_i z", "µm"),
+    "v": ("pit depth per section, mean of the sections", _PEAK_GROUP, r"\frac1n \sum_i v_i,\ v_i = -\min_i z", "µm"),
+    "t": ("total height", _HEIGHT_GROUP, r"\max z - \min z", "µm"),
+    "sk": ("skewness", _HEIGHT_GROUP, r"\frac{1}{q^3} \frac1l \int z^3\,dx", ""),
+    "ku": ("kurtosis", _HEIGHT_GROUP, r"\frac{1}{q^4} \frac1l \int z^4\,dx", ""),
+    "dq": ("root-mean-square slope", _HYBRID_GROUP, r"\left(\frac1l \int (dz/dx)^2\,dx\right)^{1/2}", ""),
+    "Sm": ("mean spacing of the profile elements", _ELEMENT_GROUP, r"\frac1m \sum_i X_i", "µm"),
+    "c": ("mean height of the profile elements", _ELEMENT_GROUP, r"\frac1m \sum_i Z_i", "µm"),
+    "mr": ("material ratio at the mean line, (c) = 0", _RATIO_GROUP, r"\frac1l\,|\{x: z > c\}|", ""),
+    "dc": ("height difference of material ratios 20 % and 80 %", _RATIO_GROUP, r"c(20\,\%) - c(80\,\%)", "µm"),
+    "k": ("core height", _RATIO_GROUP, r"\text{fall of the core line from 0 to 100 \%}", "µm"),
+    "pk": ("reduced peak height", _RATIO_GROUP, r"2 A_1/mrk_1", "µm"),
+    "vk": ("reduced pit depth", _RATIO_GROUP, r"2 A_2/(1 - mrk_2)", "µm"),
+    "mrk1": ("material ratio at the upper end of the core", _RATIO_GROUP, r"mr(\text{core line at 0})", ""),
+    "mrk2": ("material ratio at the lower end of the core", _RATIO_GROUP, r"mr(\text{core line at 100 \%})", ""),
 }  # fmt: skip
 """Meaning, clause of the standard, formula and unit of each profile parameter. Keys omit the letter of the profile."""
 
@@ -77,7 +77,7 @@ def _define_profile_parameters(letter: str) -> tuple[ParameterDefinition, ...]:
     result = []
     for stem in _PROFILE_PARAMETER_KEYS[letter]:
         meaning, clause, formula, unit = _PROFILE_PARAMETER_TEXTS[stem]
-        requirement = _PROFILE_ELEMENT_REQUIREMENT if clause == _ELEMENT_CLAUSE else _PROFILE_REQUIREMENTS[letter]
+        requirement = _PROFILE_ELEMENT_REQUIREMENT if clause == _ELEMENT_GROUP else _PROFILE_REQUIREMENTS[letter]
         source, is_fraction = f"ISO 21920-2, {clause}", stem.startswith("mr")
         result.append(ParameterDefinition(letter + stem, meaning, source, formula, unit, requirement, is_fraction))
     return tuple(result)

@@ -26,16 +26,15 @@ MAX_MISSING_CODES = 4  # maximum number of codes for missing points at either en
 # minimum distance of a code for missing points from the median height, in median deviations
 MIN_CODE_DEVIATION = 3.0
 MAX_SAMPLED_HEIGHTS = 65_536  # maximum number of heights from which medians and frequencies are estimated
-MIN_DIFFERENT_HEIGHTS = 20  # minimum number of different heights of a scan whose frequencies are compared
+MIN_COMPARED_HEIGHTS = 20  # minimum number of different heights of a scan whose frequencies are compared
 NUM_NEIGHBOURS = 12  # number of next lower and next higher heights with which a frequency is compared
 # A height counts as repeated if its frequency is at least ratio · m + deviations · sqrt(m).
 # In this formula, m is the median frequency of similar heights.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4  # range of the fraction of points that have a repeated height
-# Zeros count as repeated if their number is at least 2 m + a sqrt(2 m) + b, where m is the mean frequency of the
-# nearest heights, a the number of deviations and b the minimum number of zeros. The mean is taken over the given
-# numbers of heights on either side, and the largest mean is used.
-ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
+# Zeros count as repeated if their number is at least 2 m + ZERO_COUNT_DEVIATIONS sqrt(2 m) + MIN_ZEROS.
+# In this formula, m is the largest mean frequency of NUM_NEAREST_HEIGHTS heights on either side of 0.
+ZERO_COUNT_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 # maximum fraction of rows that equal the row before; a map with a larger fraction is probably an extended profile
 MAX_REPEATED_ROWS = 0.9
 # minimum length of a run of equal heights in a profile that is reported, and maximum probability of such a run due
@@ -170,7 +169,7 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
     heights = scan.non_missing_heights
     step = max(1, heights.size // MAX_SAMPLED_HEIGHTS)
     values, counts = np.unique(heights[:: step + (step + 1) % 2], return_counts=True)
-    if values.size < MIN_DIFFERENT_HEIGHTS:
+    if values.size < MIN_COMPARED_HEIGHTS:
         return
     total = int(counts.sum())
     if text := _describe_frequent_zeros(values, counts):
@@ -213,7 +212,7 @@ def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str |
         float(near_counts[(distances > 0) & (distances < (num + 0.5) * step)].sum()) / (2 * num)
         for num in NUM_NEAREST_HEIGHTS
     )
-    if counts[place] < 2 * usual + ZERO_DEVIATIONS * (2 * usual) ** 0.5 + MIN_ZEROS:
+    if counts[place] < 2 * usual + ZERO_COUNT_DEVIATIONS * (2 * usual) ** 0.5 + MIN_ZEROS:
         return None
     return (
         f"{100 * counts[place] / total:.2g} % of the heights are exactly 0, which is "
