@@ -24,7 +24,7 @@ constexpr std::size_t columns_per_block = 8;
 // Smaller areas are not divided between threads, because the threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of all stencil weights, as a fraction of the weight of the centre.
-// The sum must be small, because contact patches are many points wide.
+// The sum is the factor of long wavelengths. It must be small, because contact patches are many points wide.
 constexpr double stencil_sum = 0.04;
 // Number of points along each axis of the periodic area from which the stencil is computed.
 constexpr std::size_t stencil_points = 32;

@@ -20,7 +20,7 @@ MAX_FULL_PRECISION_END_RATIO = 100.0
 NO_INTERVAL_CODE = -128  # number that replaces the number of decimals of the upper end if no interval is printed
 # number that replaces the number of decimals of an upper end with one digit and an exponent, as in "5e+09"
 EXPONENT_CODE = -127
-MAX_DECIMALS = 100  # maximum number of decimals; negative numbers of decimals have the same maximum size
+MAX_DECIMALS = 100  # numbers of decimals, which may be negative, are limited to -MAX_DECIMALS ... MAX_DECIMALS
 
 EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]
 """Kinds of intervals.

@@ -25,7 +25,9 @@ The name contains the machine, the process id, the run and a random number.
 
 # a partial file left by another machine counts as stale if its age in seconds exceeds this limit
 MAX_PARTIAL_FILE_AGE = 3600.0
-CLAIM_REFRESH_INTERVAL = 300.0  # time (s) between two refreshes of a claim, of which several may fail
+# Time (s) between two refreshes of a claim. It is much shorter than the maximum age, so that a claim does not become
+# stale if a few refreshes fail.
+CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
 _PROCESS_TOKEN = secrets.token_hex(4)  # random token that identifies this run; a process id may be reused
 # The mark that identifies a file is searched for in this many bytes at the start and at the end of the file.

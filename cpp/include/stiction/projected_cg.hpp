@@ -47,7 +47,8 @@ class ProjectedCgSolver {
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line);
 
   /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points.
-  /// The gap at points under pressure and the overlap at points below their bound do not exceed the returned value.
+  /// Let r be the returned value. Points under pressure have a gap of at most r.
+  /// Points whose pressure is below its bound have an overlap of at most r.
   /// Returns infinity if potentials are not finite. Throws std::logic_error before the first `restart`.
   double update_free_points(const ThreadPool& pool = ThreadPool());
 

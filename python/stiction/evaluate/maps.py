@@ -211,7 +211,7 @@ def stiffness_map(
 
 
 def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
-    """Return the names of the dimensions that form the cells of a result, such as fractal dimension or cutoff."""
+    """Return the dimensions whose combinations are the cells of a result, such as fractal dimension and cutoff."""
     return [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims]
 
 

@@ -257,7 +257,7 @@ def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floa
 
 
 def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
-    """Store the limits of curves as variables of the test, and the limits of other quantities as attributes."""
+    """Return a copy of the test with intervals: those of curves as variables, those of single numbers as attributes."""
     attributes: dict[str, float] = {}
     displacement = test["displacement"].values
     for name in SUMMARY_NAMES:

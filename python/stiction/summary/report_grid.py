@@ -157,7 +157,10 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
 
 
 def _round_steps(largest: float, max_count: int) -> Floats:
-    """Return equally spaced values from 0 to about the largest value, in steps of 1, 2 or 5 times 10^n."""
+    """Return the multiples of a step of 1, 2 or 5 times 10^n from 0 up to `largest`.
+
+    The step is the smallest for which `largest` is at most `max_count` steps.
+    """
     exponent = math.floor(math.log10(largest / max_count))
     step = next(
         step for factor in (1, 2, 5, 10) if (step := float(f"{factor}e{exponent}")) * max_count >= largest * (1 - 1e-9)

@@ -49,7 +49,7 @@ def finer_scan_text(point: PointSummary) -> str:
     bounds_text = f"{low} (μ0 + τ0/{'H′' if point.has_junction_growth else 'H'})" + (
         f" to {high}" if low != high else ""
     )
-    bounds_text += ", unless small contacts are harder"  # as they are by the indentation size effect
+    bounds_text += ", unless small contacts are harder"  # because of the indentation size effect
     return f"with H = {format_with_unit(point.hardness, 'GPa')} a finer scan would give {bounds_text}"
 
 

@@ -42,7 +42,8 @@ MAX_HISTORY_STEP_LENGTH = 1000  # maximum number of characters of a history entr
 MAX_HISTORY_STEPS = 1000
 
 
-# Maximum number of lines with numbers below the data, as a fraction of the number of data lines.
+# Maximum number of lines of numbers above or below the data that do not belong to the table.
+# It is a fraction of the number of data lines, to which 2 is added.
 MAX_FOOTER_FRACTION = 0.1
 
 
