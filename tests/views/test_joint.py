@@ -199,8 +199,11 @@ def test_computed_joint_has_the_stiffness_of_direct_solutions_at_every_pressure(
     computed = open_result(folder / "pair/joint")
     pressures = frame["nominal pressure (MPa)"].to_numpy()
     at = computed.at([f"{pressure} MPa" for pressure in pressures]).sel(sliding="all").squeeze()
-    for name, title in (("closure_stiffness", "normal"), ("tangential_stiffness_per_area", "tangential")):
-        np.testing.assert_allclose(frame[f"{title} stiffness (MPa/mm)"], at[name].sel(statistic="mean"), rtol=1e-6)
+    for name, title in (
+        ("closure_stiffness", "stiffness of closure"),
+        ("tangential_stiffness_per_area", "tangential stiffness"),
+    ):
+        np.testing.assert_allclose(frame[f"{title} (MPa/mm)"], at[name].sel(statistic="mean"), rtol=1e-6)
     study = result.study
     bodies, contact = load_bodies(study), study.contact.solver_arguments()
     pairs = [bodies.member(member, 0.0).pair for member in range(NUM_POSITIONS)]
@@ -208,7 +211,7 @@ def test_computed_joint_has_the_stiffness_of_direct_solutions_at_every_pressure(
         loads = result.nominal_area * 1e-3 * pressures[index] * np.array([0.999, 1.001])
         closures = np.mean([half_space(*pair, loads, **contact).closure for pair in pairs], axis=0)
         expected = 1e3 * np.diff(loads)[0] / result.nominal_area / (1e-3 * np.diff(closures)[0])
-        assert frame["normal stiffness (MPa/mm)"][index] == pytest.approx(expected, rel=0.01)
+        assert frame["stiffness of closure (MPa/mm)"][index] == pytest.approx(expected, rel=0.01)
     interpolated = pandas.read_csv(io.StringIO(export_text(result, folder / "joint.csv", joint=True)))
     assert interpolated["nominal pressure (MPa)"].tolist() == pytest.approx(pressures.tolist())
     assert 0 < interpolated["computed"].sum() < len(frame)

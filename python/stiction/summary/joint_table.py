@@ -44,8 +44,8 @@ JOINT_QUANTITIES = (
 """Names of the quantities besides friction in a joint table."""
 
 JOINT_TITLES = {
-    "nominal_pressure": "nominal pressure", "closure": "closure", "closure_stiffness": "normal stiffness",
-    "unloading_closure_stiffness": "normal stiffness while unloading",
+    "nominal_pressure": "nominal pressure", "closure": "closure", "closure_stiffness": "stiffness of closure",
+    "unloading_closure_stiffness": "stiffness of closure while unloading",
     "tangential_stiffness_per_area": "tangential stiffness", "contact_area_fraction": "true area over nominal area",
     "friction_combined": "mu_s", **{f"friction_{each:g}": f"mu_s {each:g} %" for each in FRICTION_PERCENTILES},
 }  # fmt: skip
@@ -91,7 +91,7 @@ class JointRow:
     is_computed : bool
         True if the contacts were computed at this load, False between two such loads.
     estimates : dict of Estimate
-        By name: "nominal_pressure", "closure", "closure_stiffness" (normal stiffness), "unloading_closure_stiffness",
+        By name: "nominal_pressure", "closure", "closure_stiffness", "unloading_closure_stiffness",
         "tangential_stiffness_per_area", "contact_area_fraction" (true area over nominal area), "friction_combined"
         (coefficient of static friction), and its percentiles "friction_5", "friction_50" and "friction_95" in a single
         test.
@@ -228,7 +228,7 @@ def _describe_definitions(study: Study, at: xarray.Dataset) -> list[str]:
     notes = [
         "All quantities are per nominal area, for first loading and the normal load before sliding.",
         "Closure: decrease of the mean gap since first contact, without bending of the bodies as a whole. "
-        "Normal stiffness: its derivative.",
+        "Stiffness of closure: derivative of the pressure with respect to it.",
         describe_tangential_stiffness(study, at),
         f"Coefficient of static friction: friction at {'all contacts' if rule == 'all' else 'opposing contacts only'}; "
         "5, 50 and 95 % of single tests in one direction at one position have smaller values. The median differs from "
@@ -257,7 +257,8 @@ def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
     if "tangential_stiffness_per_area" not in at or np.isnan(at["tangential_stiffness_per_area"]).all():
         return "No tangential stiffness: the result was stored without the stiffness while unloading; compute it again."
     contact: Any = study.contact
-    start, given = "Tangential stiffness: before slip, equal to the normal stiffness while unloading", contact.poisson
+    given = contact.poisson
+    start = "Tangential stiffness: before slip, equal to the stiffness of closure while unloading"
     if has_grooves(study):
         text = f"{start}, because parallel grooves across the motion deform in plane strain."
     else:
