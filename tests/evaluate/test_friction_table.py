@@ -229,3 +229,13 @@ def test_study_of_a_friction_table_accepts_single_numbers_instead_of_lists():
     assert table_study(rms=0.03, mu0=0.3, hurst_exponents=0.8) == table_study(
         rms=[0.03], mu0=[0.3], hurst_exponents=[0.8]
     )
+
+
+def test_table_command_prints_how_many_values_must_not_be_quoted(tmp_path):
+    options = ["--effective-modulus", "10 GPa", "--hurst", "0.8", "--rms", "20 nm", "--points", "64"]
+    options += ["--wavelengths", "1.25 um,2.5 um", "--mu0", "0.3"]
+    few_contacts = check_stiction("table", *options, "--load", "10 kPa,100 MPa", cwd=tmp_path).stdout
+    assert "Do not quote 1 of 2 values of the table" in few_contacts
+    assert "use larger surfaces or a higher load (1)" in " ".join(few_contacts.split())
+    many_contacts = check_stiction("table", *options, "--load", "30 MPa,100 MPa", "-o", "high", cwd=tmp_path).stdout
+    assert "Do not quote" not in many_contacts

@@ -84,7 +84,12 @@ def table_command(
     from stiction.study.elasticity import determine_elasticity
     from stiction.study.interfaces import InterfaceStrength, round_median_strength
     from stiction.views.files import check_all_replaceable, replace_text_file
-    from stiction.views.friction_table import fitted_laws_csv, friction_table_csv, friction_table_text
+    from stiction.views.friction_table import (
+        fitted_laws_csv,
+        friction_table_csv,
+        friction_table_text,
+        table_assessment_text,
+    )
 
     elasticity = determine_elasticity(effective_modulus, young, poisson, upper_material, lower_material)
     wavelength_limits = parse_quantities("wavelengths", wavelengths, "length")
@@ -123,6 +128,8 @@ def table_command(
         result = compute_result_in_folder(study, output, executor)
     table = friction_table(result, **friction_parameters)
     print_output(friction_table_text(table))
+    if assessment_text := table_assessment_text(result.summary(**friction_parameters)):
+        print_output(f"{assessment_text}\n")
     export(table, output / NETCDF_FILE_NAME, replace=True)
     for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, fitted_laws_csv(table))):
         replace_text_file(output / name, text, signatures[name])

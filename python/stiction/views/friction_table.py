@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from stiction.views.spreadsheet import frame_to_csv
 if TYPE_CHECKING:
     import xarray
 
+    from stiction.summary.summary import Summary
+
 _COLUMN_TITLES = {
     "friction_coefficient": ("mu_s", 1.0), "contact_area_fraction": ("A/A0 (%)", 100.0),
     "normal_stiffness": (f"stiffness over area ({STIFFNESS_PER_AREA_UNIT})", 1.0), "approach": ("approach (um)", 1.0),
@@ -23,6 +26,7 @@ _COLUMN_TITLES = {
 }  # fmt: skip
 """Titles that replace those of `column_title_and_factor`, each with the factor that converts values to its unit."""
 
+MAX_LISTED_REMEDIES = 3  # maximum number of remedies that are listed below a table
 _LOAD_QUANTITIES = tuple(_COLUMN_TITLES)[:4]
 _LAW_PARAMETERS = ("area_factor", "stiffness_factor", "stiffness_exponent")
 _PRINTED_LAW_UNITS = (("1/GPa", 1.0), ("GPa/um", STIFFNESS_PER_AREA_FACTOR), ("1", 1.0))
@@ -86,6 +90,26 @@ def friction_table_text(table: xarray.Dataset) -> str:
     if max(float(table[f"{name}_deviation"].max()) for name in ("area", "stiffness")) > MAX_LAW_DEVIATION:
         lines += ["", wrap_text("Where a law deviates by more than 10 %, use the tabulated values instead.")]
     return "\n".join(lines) + "\n"
+
+
+def table_assessment_text(summary: Summary) -> str:
+    """Return a sentence with the number of values that must not be quoted and the most frequent remedies.
+
+    The sentence is empty if every value may be quoted.
+    """
+    rejected_points = [point for point in summary.points if point.assessment == "Do not quote"]
+    if not rejected_points:
+        return ""
+    num_points_by_remedy = Counter(
+        remedy for point in rejected_points for remedy in {each.remedy for each in point.faults}
+    )
+    remedies = "; ".join(
+        f"{remedy} ({count})" for remedy, count in num_points_by_remedy.most_common(MAX_LISTED_REMEDIES)
+    )
+    return wrap_text(
+        f"Do not quote {len(rejected_points)} of {len(summary.points)} values of the table (roughness, pressure, μ0 "
+        f"and τ0). What helps, with the number of values: {remedies}."
+    )
 
 
 def _coefficient_range_text(coefficients: xarray.DataArray) -> str:
