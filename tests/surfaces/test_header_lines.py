@@ -103,7 +103,8 @@ TWO_SPACINGS_WITH_AXES = [
 def test_two_spacings_without_axes_are_rejected_and_must_agree_with_given_spacings(read_text, line):
     text = f"{line}\nZ unit: um\n{MAP_TEXT}"
     assert f"its header line {line!r} does not name the axes of its spacings" in error_message(read_text, text)
-    assert f"declares two spacings in its header line {line!r}" in error_message(read_text, text, spacing="0.5 um")
+    message = error_message(read_text, text, spacing="0.5 um")
+    assert f"declares two spacings in its header line {line!r}, which differ from the given spacings of 0.5" in message
     assert read_text(text, spacing=("10 um", "0.5 um")).body.spacings == (10.0, 0.5)
 
 

@@ -203,7 +203,9 @@ def test_matrix_with_row_or_column_numbers_in_its_last_column_or_row_is_rejected
     heights = create_map(24, 18)
     numbers = np.arange(heights.shape[axis])
     path.write_text(to_text(np.insert(heights, heights.shape[1 - axis], numbers, axis=1 - axis)))
-    assert f"of which the last {'column' if axis == 0 else 'row'} has equal steps" in error_message(path, **OPTIONS)
+    name, number_name = ("column", "row") if axis == 0 else ("row", "column")
+    message = error_message(path, **OPTIONS)
+    assert f"of which the last {name} has equal steps, like positions or {number_name} numbers; remove that" in message
 
 
 @pytest.mark.parametrize("first", [0, 1])
