@@ -4,7 +4,7 @@ import contextlib
 
 import pytest
 from stiction.evaluate import combined_intervals, shear_intervals
-from stiction.study import input_distributions
+from stiction.study import input_distributions, inputs, interfaces
 
 
 @contextlib.contextmanager
@@ -13,6 +13,15 @@ def use_input_samples(count):
     with pytest.MonkeyPatch.context() as patch:
         for module in (input_distributions, combined_intervals, shear_intervals):
             patch.setattr(module, "NUM_INPUT_SAMPLES", count)
-        combined_intervals._compute_test_scores.cache_clear()
+        _clear_caches()
         yield
+    _clear_caches()
+
+
+def _clear_caches():
+    """Remove cached values that were computed from another number of samples."""
     combined_intervals._compute_test_scores.cache_clear()
+    for module in (inputs, interfaces):
+        for value in vars(module).values():
+            if hasattr(value, "cache_clear") and value.__module__ == module.__name__:
+                value.cache_clear()
