@@ -114,6 +114,11 @@ def test_column_of_calculated_heights_has_a_caveat(tmp_path, name):
     assert list(caveats_of(path)) == ["scale"]
 
 
+@pytest.mark.parametrize("name", ["z x0.1", "z x.5", "heights x5"])
+def test_column_of_heights_with_a_factor_after_x_has_a_caveat(tmp_path, name):
+    assert list(caveats_of(write_columns(tmp_path / "a.csv", f"x (um);{name} (um)"))) == ["scale"]
+
+
 @pytest.mark.parametrize("name", ["z | µm", "z abs (µm)", "exp. height (µm)"])
 def test_column_of_heights_with_an_abbreviation_or_a_stroke_has_no_caveat(tmp_path, name):
     assert not caveats_of(write_columns(tmp_path / "a.csv", f"x (um);{name}"))

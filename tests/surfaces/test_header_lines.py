@@ -148,7 +148,8 @@ def test_pixel_size_that_agrees_with_the_spacing_of_rows_is_used(read_text, line
      "add_offset 0 scale_factor 0.001", "times 1e3", "z/1000", "Z: 10 nm per step",
      "Conversion 0.01", "Umrechnung: 0.001", "Vertical magnification 0.001", "Überhöhung 10", "Z LSB: 0.01",
      "z = 0.01 * value", "height = counts / 100",
-     "Vergrößerung 10:1", "Vertical scale 1000:1"],
+     "Vergrößerung 10:1", "Vertical scale 1000:1", "Exponent: 1", "Z exponent: 1.0", "z x0.1 (um)",
+     "z x5", "height x 0.5"],
 )  # fmt: skip
 def test_factor_in_words_adds_a_caveat(read_text, line):
     reading = read_text(f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
@@ -164,7 +165,8 @@ def test_factor_above_a_displayed_matrix_adds_a_caveat(read_text, factor):
 
 @pytest.mark.parametrize(
     "line",
-    ["Factor: 1", "Objective: x100", "Magnification x1000", "1024 x 1000 points", "Form factor 0.5", "Speed: 2 mm/s",
+    ["Exponent: 0", "z x1", "z x 1.0 (um)",
+     "Factor: 1", "Objective: x100", "Magnification x1000", "1024 x 1000 points", "Form factor 0.5", "Speed: 2 mm/s",
      "Pixel size: 0.5 um x 0.5 um", "Feedback gain: 0.3", "Gain: 45 dB", "Scale: 1", "Speed: 0.5 mm/s in 2 mm", "100",
      "Scan in 0.5 um steps", "Sampling times 3", "Conversion of 12 files", "Maßstab 1:1", "Vertical magnification 1",
      "Scaled to 1:1", "divided by 1.0", "values times 1", "# history: multiplied by 2 um, as declared in the file"],

@@ -102,6 +102,7 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
     rf"\W*{_NOT_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"  # "1.0e-03 *" above a matrix
     rf"\W*{_POWER_PATTERN}\W*|"
     r".*(?<![0-9])(?<![0-9] )(?:[×*·]\s*(?:10|1e)|x\s*(?:10\s*\^|10\s*[-−+][0-9]|1e[-+−]?[0-9]|10{3,6}\b)).*|"
+    r".*\b(?:z|heights?)\s+x\s?(?!1(?:[.,]0*)?(?![0-9.,e]))[.,]?[0-9].*|"  # "z x0.1 (um)"
     r".*\b(?:multiplied|multiply|divided|divide|scaled|normali[sz]ed|multipliziert|dividiert|skaliert|normiert)\s+"
     rf"(?:(?:by|mit|durch|um)\b{_NOT_ONE_PATTERN}|(?:to|auf)\b(?!\s*1\s*:\s*1\W*$)).*|"
     rf".*\b(?:z|heights?|data|values?|numbers?)\W+(?:are\s+)?times\s+{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}\b.*|"
@@ -112,9 +113,11 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
     rf"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|conversion|calibration|unit|multiplication|amplitude|"
     rf"add[ _]offset\W*{DECIMAL_PATTERN})[\s_-]*)*"
     r"(?:fa[ck]tor|facteur|fattore|fator|multiplier|multiplicat\w*|scaling|skalierung|sensitivity|empfindlichkeit|"
-    r"exponent|gain|verstärkung|amplification|conversion(?! of)|umrechnung|magnification|vertikalvergrößerung|"
+    r"gain|verstärkung|amplification|conversion(?! of)|umrechnung|magnification|vertikalvergrößerung|"
     r"überhöhung|倍率|係数|系数|比例|множитель|коэффициент)(?![^\W\d_]).{0,20}?"
     rf"{SEPARATOR_PATTERN}{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}.*|"
+    r"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|unit|decimal)[\s_-]*)*exponent(?![^\W\d_]).{0,20}?"
+    rf"{SEPARATOR_PATTERN}(?![-+]?0(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"  # only an exponent of 0 changes nothing
     rf"\W*(?:(?:z|heights?|data|values?|vertical)[\s_-]*)*scale{SEPARATOR_PATTERN}"
     rf"{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}\W*|"
     rf".*(?:\b(?:[nuµp]?m|heights?|volts?|V)|[0-9][nuµp]m)\s*(?:/|per)\s*(?:{_DIGIT_PATTERN}|div|[nuµm]m)\b.*|"
@@ -217,7 +220,7 @@ _LENGTH_AXIS_PATTERN = re.compile(
 """Pattern of the names of positions along a profile in several languages."""
 
 _CALCULATION_PATTERN = re.compile(
-    r"[*×·^√]|(?<![^\W_])x\s?10+(?![0-9])|[0-9]x(?![^\W_])|\|\w[^|]*\||/\s*(?:[0-9]|[RS][aqz]\b)|^\W*[-−]\s*z\b|"
+    r"[*×·^√]|(?<![^\W_])x\s?(?:10+(?![0-9])|[0-9]*[.,][0-9])|[0-9]x(?![^\W_])|\|\w[^|]*\||/\s*(?:[0-9]|[RS][aqz]\b)|^\W*[-−]\s*z\b|"
     r"\b(?:log(?:10)?|ln|sqrt)\b|\b(?:abs|exp)\s*(?:[0-9]|z\b)|\bd\w\s*/\s*d\w\b|"
     r"\b(?:scaled|normali[sz]ed|skaliert|normiert)\b",
     re.IGNORECASE,
