@@ -401,6 +401,29 @@ def test_unit_in_the_header_that_contradicts_a_column_has_a_caveat(read_text):
     assert (reading.unit, caveat_names(reading)) == ("um", ["scale"])
 
 
+@pytest.mark.parametrize("line", ["unit: 0.1 um", "Z unit: 10 um", "Units: x 10 um", "z in 0.1 um"])
+def test_unit_with_a_factor_above_columns_with_units_has_a_caveat(read_text, line):
+    reading = read_text(f"{line}\nx (mm);z (um)\n{ROWS}")
+    assert (reading.unit, caveat_names(reading)) == ("um", ["scale"])
+
+
+@pytest.mark.parametrize("line", ["unit: 1 um", "unit: um", "units: metric"])
+def test_unit_that_agrees_with_a_column_has_no_caveat(read_text, line):
+    assert not read_text(f"{line}\nx (mm);z (um)\n{ROWS}").caveats
+
+
+@pytest.mark.parametrize("name", ["Profile (nmi)", "Depth [nmi]", "Signal (nmi)", "Height (nmi)"])
+def test_given_unit_does_not_replace_an_unknown_unit_of_a_single_column(read_text, name):
+    assert "has heights in 'nmi', which is not a supported unit" in error_message(
+        read_text, f"{name}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um"
+    )
+
+
+@pytest.mark.parametrize("name", ["Profile (raw)", "Profile (left)", "Profile (AFM)", "Data (mean)"])
+def test_remark_after_the_name_of_a_single_column_is_not_a_unit(read_text, name):
+    assert read_text(f"{name}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um").unit == "um"
+
+
 # ---- Slopes ---------------------------------------------------------------------------------------------------------
 
 

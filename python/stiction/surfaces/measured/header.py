@@ -257,6 +257,11 @@ _UNIT_AFTER_NAME_PATTERN = re.compile(
 )
 """Pattern of a column name with any unit after a stroke, a comma or "in"."""
 
+_SHORT_UNIT_AFTER_NAME_PATTERN = re.compile(
+    rf"\W*(?:{_AXIS_NAME_PATTERN}|{_HEIGHT_WORDS})\s*[(\[]\s*(?-i:[a-zµ]{{1,4}})\s*[)\]]\W*", re.IGNORECASE
+)
+"""Pattern of the name of a single column with a short word in brackets, as in "Profile (nmi)"."""
+
 _REST_AFTER_NAME_PATTERN = re.compile(rf"{_AXIS_NAME_PATTERN}[\s_.:|-]+((?!\d+$)[^\s_].{{0,20}})", re.IGNORECASE)
 """Pattern of a column name with further words, which may be its unit."""
 
@@ -638,6 +643,8 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
         return (unit_in_column_name(name_line),)
     if len(units) == width:
         return tuple(units)
+    if width == 1 and _SHORT_UNIT_AFTER_NAME_PATTERN.fullmatch(name_line):
+        return (unit_in_column_name(name_line),)
     is_for_all = width > 2 and len(units) == 1 and not _mentions_only_heights(name_line)
     return (units[0] if is_for_all else None,) * width
 

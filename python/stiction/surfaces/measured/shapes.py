@@ -74,6 +74,7 @@ _VALID_NAME_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0
 _INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
 # column names that do not show whether 1 marks valid or invalid points
 _FLAG_NAME_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
+_NUMBERED_UNIT_PATTERN = re.compile(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")  # a unit with a number other than 1
 _RAW_HEIGHTS_PATTERN = re.compile(r"\W*(?:z|heights?|höhe\w*|profile?|topography)(?:[ _-]?a\w+)?[\W_]*raw\W*", re.I)
 _X_COLUMN_PATTERN, _Y_COLUMN_PATTERN = (
     re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy"
@@ -191,6 +192,7 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **att
         )
         remedy = "accept it if the heights are in their unit; otherwise multiply them by the factor first"
         caveats = (FileCaveat("scale", text, remedy),)
+    caveats += _find_contradicting_unit_caveat(table, unit)
     raw = RawHeights(
         heights, unit=unit, factor=declared.factor, codes=(*declared.codes, *counts), stated=declared.spacing,
         size=declared.size, bare_spacing=declared.bare_spacing, source=table.source, caveats=caveats,
@@ -207,6 +209,22 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **att
     if (tip := declared.tip_radius) is None or not tip.length > 0:
         return raw
     return replace(raw, history=(*raw.history, f"its header gives a tip radius of {tip.length:g} {tip.unit} (--tip)"))
+
+
+def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tuple[FileCaveat, ...]:
+    """Return a caveat if the header declares another unit than the column of heights, such as "nm" or "0.1 um"."""
+    declared = table.declared
+    if declared.factor is not None or declared.unit is None or unit not in LENGTH_UNITS:
+        return ()
+    is_other = (
+        LENGTH_UNITS[declared.unit] != LENGTH_UNITS[unit]
+        if declared.unit in LENGTH_UNITS
+        else not declared.scale and _NUMBERED_UNIT_PATTERN.fullmatch(declared.unit) is not None
+    )
+    if not is_other:
+        return ()
+    text = f"its header line {printable_text(declared.line)!r} contradicts the unit of its column, {unit}"
+    return (FileCaveat("scale", text, "accept it if the column is right"),)
 
 
 def _has_height_range(heights: Floats, declared: DeclaredLength) -> bool:
@@ -238,14 +256,6 @@ def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = Fa
         bare_spacing=None if declared.bare_spacing is None else declared.bare_spacing[-1:],
     )  # fmt: skip
     raw = replace(raw, caveats=(*raw.caveats, *_find_calculation_caveat(table, places[-1])))
-    if (
-        declared.factor is None
-        and declared.unit in LENGTH_UNITS
-        and raw.unit in LENGTH_UNITS
-        and LENGTH_UNITS[declared.unit] != LENGTH_UNITS[raw.unit]
-    ):
-        text = f"its header line {printable_text(declared.line)!r} contradicts the unit of its column, {raw.unit}"
-        raw = replace(raw, caveats=(*raw.caveats, FileCaveat("scale", text, "accept it if the column is right")))
     if len(places) == 1:
         filled_rows = np.flatnonzero(~np.isnan(heights))
         end = int(filled_rows[-1]) + 1 if filled_rows.size and table.values.shape[1] > 1 else heights.size
