@@ -144,6 +144,26 @@ def test_several_codes_for_missing_points_are_reported_with_their_numbers(tmp_pa
     assert sorted(codes) == sorted(float(text.split("--missing-value ")[1].split()[0]) for text in texts)
 
 
+@pytest.mark.parametrize(
+    ("codes", "reported"),
+    [
+        ([2.2, 2.2, -2.2, -2.2], [-2.2, 2.2]),  # repeated
+        ([-2.2, -2.2], [-2.2]),
+        ([-9999], [-9999]),  # known, although it occurs once
+        ([32767, -32768], [-32768, 32767]),
+        ([2.2], []),  # an outlier
+        ([2.2, 2.3], []),
+        ([1.1, 1.1], []),  # close to the other heights
+    ],
+)
+def test_repeated_or_known_number_beyond_the_range_of_the_heights_is_reported(tmp_path, codes, reported):
+    heights = np.round(np.interp(MAP, (MAP.min(), MAP.max()), (-1, 1)), 4)
+    heights[3 : 3 + len(codes), 5] = codes
+    reading = read_with_interpretation(write_map(tmp_path / "a.csv", heights), unit="um", spacing="1 mm")
+    texts = [str(caveat) for caveat in reading.caveats if caveat.name == "repeated-extreme"]
+    assert [float(text.split("--missing-value ")[1].split()[0]) for text in texts] == reported
+
+
 @pytest.mark.parametrize("kind", ["scattered zeros", "block of zeros", "two values between the others"])
 def test_value_that_is_much_more_frequent_than_similar_heights_is_reported(tmp_path, kind):
     heights = MAP.copy()

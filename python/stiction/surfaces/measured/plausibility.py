@@ -20,6 +20,12 @@ from stiction.surfaces.measured.raw import FileCaveat
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from all other heights, relative to the range of the other heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
+# The same for a number in a file that repeats exactly, and for the numbers that programs write at missing points.
+MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
+KNOWN_MISSING_CODES = frozenset(
+    [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
+    + [-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1]
+)
 # A repeated height counts as a code for missing points only if there are at least this many other heights.
 MIN_DISTINCT_HEIGHTS = 5
 MAX_MISSING_CODES = 4  # maximum number of codes for missing points at either end of the heights
@@ -102,22 +108,26 @@ def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
 
 def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
     """Find extreme values that repeat exactly and are far from all other heights, like codes for missing points."""
-    heights = scan.non_missing_heights
-    for code, count, distance in _find_missing_point_codes(heights, scan.extremes):
-        number = float(f"{code / scan.factor:.12g}")
+    for code, count, distance in _find_missing_point_codes(scan):
+        number = _to_number_in_file(code, scan)
         yield (
-            f"{count} of {scan.heights.size} heights are exactly {number:.12g}, which is "
+            f"{count} of {scan.heights.size} heights {'are' if count > 1 else 'is'} exactly {number:.12g}, which is "
             f"{format_with_unit(distance, 'µm')} from all others, like a code for missing points|{number:.12g}"
         )
 
 
-def _find_missing_point_codes(heights: Floats, extremes: tuple[float, float]) -> list[tuple[float, int, float]]:
+def _to_number_in_file(height: float, scan: ScannedHeights) -> float:
+    """Return the number in the file from which a height was converted."""
+    return float(f"{height / scan.factor:.12g}")
+
+
+def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, float]]:
     """Return suspected codes for missing points among the extreme heights, with their counts and distances.
 
-    `extremes` are the lowest and the highest height.
-
-    Several codes may be at the same end, and their distances from each other are not limited.
+    Several codes may be at the same end, and their distances from each other are not limited. The distance of codes
+    in a file from the other heights may be smaller if each code repeats or is a known code.
     """
+    heights, extremes = scan.non_missing_heights, scan.extremes
     if heights.size < 2 * MIN_DISTINCT_HEIGHTS:
         return []
     # only heights far from the median can be codes, unless most heights are equal
@@ -125,7 +135,13 @@ def _find_missing_point_codes(heights: Floats, extremes: tuple[float, float]) ->
     median = float(np.median(sample))
     limit = MIN_CODE_DEVIATION * float(np.median(np.abs(sample - median)))
     near_sample = sample[np.abs(sample - median) <= limit]
-    max_gap = MIN_MISSING_CODE_DISTANCE * float(np.ptp(near_sample))
+    may_be_close = scan.from_file and any(
+        _to_number_in_file(extreme, scan) in KNOWN_MISSING_CODES
+        or np.count_nonzero(heights == extreme) >= MIN_MISSING_CODE_REPEATS
+        for extreme in extremes
+    )
+    min_distance = MIN_KNOWN_CODE_DISTANCE if may_be_close else MIN_MISSING_CODE_DISTANCE
+    max_gap = min_distance * float(np.ptp(near_sample))
     has_gap = max(float(near_sample.min()) - extremes[0], extremes[1] - float(near_sample.max())) > max_gap
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
@@ -142,23 +158,40 @@ def _find_missing_point_codes(heights: Floats, extremes: tuple[float, float]) ->
         far_values[far_values > near_heights.max()].tolist(),
     )
     values = np.array([*low, near_heights.min(), near_heights.max(), *high])
-    choices = itertools.product(
-        range(min(MAX_MISSING_CODES, len(low)) + 1), range(min(MAX_MISSING_CODES, len(high)) + 1)
-    )
-    for num_low, num_high in sorted(choices, key=sum)[1:]:
+    if np.unique(near_heights[:1000]).size < MIN_DISTINCT_HEIGHTS:
+        return []
+    choices = sorted(
+        itertools.product(range(min(MAX_MISSING_CODES, len(low)) + 1), range(min(MAX_MISSING_CODES, len(high)) + 1)),
+        key=sum,
+    )[1:]
+    candidates = []  # codes with their distances, and the range of the other heights
+    for num_low, num_high in choices:
         remaining_values = values[num_low : values.size - num_high]
         ends = [low[:num_low], high[len(high) - num_high :]]
         distances = [float(remaining_values[0]) - code for code in ends[0]] + [
             code - float(remaining_values[-1]) for code in ends[1]
         ]
+        candidates.append((ends, distances, float(np.ptp(remaining_values))))
+    for ends, distances, other_range in candidates:
         if (
             min(sum(count_of[code] for code in codes) for codes in ends if codes) >= MIN_MISSING_CODE_REPEATS
-            and min(distances) > MIN_MISSING_CODE_DISTANCE * float(np.ptp(remaining_values))
-            and np.unique(near_heights[:1000]).size >= MIN_DISTINCT_HEIGHTS
+            and min(distances) > MIN_MISSING_CODE_DISTANCE * other_range
         ):
-            return [
-                (code, count_of[code], distance) for code, distance in zip([*ends[0], *ends[1]], distances, strict=True)
-            ]
+            return [(code, count_of[code], gap) for code, gap in zip([*ends[0], *ends[1]], distances, strict=True)]
+    if not may_be_close or np.unique(near_heights[:1000]).size < MIN_COMPARED_HEIGHTS:
+        return []
+    min_distance_of = {
+        code: MIN_KNOWN_CODE_DISTANCE
+        if _to_number_in_file(code, scan) in KNOWN_MISSING_CODES
+        else MIN_REPEATED_CODE_DISTANCE
+        if count_of[code] >= MIN_MISSING_CODE_REPEATS
+        else math.inf
+        for code in {*low[:MAX_MISSING_CODES], *high[-MAX_MISSING_CODES:]}
+    }
+    for ends, distances, other_range in reversed(candidates):
+        codes = [*ends[0], *ends[1]]
+        if all(gap > min_distance_of[code] * other_range for code, gap in zip(codes, distances, strict=True)):
+            return [(code, count_of[code], gap) for code, gap in zip(codes, distances, strict=True)]
     return []
 
 
