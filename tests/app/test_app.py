@@ -522,7 +522,7 @@ def test_shear_test_that_cannot_be_computed_shows_its_message(empty_page, tmp_pa
 
 
 def test_stopped_job_is_stored_and_can_be_resumed(empty_page, tmp_path, app):
-    for side, path in zip(("upper", "lower"), write_maps(tmp_path, 64), strict=True):
+    for side, path in zip(("upper", "lower"), write_maps(tmp_path, 128), strict=True):
         choose_scan(empty_page, side, path)
     fill_fields(empty_page, METAL_FORM_VALUES | {"shifts": "280"})
     with app.block_commands(40) as unblock:
