@@ -239,6 +239,16 @@ def _offset_to_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[f
     )
 
 
+def _shift_to_steps(shift: tuple[float, ...], upper: Any, lower: Any) -> list[float]:
+    """Convert a shift of the middle (µm) to an offset of the first point (points), which need not be whole."""
+    return [
+        distance / spacing - (count - other) / 2
+        for distance, count, other, spacing in zip(
+            shift, upper.heights.shape, lower.heights.shape, lower.spacings, strict=True
+        )
+    ]
+
+
 def _to_full_grid(position: _Position, upper: Any, lower: Any, factor: int) -> _Position:
     """Return a position found with coarse bodies, relative to the middles of the full bodies."""
     shift = tuple(
@@ -252,11 +262,7 @@ def _to_full_grid(position: _Position, upper: Any, lower: Any, factor: int) -> _
 
 def _find_grid_offset(upper: Any, lower: Any, position: _Position) -> tuple[int, ...] | None:
     """Return the offset (points) that moves the upper face to a position within `GRID_TOLERANCE`, or None."""
-    no_shift = _offset_to_shift((0,) * lower.heights.ndim, upper, lower)
-    steps = [
-        (distance - start) / spacing
-        for distance, start, spacing in zip(position.shift, no_shift, lower.spacings, strict=True)
-    ]
+    steps = _shift_to_steps(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
     is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)
     return tuple(round(step) for step in steps) if is_on_grid else None
@@ -360,13 +366,12 @@ def _solve_step(upper: Any, lower: Any, position: _Position) -> tuple[float, Flo
 
 def _has_min_overlap(upper: Any, lower: Any, position: _Position) -> bool:
     """Return whether two bodies overlap by `MIN_OVERLAP_FRACTION` along each axis at a position."""
-    for count, other, spacing, shift in zip(
-        upper.heights.shape, lower.heights.shape, lower.spacings, position.shift, strict=True
-    ):
-        step = shift / spacing - (count - other) / 2
-        if min(other, step + count) - max(0.0, step) < MIN_OVERLAP_FRACTION * min(count, other):
-            return False
-    return True
+    return all(
+        min(other, step + count) - max(0.0, step) >= MIN_OVERLAP_FRACTION * min(count, other)
+        for step, count, other in zip(
+            _shift_to_steps(position.shift, upper, lower), upper.heights.shape, lower.heights.shape, strict=True
+        )
+    )
 
 
 def _estimate_noise(gap: Any) -> float:
