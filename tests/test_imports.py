@@ -95,7 +95,7 @@ def test_layers_import_only_from_lower_layers(layer):
             assert layer_of(imported) in allowed_layers, f"{module} imports {imported}"
 
 
-def test_layers_of_the_package_are_its_folders():
+def test_layers_of_the_package_are_its_directories():
     assert {path.parent.name for path in PACKAGE_FOLDER.glob("*/__init__.py")} == {*LAYERS} - {"facade"}
     assert {name for name in MODULES if "." not in name and not name.startswith("_")} == {*LAYERS, *FACADE} - {"facade"}
 
@@ -108,11 +108,11 @@ def find_circles(imports):
     return open_imports
 
 
-def test_circles_of_imports_are_found():
+def test_import_check_reports_circular_imports():
     assert set(find_circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": set()})) == {"a", "b", "c"}
 
 
-def test_module_imports_form_no_circle():
+def test_package_has_no_circular_imports():
     """Count imports inside functions and for type checkers, because both tie modules to each other."""
     assert find_circles({name: imported_modules(name) - {name} for name in MODULES}) == {}
 

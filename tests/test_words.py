@@ -34,7 +34,7 @@ def test_listed_docstrings_include_docstrings_of_constants(words_tool):
     ]
 
 
-def test_names_are_grouped_by_kind_and_counted_once(words_tool):
+def test_word_tool_groups_names_by_kind_and_counts_each_name_once_per_file(words_tool):
     source = "LIMIT = 1\n\nclass Row:\n    def read(self, file):\n        size = 1\n        size = 2\n"
     spellings = {kind: {name for _, name in items} for kind, items in words_tool.names_by_kind({"dev": source}).items()}
     assert spellings.pop("variable") == {"self", "file", "size"}
@@ -42,7 +42,7 @@ def test_names_are_grouped_by_kind_and_counted_once(words_tool):
 
 
 @pytest.mark.parametrize("name", ["said", "_said", "SAID"])
-def test_word_check_reports_names_that_are_rejected_in_their_folder(words_tool, name):
+def test_word_check_reports_names_that_are_rejected_in_their_directory(words_tool, name):
     files = {"tests/x.py": f"{name} = 1\n", "packaging/x.py": f"{name} = 1\n"}
     faults = list(words_tool.find_name_faults(files, {"tests": ["said"]}))
     assert len(faults) == 1

@@ -295,7 +295,7 @@ def test_preview_uses_the_latest_options_if_an_older_response_arrives_last(empty
     assert texts["wrong"] == ""
 
 
-def test_reading_options_opened_by_an_error_are_closed_after_a_readable_scan(empty_page, map_files, tmp_path):
+def test_reading_options_that_an_unreadable_scan_opens_are_closed_by_a_readable_scan(empty_page, map_files, tmp_path):
     text_file = tmp_path / "plain.txt"
     np.savetxt(text_file, np.random.default_rng(0).standard_normal((24, 24)))
     is_open = "return document.querySelector('#lower-drop details').open"
@@ -330,7 +330,7 @@ def test_late_response_does_not_replace_newer_progress_of_a_job(empty_page):
     assert -1 not in empty_page.execute_async_script(script)
 
 
-def test_values_of_a_job_without_files_are_shown_without_a_report(empty_page):
+def test_page_shows_the_values_of_a_job_that_has_no_report_files(empty_page):
     rule = {"rule": "all", "text": "0.31 [0.28, 0.34]", "coefficient": Estimate(0.31, 0.28, 0.34).to_record()}
     record = {"at": {}, "rules": [rule], "assessment": "Quote it", "caveats": [], "sentence": ""}
     job = {"number": 99, "title": "a pair", "state": "running", "finished": 4, "total": 8, "by": "so far", "words": ""}
@@ -479,7 +479,7 @@ def is_shear_test_offered(driver):
     return driver.find_element("id", "shear").is_displayed()
 
 
-def test_app_offers_a_shear_test_of_faces_that_fit(empty_page, map_files, tmp_path):
+def test_app_offers_a_shear_test_if_the_two_faces_fit(empty_page, map_files, tmp_path):
     paths = write_fitting_faces(tmp_path)
     for side, path in zip(("upper", "lower"), paths, strict=True):
         assert not is_shear_test_offered(empty_page)
@@ -512,7 +512,7 @@ def test_app_offers_a_shear_test_of_faces_that_fit(empty_page, map_files, tmp_pa
     wait_until(lambda: is_shear_test_offered(empty_page), lambda is_offered: not is_offered)
 
 
-def test_shear_test_that_cannot_be_computed_shows_its_message(empty_page, tmp_path):
+def test_app_shows_why_a_shear_test_cannot_be_computed(empty_page, tmp_path):
     for side, path in zip(("upper", "lower"), write_fitting_faces(tmp_path), strict=True):
         choose_scan(empty_page, side, path)
     wait_until(lambda: is_shear_test_offered(empty_page), bool)

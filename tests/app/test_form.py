@@ -81,7 +81,7 @@ def test_option_names_in_caveats_are_replaced_with_form_labels():
     }
 
 
-def test_reading_options_are_named_like_arguments_and_split_at_commas():
+def test_reading_options_of_the_form_become_arguments_of_the_reader():
     texts = {"spacing": "1 um,2 um", "missing-value": "-9999", "unit": "", "load": "1 mN"}
     assert parse_reading_options(texts) == {"spacing": ("1 um", "2 um"), "missing_value": "-9999"}
 

@@ -113,7 +113,7 @@ def _network_address():
 @pytest.mark.parametrize(
     "name", ["../../etc/x", "..%2f..%2fx.csv", "/etc/cron.d/x", "..", "", "a\\..\\b.csv", "\0x.csv", "x" * 5000, "-r"]
 )
-def test_upload_with_any_file_name_stays_inside_the_upload_folder(app, name):
+def test_upload_with_any_file_name_stays_inside_the_upload_directory(app, name):
     paths_before = {path for path in app.folder.rglob("*") if "files" not in path.parts}
     status, _, body = app.request("PUT", f"/scans?name={quote(name)}", b"x (um),z (um)\n0,0\n1,1\n" + name.encode())
     assert status == 200
@@ -240,7 +240,7 @@ def test_malformed_requests_are_answered_without_a_line_in_the_terminal(tmp_path
         assert server.process.stderr.read() == ""
 
 
-def test_waiting_job_names_the_job_before_it(tmp_path):
+def test_waiting_job_states_for_which_job_it_waits(tmp_path):
     queue = JobQueue(tmp_path)
     for number, state in enumerate(("done", "running", "waiting", "waiting"), 1):
         queue.jobs_by_number[number] = jobs.Job(number, f"pair {number}", ["pair"], tmp_path, state=state)
@@ -326,7 +326,7 @@ def test_server_survives_a_thousand_simultaneous_requests(app):
     assert wait_until(app.is_alive, bool)
 
 
-def test_temporary_folder_is_private_and_is_removed_when_the_server_stops(tmp_path):
+def test_temporary_directory_is_private_and_is_removed_when_the_server_stops(tmp_path):
     with start_server(tmp_path) as server:
         server.log_in()
         (private_folder,) = server.find_private_folders()
@@ -454,7 +454,7 @@ def fake_pair_command(monkeypatch):
     monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
 
 
-def test_pair_job_shows_the_files_of_its_command_and_discards_a_slow_preview(tmp_path, fake_pair_command):
+def test_finished_pair_job_shows_its_files_instead_of_a_slow_preview(tmp_path, fake_pair_command):
     async def check():
         queue = JobQueue(tmp_path)
         job = queue.add("a pair", ["pair"], preview=([], []))
@@ -471,7 +471,7 @@ def test_pair_job_shows_the_files_of_its_command_and_discards_a_slow_preview(tmp
     assert not any(str(tmp_path) in text for text in texts.values())
 
 
-def test_pair_job_that_fails_while_it_draws_shows_the_values_of_its_record(tmp_path, fake_pair_command):
+def test_pair_job_whose_report_fails_still_shows_its_values(tmp_path, fake_pair_command):
     async def check():
         job = JobQueue(tmp_path).add("a pair", ["pair", "--fail"], preview=([], []))
         await job.task

@@ -279,7 +279,7 @@ def test_prediction_for_a_pair_equals_its_combined_interval_with_the_interface(t
     assert value == pytest.approx(result.value, abs=0.1 * width)
 
 
-def test_prediction_from_tests_of_yielding_pairs_differs_from_pair_only_by_shared_errors(tmp_path) -> None:
+def test_prediction_from_tests_of_yielding_pairs_has_a_narrower_interval_than_the_pair(tmp_path) -> None:
     options = PAIR_OPTIONS | {"hardness": "2 GPa ± 10 %"}
     tested_pair = pair(*rough_surface_pair(0.05), **options)
     tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.004)] * 3
@@ -413,7 +413,7 @@ def test_calibration_with_junction_growth_recovers_mu0_and_tau0(truth: float) ->
     assert interface.about[GROWTH_HEADER_ENTRY] == f"{truth:g}"
 
 
-def test_calibration_with_slip_lines_recovers_mu0_and_tau0_and_shares_the_ratio(tmp_path) -> None:
+def test_calibration_with_slip_lines_recovers_mu0_and_tau0_and_samples_the_hardness_ratio(tmp_path) -> None:
     tests = simulate_junction_growth_tests("slip-line", "slip-line", mu0=0.2, tau0=0.02)
     interface = calibrate(tests, common=0.0, sliding="all")
     assert interface.mu0[1] < 0.2 < interface.mu0[2]

@@ -98,7 +98,7 @@ def test_import_error_caused_by_an_interrupt_is_reported_as_interruption(monkeyp
     assert capsys.readouterr().err == "stiction: interrupted\n"
 
 
-def test_deletion_of_partly_constructed_objects_prints_no_error(monkeypatch, capfd):
+def test_deleting_a_partly_constructed_object_prints_no_error(monkeypatch, capfd):
     class PartlyConstructedObject:
         def __del__(self):
             self.file.close()

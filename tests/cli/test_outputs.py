@@ -158,7 +158,7 @@ def test_table_command_replaces_a_table_that_an_equal_command_wrote_at_the_same_
     assert (tmp_path / "table" / "laws.csv").exists()
 
 
-def test_info_prints_one_sentence_for_each_load_including_loads_that_must_not_be_quoted(scans_folder):
+def test_info_command_prints_a_sentence_for_each_load_even_if_it_must_not_be_quoted(scans_folder):
     loads = ["--load", "1 uN,2 mN,8 mN"]
     command = [word for word in PAIR_COMMAND if word not in ("--load", "2 mN")]
     call_stiction(*command, *loads, cwd=scans_folder, without_figures=True, without_report=True)
@@ -178,7 +178,7 @@ def test_info_prints_one_sentence_for_each_load_including_loads_that_must_not_be
         )
 
 
-def test_pair_of_a_file_with_an_instruction_in_its_name_has_all_outputs(scans_folder):
+def test_file_name_with_a_latex_instruction_is_escaped_in_all_outputs(scans_folder):
     name = r"$\write18{id}$.csv"
     (scans_folder / "upper.csv").rename(scans_folder / name)
     check_stiction("pair", name, *PAIR_COMMAND[2:], "-o", "mine", cwd=scans_folder)

@@ -931,7 +931,7 @@ def iterate_json_objects(content):
         yield from iterate_json_objects(item)
 
 
-def test_json_records_of_all_commands_contain_values_only_as_estimates(folder_options_and_record):
+def test_json_output_of_every_command_stores_each_value_as_an_estimate(folder_options_and_record):
     folder, _, record = folder_options_and_record
     commands = [
         ["info", "pair"], ["at", "pair", "--load", "12 MPa"], ["materials", "steel"], ["interfaces"],

@@ -86,7 +86,7 @@ def test_shear_command_accepts_profiles_in_the_opposite_direction(tmp_path):
     assert "u (" in completed.stdout
 
 
-def test_table_names_displacements_at_which_the_face_slides_by_itself():
+def test_shear_table_marks_displacements_at_which_the_face_slides_by_itself():
     x = np.arange(256) / 256
     tooth = Profile(10 * np.abs((2 * x) % 1 - 0.5), spacing=100 / 256)
     upper = Profile(-tooth.heights, spacing=tooth.spacing)
@@ -121,7 +121,7 @@ def count_solved_contacts(monkeypatch):
     return calls
 
 
-def test_interrupted_test_is_resumed_with_the_same_bits(tmp_path, monkeypatch):
+def test_interrupted_shear_test_resumes_with_identical_results(tmp_path, monkeypatch):
     monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
     options = {"path": "0.5 mm", "steps": 10, "mu0": 0.6, "hardness": "200 MPa"} | CONDITIONS
     whole = shear_test(*create_faces(), **options)
@@ -138,7 +138,7 @@ def test_interrupted_test_is_resumed_with_the_same_bits(tmp_path, monkeypatch):
     np.testing.assert_array_equal(opened.friction_coefficient, whole.friction_coefficient)
 
 
-def test_test_that_is_interrupted_in_its_intervals_is_resumed_with_the_same_bits(tmp_path, monkeypatch):
+def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical_results(tmp_path, monkeypatch):
     monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
     options = {"path": "0.2 mm", "steps": 2, "mu0": 0.6, "hardness": "150..250 MPa", **CONDITIONS}
     lower = self_affine_surface(
@@ -225,7 +225,7 @@ def test_shear_command_does_not_replace_a_file_of_the_user(folder):
     assert (folder / "shear/shear.csv").read_text() == "displacement (um),mu\n1,2\n"
 
 
-def test_directory_of_a_study_is_rejected_and_unchanged(tmp_path):
+def test_shear_test_rejects_the_directory_of_a_study_and_leaves_it_unchanged(tmp_path):
     (tmp_path / "study.toml").write_text("")
     steps = tmp_path / "in_progress/0000000-0123456789abcdef"
     steps.mkdir(parents=True)
@@ -236,21 +236,21 @@ def test_directory_of_a_study_is_rejected_and_unchanged(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["file", "file/folder"])
-def test_directory_that_cannot_be_created_is_rejected_with_one_sentence(tmp_path, name):
+def test_shear_test_rejects_a_directory_that_cannot_be_created(tmp_path, name):
     (tmp_path / "file").write_text("")
     options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **CONDITIONS}
     with pytest.raises(ValueError, match="file"):
         shear_test(*create_faces(), directory=tmp_path / name, **options)
 
 
-def test_finished_test_opens_with_other_versions_of_the_software(tmp_path, monkeypatch):
+def test_finished_shear_test_can_be_opened_by_other_versions_of_the_software(tmp_path, monkeypatch):
     options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, "directory": tmp_path, **CONDITIONS}
     test = shear_test(*create_faces(), **options)
     monkeypatch.setattr(np, "__version__", "99")
     xarray.testing.assert_identical(shear_test(*create_faces(), **options), test)
 
 
-def test_shear_strength_is_printed_where_the_stress_is_largest():
+def test_shear_strength_is_the_largest_stress_even_if_the_coefficient_peaks_earlier():
     options = {"path": "0.4 mm", "steps": 4, "mu0": 0.6, "hardness": "150 MPa", **CONDITIONS}
     test = shear_test(*create_faces(), normal_stiffness="20 MPa/mm", **options)
     assert int(np.argmax(test.friction_coefficient.values)) < 4
@@ -260,7 +260,7 @@ def test_shear_strength_is_printed_where_the_stress_is_largest():
     assert text in list_caveats(test)
 
 
-def test_shear_stress_that_rises_at_constant_load_is_explained_by_the_overlap():
+def test_shear_stress_that_rises_because_the_overlap_shrinks_has_a_caveat():
     lower = self_affine_surface(1, hurst_exponent=0.8, rms=20.0, shape=(32, 32), spacing=50.0)
     upper = Surface(-lower.heights[::-1], spacing=lower.spacing)
     test = shear_test(upper, lower, path="300 um", mu0=0.6, hardness="150 MPa", **CONDITIONS)
@@ -271,7 +271,7 @@ def test_shear_stress_that_rises_at_constant_load_is_explained_by_the_overlap():
     )
 
 
-def test_faces_that_do_not_fit_at_the_start_have_a_caveat():
+def test_shear_test_of_faces_that_do_not_fit_at_the_start_has_a_caveat():
     upper, lower = create_faces()
     options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **CONDITIONS}
     fitting, other = (
@@ -292,7 +292,7 @@ def test_faces_that_do_not_fit_at_the_start_have_a_caveat():
         (300.0, 0.0, "agree poorly even where"),
     ],
 )
-def test_registered_faces_with_a_gap_larger_than_their_noise_have_a_caveat_first(waviness, noise, caveat):
+def test_gap_between_registered_faces_has_a_caveat_if_it_exceeds_their_noise(waviness, noise, caveat):
     upper, lower = create_faces()
     other = self_affine_surface(9, hurst_exponent=0.8, rms=1.0, shape=upper.heights.shape, spacing=50.0)
     change = 0.7 * waviness * other.heights + np.random.default_rng(1).normal(0, noise, upper.heights.shape)
@@ -305,13 +305,13 @@ def test_registered_faces_with_a_gap_larger_than_their_noise_have_a_caveat_first
         assert caveat in caveats[0]
 
 
-def test_peak_of_identical_scans_before_they_move_has_a_caveat(folder):
+def test_shear_peak_before_identical_faces_move_has_a_caveat(folder):
     test = shear_test(*create_faces(), path="0.5 mm", steps=2, mu0=0.6, tau0="3 MPa", **CONDITIONS)
     assert test.attrs["peak_displacement_um"] == 0
     assert "The peak is before the faces move" in " ".join(list_caveats(test))
 
 
-def test_caveats_name_missing_strength_and_load_at_edges():
+def test_shear_test_has_caveats_about_a_missing_hardness_and_load_at_the_edges():
     x = np.linspace(-1, 1, 201)
     bowl = Profile(40 * x**2, spacing=5.0)
     upper = Profile(-bowl.heights, spacing=5.0)
@@ -320,14 +320,14 @@ def test_caveats_name_missing_strength_and_load_at_edges():
         assert words in text
 
 
-def test_caveat_names_a_coefficient_that_rises_until_the_end():
+def test_shear_coefficient_that_rises_until_the_end_of_the_path_has_a_caveat():
     x = np.linspace(0, 1, 201)
     ramp, pin = Profile(40 * x**2, spacing=5.0), Profile(40 * np.exp(-((10 * x - 2) ** 2)), spacing=5.0)
     test = shear_test(pin, ramp, path="0.3 mm", steps=4, mu0=0.4, level="none", **CONDITIONS)
     assert "The coefficient is largest at the end of the path: choose a longer path." in list_caveats(test)
 
 
-def test_faces_that_lock_have_no_peak():
+def test_shear_test_of_faces_that_lock_prints_no_peak():
     steep = Profile(100 * np.abs(np.arange(512) / 512 % 0.25 - 0.125), spacing=100 / 512)
     locked = shear_test(
         Profile(-steep.heights, spacing=steep.spacing), steep, path="5 um", steps=2, mu0=1.5, boundary="periodic",
@@ -337,7 +337,7 @@ def test_faces_that_lock_have_no_peak():
     assert not shear_text(locked).startswith("peak:")
 
 
-def test_faces_that_lock_at_most_displacements_are_printed_and_drawn():
+def test_shear_test_of_faces_that_lock_at_most_displacements_is_printed_and_drawn():
     face = create_faces()[1]
     steep = Surface(20 * face.heights, spacing=face.spacing)
     test = shear_test(
@@ -347,7 +347,7 @@ def test_faces_that_lock_at_most_displacements_are_printed_and_drawn():
     shear_figure(test).canvas.draw()
 
 
-def test_few_contacts_at_the_peak_have_a_caveat():
+def test_shear_peak_with_few_contacts_has_a_caveat():
     _, lower = create_faces()
     options = {"path": "0.5 mm", "steps": 4, "mu0": 0.6, "hardness": "150 MPa", **CONDITIONS}
     profile = Profile(lower.heights[3], spacing=50.0)
@@ -360,7 +360,7 @@ def test_few_contacts_at_the_peak_have_a_caveat():
     assert "depends on chance" not in " ".join(list_caveats(many))
 
 
-def test_peak_above_the_limit_of_rock_joints_has_a_caveat():
+def test_shear_peak_above_the_limit_of_rock_joints_has_a_caveat():
     face = create_faces()[1]
     steep = Surface(6 * face.heights, spacing=face.spacing)
     upper = Surface(flipped(steep).heights, spacing=steep.spacing)

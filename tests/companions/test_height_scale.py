@@ -133,7 +133,7 @@ def test_scaled_results_of_files_equal_scaled_results_of_surfaces_in_memory(bodi
     )
 
 
-def test_height_scale_applies_to_every_scan_of_a_part(bodies):
+def test_height_factor_scales_every_scan_of_each_face(bodies):
     scans = [bodies, rough_maps(8, shortest_wavelength=0.6)]
     uppers, lowers = ([scan[side] for scan in scans] for side in (0, 1))
     computed = pair(uppers, lowers, **PAIR_OPTIONS | HARDNESS_OPTION)
@@ -240,7 +240,7 @@ def test_interval_between_height_factors_contains_the_solution_for_few_contacts(
     assert width[1] > 1.01 * (width[0] + width[2]) / 2
 
 
-def test_height_factors_to_solve_are_the_fewest_that_allow_interpolation():
+def test_solver_computes_the_fewest_height_factors_that_allow_interpolation():
     assert find_missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]

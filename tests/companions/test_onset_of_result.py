@@ -75,7 +75,7 @@ def test_onset_of_a_result_is_the_mean_over_its_members(study, onset):
     assert onset.attrs["members"] == 3
 
 
-def test_onset_curve_increases_to_full_slip_at_sliding_load(onset):
+def test_slipped_area_increases_to_the_complete_contact_at_the_sliding_load(onset):
     mean = onset.sel(statistic="mean")
     assert float(mean["slipped_area"][-1]) == 1
     assert float(mean["tangential_load"][-1]) == float(mean["sliding_load"])
@@ -124,7 +124,7 @@ def test_onset_is_none_if_mu0_and_tau0_are_zero_or_surfaces_are_generated(study)
     assert compute_study_onset(Study.named("quick")) is None
 
 
-def test_slip_map_contains_the_smallest_slip_load_of_each_cell(study, onset, monkeypatch):
+def test_slip_map_equals_the_load_at_which_each_point_slips(study, onset, monkeypatch):
     upper, lower = load_bodies(study).member(0, 0.0).pair
     curve = half_space(upper, lower, [2.0], effective_modulus=100.0, hardness=4.0, compliance_share=0.3)
     member_onset = curve.onset(0, mu0=0.3, tau0=0.05, steps=onset["fraction"].values.tolist(), poisson=[0.3, 0.4])
@@ -191,7 +191,7 @@ def test_stored_onset_for_another_mu0_is_ignored(study, onset, tmp_path):
     assert load_stored_onset(stored_result) is None
 
 
-def test_csv_table_of_onset_starts_with_a_row_of_zeros(onset):
+def test_csv_table_of_the_onset_of_sliding_starts_at_zero_load_and_displacement(onset):
     table = pandas.read_csv(io.StringIO(format_backbone_csv(onset)))
     assert (table.iloc[0] == 0).all()
     np.testing.assert_allclose(table["displacement (um)"][1:], onset["displacement"].sel(statistic="mean"), rtol=1e-8)
@@ -238,7 +238,7 @@ def test_sliding_load_of_the_onset_is_the_coefficient_times_the_load(tmp_path):
     assert record["curve"][-1]["tangential_load"]["value"] == record["sliding_load"]["value"]
 
 
-def test_repeated_pair_replaces_an_onset_table_with_unscaled_loads(tmp_path):
+def test_repeated_pair_function_replaces_an_old_onset_table(tmp_path):
     bodies = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=48, spacing=0.05, shortest_wavelength=0.3)
     options = {
         "load": "50 MPa", "hardness": "1.2 GPa", "mu0": "0.1..0.3", "tau0": "50 MPa", "effective_modulus": 80.0,
@@ -254,7 +254,7 @@ def test_repeated_pair_replaces_an_onset_table_with_unscaled_loads(tmp_path):
     assert file.read_text("utf-8") == scaled
 
 
-def test_fitted_models_are_scaled_like_the_tangential_load(onset):
+def test_forces_of_fitted_friction_models_are_scaled_like_the_tangential_load(onset):
     coefficient = Estimate(0.5, 0.4, 0.7, kind="combined")
     scaled = scale_onset(onset, coefficient)
     factor = 1.0 / float(onset["sliding_load"].sel(statistic="mean"))  # The load is 2 mN.

@@ -50,7 +50,7 @@ def test_resolution_study_of_a_filtered_study_starts_at_the_cutoff_of_the_filter
     assert cutoff_study.surfaces.cell_coordinates()["cut_off"] == pytest.approx([0.2, 0.4], rel=1e-3)
 
 
-def test_cutoff_study_contains_surrogates_only_if_all_members_are_surrogates(study):
+def test_resolution_study_uses_surrogates_only_if_all_pairs_are_surrogates(study):
     mixed_study = build_cutoff_study(study.with_changes({"surfaces.surrogates": 3}))
     assert (mixed_study.ensemble.repetitions, mixed_study.surfaces.surrogates) == (2, 0)
     surrogate_study = build_cutoff_study(study.with_changes({"surfaces.surrogates": 5}))
@@ -111,7 +111,7 @@ def test_resolved_wavelengths_of_a_study_equal_those_computed_from_the_gap(study
     assert find_resolved_roughness(Study.named("quick")) is None
 
 
-def test_resolved_wavelengths_begin_at_the_cutoff(study):
+def test_shortest_resolved_wavelength_is_the_cutoff(study):
     assert find_resolved_roughness(study.with_changes({"surfaces.cut_off": ["0.5 um"]})).shortest == pytest.approx(0.5)
 
 

@@ -44,7 +44,9 @@ def complete_result(result_and_datasets):
 
 
 @pytest.mark.parametrize("name", COMPANION_LOADERS)
-def test_data_stored_alongside_a_result_are_none_if_the_file_is_absent(result_and_datasets, complete_result, name):
+def test_loading_a_file_stored_alongside_a_result_returns_none_if_it_is_absent(
+    result_and_datasets, complete_result, name
+):
     xarray.testing.assert_identical(COMPANION_LOADERS[name](complete_result), result_and_datasets[1][name])
     (complete_result.path / name).unlink()
     assert COMPANION_LOADERS[name](complete_result) is None

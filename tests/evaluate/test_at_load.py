@@ -103,7 +103,7 @@ def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_stu
     }  # fmt: skip
 
 
-def test_effect_of_the_load_definition_is_finite_without_friction(areal_study_and_dataset):
+def test_effect_of_the_load_definition_is_not_infinite_at_zero_friction(areal_study_and_dataset):
     _, result = areal_study_and_dataset
     table = at_load(result, [2.0], mu0=[0.0, 0.3], tau0=[0.0])
     assert abs(table["mean_friction"].sel(sliding="all", mu0=0.0, statistic="mean").item()) < 1e-12
@@ -167,7 +167,7 @@ def run_generated_study(name):
 
 @pytest.mark.filterwarnings("ignore:adhesion_range")
 @pytest.mark.parametrize("name", GENERATED_STUDIES)
-def test_ensembles_have_every_quantity_of_their_members_in_data_frames_and_csv_files(name):
+def test_data_frame_and_csv_file_of_an_ensemble_contain_every_quantity(name):
     result = run_generated_study(name)
     quantities_of_members = {
         str(each) for each in result.at(load_definition="elastic").data_vars if QUANTITIES[str(each)].shown
@@ -184,7 +184,7 @@ def test_ensembles_have_every_quantity_of_their_members_in_data_frames_and_csv_f
 
 
 @pytest.mark.filterwarnings("ignore:adhesion_range")
-def test_ratios_are_all_evaluated_for_measured_and_for_generated_surfaces(
+def test_measured_and_generated_surfaces_both_have_all_ratios_of_quantities(
     areal_study_and_dataset, profile_study_and_dataset
 ):
     measured = {
@@ -513,7 +513,7 @@ def test_value_at_a_computed_load_does_not_depend_on_an_interpolated_load(areal_
     assert both.drop_attrs().equals(at_load(result, load).drop_attrs())
 
 
-def test_interval_of_a_fraction_ends_at_one(areal_study_and_dataset):
+def test_upper_end_of_the_interval_of_a_fraction_is_at_most_one(areal_study_and_dataset):
     _, dataset = areal_study_and_dataset
     changed = dataset.copy(deep=True)
     name = "share_on_largest"
@@ -534,14 +534,14 @@ def test_interval_of_the_true_area_ends_at_the_nominal_area():
     np.testing.assert_allclose(area, fraction * result.nominal_area, rtol=1e-12)
 
 
-def test_budget_contains_only_the_quoted_sliding_rule(areal_study_and_dataset):
+def test_uncertainty_budget_is_computed_only_for_the_quoted_sliding_rule(areal_study_and_dataset):
     _, dataset = areal_study_and_dataset
     table = add_uncertainty(at_load(dataset, [2.0]), dataset)
     assert np.isfinite(table["remaining_width"].sel(sliding="all", input="positions")).all()
     assert np.isnan(table["remaining_width"].sel(sliding="opposing")).all()
 
 
-def test_quantities_that_a_view_shows_are_evaluated():
+def test_evaluation_computes_every_quantity_that_is_shown_to_users():
     maps = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=32, spacing=0.1, shortest_wavelength=0.4)
     options = {"load": "20 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "shifts": 2, "cutoff": "none", "onset": 0}
     adhesion = {"work_of_adhesion": "50 mJ/m^2", "adhesion_range": "5 nm"}
@@ -551,7 +551,7 @@ def test_quantities_that_a_view_shows_are_evaluated():
     assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated == set()
 
 
-def test_budget_at_another_load_does_not_count_the_loads_of_the_study(areal_study_and_dataset, monkeypatch):
+def test_budget_limit_counts_only_loads_that_are_not_in_the_study(areal_study_and_dataset, monkeypatch):
     study, dataset = areal_study_and_dataset
     other, *study_loads = study.contact.loading_steps()[:3].tolist()
     changes = {"friction.load": [f"{load!r} mN" for load in study_loads]}
@@ -562,7 +562,7 @@ def test_budget_at_another_load_does_not_count_the_loads_of_the_study(areal_stud
     assert np.isfinite(widths).all(["cut_off", "mu0", "tau0"]).values.tolist() == [True, False, False]
 
 
-def test_interpolation_error_equals_the_error_of_independently_scattered_values():
+def test_interpolation_error_equals_that_of_independent_random_values():
     """In the middle between two points, the error is sqrt(3/4) of the half width of the changes."""
     below = np.array([1.0, -1.0, 2.0, -2.0])
     means = include_interpolation_error(

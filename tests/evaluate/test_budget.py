@@ -462,7 +462,7 @@ def test_friction_coefficient_is_exactly_zero_if_mu0_and_tau0_are_zero() -> None
 
 
 @pytest.mark.parametrize("seed", [0, 1, 5])
-def test_friction_coefficient_of_two_members_is_exactly_zero_if_mu0_and_tau0_are_zero(seed: int) -> None:
+def test_friction_coefficient_averaged_over_two_pairs_is_exactly_zero_without_mu0_and_tau0(seed: int) -> None:
     result = pair(*rough_surfaces(seed, points=24), mu0=0.0, **SIX_DIRECTION_OPTIONS | {"shifts": 2})
     assert result.value == 0
     assert not np.nan_to_num(result.at().friction_by_axis.sel(sliding="all", statistic="mean").values).any()

@@ -62,7 +62,7 @@ def log_width(interval):
     return math.log(interval[1] / interval[0])
 
 
-def test_prediction_uses_the_smallest_number_of_members_of_all_directions():
+def test_prediction_interval_uses_the_direction_with_the_fewest_pairs():
     intervals, num_members, spread = build_intervals(spread=0.2, ok=(4, 8)), 4, 0.2
     deviation = spread / (norm.ppf(0.9) - norm.ppf(0.1)) * math.sqrt(1 + 1 / num_members)
     scale = math.sqrt(math.log1p(deviation**2))
@@ -96,7 +96,7 @@ def test_combined_interval_adds_input_and_positions_in_quadrature():
 
 
 @pytest.mark.usefixtures("all_input_samples")
-def test_remaining_width_averages_over_the_values_of_an_input():
+def test_budget_width_is_averaged_over_the_values_of_the_exact_input():
     """A wide log-normal tau0 scales the effect of the modulus, so the mean width exceeds the width at the median."""
     changes = {"friction.tau0": "0.002..0.2 GPa", "contact.effective_modulus": "50..200 GPa"}
     intervals = build_intervals(changes, mu0=0.2, tau0=0.02)
@@ -133,7 +133,7 @@ def test_interval_of_a_quantity_includes_its_interval_of_the_mean():
     assert combined[2] >= 30.0
 
 
-def test_quantities_of_a_contact_follow_the_modulus_by_similarity():
+def test_contact_area_and_pressure_intervals_follow_the_range_of_the_modulus():
     intervals = build_intervals({"contact.effective_modulus": "80..125 GPa"}, half_width=1e-6)
     names = ("contact_area", "contact_area_fraction", "mean_pressure", "normal_stiffness", "unloading_stiffness")
     combined = intervals.extend_quantity_intervals({name: np.array([0.5, 0.5, 0.5]) for name in names})
@@ -176,7 +176,7 @@ def test_dwell_time_reduces_the_hardness_by_each_sample_of_the_creep_exponent():
 
 
 @pytest.mark.parametrize(("tau0", "limit", "dwell_time"), [(0.1883, 0.1885, 1.0), (0.182, 0.1823, 2.0)])
-def test_friction_has_no_upper_limit_if_it_has_none_at_the_central_inputs(tau0, limit, dwell_time):
+def test_friction_interval_has_no_upper_end_if_the_softer_body_shears_at_the_central_inputs(tau0, limit, dwell_time):
     """The softer body shears at the central tau0, but in less than 2.5 % of the samples."""
     changes = {
         "friction.wait": ["2 s"], "friction.creep": 0.05, "contact.junction_growth": "slip-line 5.6",
@@ -200,7 +200,7 @@ def test_samples_with_tau0_above_the_shear_strength_have_no_upper_limit():
     assert intervals.unlimited_fraction == pytest.approx(expected, abs=0.02)
 
 
-def test_coefficient_of_zero_has_an_interval_from_zero():
+def test_friction_coefficient_of_zero_has_an_interval_that_starts_at_zero():
     intervals = build_intervals({"friction.mu0": "0 .. 0.1"}, mu0=0.05, tau0=0.0)
     zero = replace(intervals.response.central, mu0=0.0)
     point = {"mean_friction": np.zeros(3), "mu0": 0.0, "tau0": 0.0, "sliding": "all"}

@@ -16,7 +16,7 @@ def result():
     return run(SMALL_STUDY.with_changes({"ensemble.repetitions": 3}))
 
 
-def test_computed_load_range_of_a_selection_covers_only_its_cells(result):
+def test_computed_load_range_of_one_fractal_dimension_excludes_the_others(result):
     elastic_loads = result.mean_elastic_loads
     lowest, highest = find_computed_load_range(result)
     assert highest == elastic_loads.max()

@@ -231,7 +231,7 @@ def test_study_of_a_friction_table_accepts_single_numbers_instead_of_lists():
     )
 
 
-def test_table_command_prints_how_many_values_must_not_be_quoted(tmp_path):
+def test_table_command_prints_the_number_of_values_that_must_not_be_quoted(tmp_path):
     options = ["--effective-modulus", "10 GPa", "--hurst", "0.8", "--rms", "20 nm", "--points", "64"]
     options += ["--wavelengths", "1.25 um,2.5 um", "--mu0", "0.3"]
     few_contacts = check_stiction("table", *options, "--load", "10 kPa,100 MPa", cwd=tmp_path).stdout

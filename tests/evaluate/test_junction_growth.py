@@ -68,7 +68,7 @@ def test_friction_with_junction_growth_equals_solution_at_hardness_under_shear(h
     )
 
 
-def test_result_at_zero_junction_growth_equals_result_without_the_key(result_without_growth):
+def test_result_at_zero_junction_growth_equals_result_without_junction_growth(result_without_growth):
     study = result_without_growth.study
     assert study.contact.junction_growth == 0
     result = MemberSums.of(result_without_growth)
@@ -122,7 +122,7 @@ def test_friction_interval_contains_results_at_both_ends_of_the_junction_growth_
     assert result.budget["input"].iloc[0] == "the junction growth α"
 
 
-def test_central_junction_growth_of_zero_keeps_its_range(growth_result, result_without_growth):
+def test_junction_growth_of_zero_with_a_range_widens_only_the_upper_end(growth_result, result_without_growth):
     study = growth_result.study.with_changes({"contact.junction_growth": "0 (0..27)"})
     result = Result.of(growth_result.with_study(study))
     assert result.value == pytest.approx(result_without_growth.value, rel=1e-12)
@@ -313,7 +313,7 @@ def test_interface_stronger_than_the_softer_body_gives_a_lower_limit(strength):
     assert np.isfinite(result.at()["friction_coefficient"].sel(statistic="mean")).all()
 
 
-def test_shear_of_the_softer_body_limits_friction_in_the_normal_load_too():
+def test_shear_of_the_softer_body_limits_the_frictional_part_of_the_normal_load():
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS, mu0=0.6)
     ratios = {"normal_frictional": -0.5, "tangential_frictional": 1.0, "tangential_elastic": 0.0}
     values = with_sums(result, **ratios).at(per_member=True)
@@ -340,7 +340,7 @@ def test_shear_of_the_softer_body_limits_the_adhesive_part_of_the_normal_load():
     ("slip-line", "uniform 25 MPa .. 45 MPa", 20, False), ("0..100", "uniform 35 MPa .. 65 MPa", 20, False),
     ("4..9", "uniform 60 MPa .. 160 MPa", 200, True),
 ])  # fmt: skip
-def test_remedy_for_unlimited_samples_is_a_smaller_load_only_if_it_can_help(growth, tau0, load, can_help):
+def test_caveat_about_unlimited_friction_recommends_a_smaller_load_only_if_that_helps(growth, tau0, load, can_help):
     options = {**PLASTIC_OPTIONS, "mu0": 0.2, "tau0": tau0, "junction_growth": growth}
     result, result_at_small_load = (
         pair(*rough_surfaces(), **options | {"load": f"{each} MPa"}) for each in (load, load / 10)
@@ -352,7 +352,7 @@ def test_remedy_for_unlimited_samples_is_a_smaller_load_only_if_it_can_help(grow
 
 
 @pytest.mark.parametrize("mu0", [0.2, 0.6])
-def test_elastic_contacts_have_bounds_for_finer_scans_unless_yielding_contacts_would_shear_the_body(mu0):
+def test_range_for_finer_scans_is_omitted_if_yielding_contacts_would_shear_the_body(mu0):
     options = PLASTIC_OPTIONS | {"hardness": 50.0, "shifts": 16}
     point = pair(*rough_surfaces(0.01), **options, mu0=mu0, junction_growth="slip-line").summary().first
     assert point.status == "ok"

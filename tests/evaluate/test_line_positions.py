@@ -222,7 +222,7 @@ def test_nondimensional_values_require_a_modulus_and_known_units(result):
 # ---- Statuses and means ----------------------------------------------------------------------------------------------
 
 
-def test_positions_without_a_result_have_a_status_and_are_omitted_from_the_mean():
+def test_positions_without_friction_have_a_status_and_are_omitted_from_the_mean():
     x = np.arange(2001) * 0.01 - 10.0
     flat, ball = Profile(np.zeros(2001), spacing=0.01), Profile(-0.05 * x**2, spacing=0.01)
     reached_result = run_pair(flat, ball, [1e-3, 1e9], mu0=0.3)

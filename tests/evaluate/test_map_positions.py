@@ -342,7 +342,7 @@ def test_pair_of_maps_with_lay_has_a_caveat_about_orientation(stretches, has_cav
         assert find_caveat_texts(upper, lower, "orientation", rotate=90.0) == []
 
 
-def test_points_missing_at_random_have_a_caveat_with_a_number_but_no_blobs():
+def test_caveat_about_scattered_missing_points_estimates_the_lost_area():
     rng = np.random.default_rng(1)
     scattered, blob = rng.random((48, 48)) < 0.3, np.zeros((48, 48), bool)
     blob[5:30, 10:40] = True
@@ -355,7 +355,7 @@ def test_points_missing_at_random_have_a_caveat_with_a_number_but_no_blobs():
 
 
 @pytest.mark.parametrize("shortest_wavelength", [2.0, 8.0])
-def test_area_lost_through_points_missing_at_random_is_within_the_stated_limit(shortest_wavelength):
+def test_area_lost_by_scattered_missing_points_is_within_the_limit_of_the_caveat(shortest_wavelength):
     rng = np.random.default_rng(3)
     maps = [
         self_affine_surface(

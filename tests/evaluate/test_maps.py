@@ -247,7 +247,7 @@ def test_stiffness_map_requires_at_least_three_approaches():
         stiffness_map(create_result([1.0, 2.0], [0.1, 0.2]), [1.5])
 
 
-def test_quantities_evaluated_together_equal_the_single_maps_and_read_the_result_twice(monkeypatch):
+def test_evaluating_all_quantities_together_reads_the_result_only_twice(monkeypatch):
     result = run(Study.named("quick").with_changes({"ensemble.repetitions": 6, "surfaces.points": 3000}))
     loads = result.mean_elastic_loads.values.max() * np.array([0.1, 0.5])
     maps = [(name, evaluate(result, loads)) for name, evaluate in SINGLE_MAPS.items()]

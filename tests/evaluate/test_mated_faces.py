@@ -19,7 +19,7 @@ def press_mated_faces(faces, offset, **options):
 
 
 @pytest.mark.parametrize("hardness", ["1 GPa", "0.8..1.2 GPa", None])
-def test_perfect_fit_is_in_complete_contact(hardness):
+def test_faces_that_fit_perfectly_are_in_complete_contact(hardness):
     heights = np.random.default_rng(1).integers(-3, 4, size=(16, 16)) * 1.0
     faces = Surface(heights.mean() - heights[::-1], spacing=3125.0), Surface(heights - heights.mean(), spacing=3125.0)
     result = press_mated_faces(faces, "0 um", mu0=0.6, tau0="1 MPa", hardness=hardness, level="mean")
@@ -29,7 +29,7 @@ def test_perfect_fit_is_in_complete_contact(hardness):
     assert result.value == pytest.approx(0.6 + 1.0 / 1.0, rel=1e-3)  # mu0 plus tau0 over the nominal pressure
 
 
-def test_direction_with_negative_tangential_load_is_downhill_and_has_no_coefficient(mated_faces):
+def test_motion_that_needs_a_negative_tangential_load_has_no_coefficient(mated_faces):
     result = press_mated_faces(mated_faces, "15.625 um", mu0=0.2)
     friction = result.at().sel(sliding="all").squeeze(drop=True)
     coefficient = friction["friction_coefficient"].sel(statistic="mean")
@@ -69,7 +69,7 @@ def test_small_mu0_of_rough_faces_has_a_coefficient_although_some_directions_lea
     assert 0 <= result.value < 0.05
 
 
-def test_faces_that_fit_add_a_caveat_unless_the_position_is_given(mated_faces):
+def test_maps_that_fit_into_each_other_add_a_caveat_unless_the_position_is_given(mated_faces):
     options = {"load": "1 MPa", "young": "30 GPa", "poisson": 0.25, "onset": 0, "hardness": "1 GPa", "mu0": 0.6}
     options["mechanics"], options["cutoff"] = "half-space", "none"
 
@@ -84,7 +84,7 @@ def test_faces_that_fit_add_a_caveat_unless_the_position_is_given(mated_faces):
     assert text not in list_caveat_texts(other, other, shifts=2)
 
 
-def test_profiles_and_lines_of_maps_that_fit_add_a_caveat(mated_faces):
+def test_profiles_that_fit_into_each_other_add_a_caveat(mated_faces):
     options = {"load": "1 MPa", "effective_modulus": "16 GPa", "mu0": 0.6, "onset": 0, "cutoff": "none"}
     lower = self_affine_surface(5, hurst_exponent=0.8, rms=6.0, shape=(4, 256), spacing=15.625).row(0)
     for faces, more in (((Profile(-lower.heights, spacing=15.625), lower), {}), (mated_faces, {"lines": 2})):

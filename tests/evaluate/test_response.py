@@ -100,7 +100,7 @@ def test_elastic_area_of_the_first_members_is_scaled_to_all_members(result):
     np.testing.assert_allclose(area.elastic_areas, expected)
 
 
-def test_sums_over_the_true_area_are_scaled_by_the_same_factor(result):
+def test_adhesive_forces_are_scaled_by_the_ratio_of_true_area_to_stored_area(result):
     (piece,) = iterate_pieces_with_true_areas(MemberSums.of(result.dataset))
     factor = (piece["contact_area"] / result.dataset["contact_area"]).mean("repetition")
     assert (factor > 1.05).any()
@@ -120,7 +120,7 @@ def test_estimated_elastic_area_is_at_most_the_area_with_limited_pressure():
     assert (elastic_areas > 0.5 * areas).all()
 
 
-def test_dataset_keeps_the_areas_with_limited_pressure(result):
+def test_dataset_stores_the_contact_area_computed_with_limited_pressure(result):
     load = float(result.study.friction.load[0])
     stored = result.dataset["contact_area"].sel(load=load).mean().item()
     assert stored == pytest.approx(solve_members(result, load, HARDNESS).mean(), rel=1e-9)
@@ -180,14 +180,14 @@ def test_interval_of_the_closure_ends_at_the_closures_for_the_limits_of_an_input
     assert (lower, upper_limit) == pytest.approx(tuple(expected), abs=0.2 * np.ptp(expected))
 
 
-def test_pressure_and_area_have_reciprocal_intervals():
+def test_pressure_interval_is_the_load_divided_by_the_area_interval():
     table = press("0.8..1.25 GPa").at()
     area, pressure = (table[name].squeeze().values for name in ("contact_area", "mean_pressure"))
     assert pressure[1:] == pytest.approx((pressure[0] * area[0] / area[1:])[::-1], rel=0.01)
 
 
 @pytest.mark.parametrize("hardness", [HARDNESS, "0.8..1.25 GPa"])
-def test_intervals_have_the_same_kind_in_all_outputs(hardness):
+def test_kind_of_interval_of_a_quantity_is_the_same_in_all_outputs(hardness):
     ranged = press(hardness)
     quantities = ranged.summary().points[0].quantities
     rows = values_frame(ranged.at()).set_index("name")
@@ -198,13 +198,13 @@ def test_intervals_have_the_same_kind_in_all_outputs(hardness):
     assert {table[name].kind for name in combined & set(table)} == {"combined"}
 
 
-def test_joint_table_refers_to_the_first_load_of_the_study():
+def test_joint_table_has_the_first_load_of_the_study_as_reference():
     result = press(load=["10 MPa", "40 MPa"])
     first, second = map(float, result.study.friction.load)
     assert result.joint_table([first, second]).reference.load == pytest.approx(first)
 
 
-def test_interval_includes_the_exponent_of_the_yielding_area():
+def test_uncertain_yield_exponent_widens_the_interval_of_the_contact_area():
     exact, ranged = (press(yield_exponent=exponent) for exponent in (1.15, "uniform 0.7 .. 1.6"))
     assert ranged.value == exact.value
     widths = [np.ptp(each.at()["contact_area"].sel(statistic=["lower", "upper"]).values) for each in (exact, ranged)]

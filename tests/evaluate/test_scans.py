@@ -57,7 +57,7 @@ def test_variance_components_of_the_mean_over_scans_are_computed_from_mean_squar
     )
 
 
-def test_mean_over_scans_of_one_part_has_a_student_t_interval() -> None:
+def test_mean_over_scans_of_one_face_has_a_student_t_interval() -> None:
     values = np.array([1.0, 1.2, 0.9, 1.3])
     result = average_scan_pairs(np.tile(values, 3), np.tile(np.arange(4), 3), np.zeros(12, int))
     half_width = float(student_quantile(3)) * values.std(ddof=1) / 2

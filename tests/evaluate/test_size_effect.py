@@ -35,7 +35,7 @@ def test_size_effect_factor_is_the_ratio_of_two_hardnesses_of_nix_and_gao():
     assert size_effect_factor(0.5, 0.03, 0.03) == 1
 
 
-def test_indentation_depth_has_the_slope_per_radius_of_the_contacts():
+def test_indentation_depth_gives_the_slope_per_radius_of_the_contacts():
     slope_of_vickers = np.sqrt(np.pi / 24.5)  # slope of a cone with the area 24.5 h² of a Vickers indentation
     radius, slope, count = 0.3, 0.1, 5
     depth = estimate_indentation_depth(count * np.pi * radius**2, count, slope)
@@ -45,7 +45,7 @@ def test_indentation_depth_has_the_slope_per_radius_of_the_contacts():
     )
 
 
-def test_contacts_have_the_hardness_at_their_depth():
+def test_contact_hardness_is_the_hardness_at_the_depth_of_the_contacts():
     without_indent, result = press(), press(indent="2 um")
     depth = estimate_indentation_depth(
         *(mean_value(press(yield_exponent=10.0), name) for name in ("contact_area", "contact_count", "rms_gradient"))
@@ -62,7 +62,7 @@ def test_contacts_have_the_hardness_at_their_depth():
     assert mean_value(result, "closure") == mean_value(without_indent, "closure")
 
 
-def test_indentation_as_deep_as_the_contacts_leaves_the_result_nearly_unchanged():
+def test_hardness_test_as_shallow_as_the_contacts_leaves_friction_nearly_unchanged():
     depth = estimate_indentation_depth(
         *(mean_value(press(), name) for name in ("contact_area", "contact_count", "rms_gradient"))
     )
@@ -94,7 +94,7 @@ def test_unknown_indentation_adds_a_caveat_for_metals_only():
     assert "as hard as large ones" not in texts[1] + texts[2]
 
 
-def test_caveats_of_hardened_metals_advise_against_an_indentation():
+def test_very_hard_metal_with_a_given_indentation_has_a_caveat():
     options = {"hardness": 5.0, "tau0": 0.3, "load": "200 MPa"}
     texts = [
         " ".join(caveat.text for caveat in press(**options, indent=indent).summary().first.caveats)

@@ -10,14 +10,14 @@ EXPONENTS = (0.5, 1.0, 1.25, 2.0, 10.0)
 
 
 @pytest.mark.parametrize("exponent", EXPONENTS)
-def test_area_is_elastic_up_to_half_of_the_hardness_and_continuous_there(exponent: float) -> None:
+def test_yielded_area_is_elastic_and_continuous_up_to_half_of_the_hardness(exponent: float) -> None:
     assert yielded_area(3.0, [1e-6, 0.7, 1.5], 1.0, exponent).tolist() == [3.0, 3.0, 3.0]
     assert yielded_area(3.0, 1.5 * (1 + 1e-9), 1.0, exponent) == pytest.approx(3.0, rel=1e-8)
     assert yielded_area(3.0, 5.0, np.inf, exponent) == 3.0
 
 
 @pytest.mark.parametrize("exponent", EXPONENTS)
-def test_area_satisfies_its_equation_and_grows_with_the_load(exponent: float) -> None:
+def test_yielded_area_satisfies_its_equation_and_grows_with_the_load(exponent: float) -> None:
     elastic_area, hardness, load = 3.0, 0.8, np.array([1.3, 2.0, 4.0, 20.0])
     area = yielded_area(elastic_area, load, hardness, exponent)
     expected_power = elastic_area**exponent + (load / hardness) ** exponent - (elastic_area / 2) ** exponent
@@ -25,7 +25,7 @@ def test_area_satisfies_its_equation_and_grows_with_the_load(exponent: float) ->
     assert (np.diff(area) > 0).all()
 
 
-def test_area_of_plastic_contacts_is_the_load_over_the_hardness() -> None:
+def test_yielded_area_of_plastic_contacts_equals_load_divided_by_hardness() -> None:
     assert yielded_area(1e-9, 4.0, 2.0, 1.25) == pytest.approx(2.0, rel=1e-9)
 
 

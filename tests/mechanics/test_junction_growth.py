@@ -144,7 +144,7 @@ def test_slip_lines_give_friction_and_growth_of_plastic_contacts(hardness, mu0, 
 
 
 @pytest.mark.parametrize("ratio", [5.14, CENTRAL_RATIO, 6.05])
-def test_slip_lines_reach_both_limits_of_the_traction(ratio):
+def test_ratio_of_hardness_to_shear_strength_has_its_limits_at_zero_and_full_traction(ratio):
     without_shear = FrictionLaw(0.0, 0.0, ratio, uses_slip_lines=True)
     assert float(without_shear.yield_pressure(1.27)) == pytest.approx(1.27, rel=1e-15)
     strength = 1.27 / ratio

@@ -187,7 +187,7 @@ def test_table_of_quantities_contains_the_names_of_core_sums_and_validity_fields
     assert [QUANTITIES[name].sum_under_load for name in ZERO_LOAD_SUM_QUANTITIES] == list(LOAD_SUM_NAMES[3:])
 
 
-def test_fields_of_quantities_in_the_table_are_consistent_with_each_other():
+def test_quantities_in_the_table_have_a_label_and_refer_to_existing_quantities():
     for name, quantity in QUANTITIES.items():
         assert quantity.words, name
         assert len(quantity.table_label) <= len(quantity.words), name

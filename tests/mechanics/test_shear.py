@@ -77,7 +77,7 @@ def test_sawtooth_slides_by_itself_after_its_tips_have_passed():
     assert test.attrs["peak"] > 0.2
 
 
-def test_steep_teeth_lock():
+def test_sawtooth_faces_with_steep_teeth_lock():
     x = np.arange(512) / 512
     steep = Profile(100 * np.abs(x % 0.25 - 0.125), spacing=100 / 512)  # 45 degrees
     test = shear(steep, path="5 um", steps=2, mu0=1.5, boundary="periodic")
@@ -116,7 +116,7 @@ def test_work_balance_includes_an_edge_that_rides_up_the_other_face():
 # ---- Perfect fit and symmetry ----------------------------------------------------------------------------------------
 
 
-def test_perfect_fit_is_in_complete_contact_at_the_start():
+def test_faces_that_fit_perfectly_start_in_complete_contact():
     test = shear(create_rough_map(), path="100 um", steps=2, mu0=0.6, tau0="1 MPa", boundary="periodic")
     assert test.contact_area_fraction[0] == pytest.approx(1.0)
     assert test.friction_coefficient[0] == pytest.approx(0.6 + 1.0, rel=0.01)  # mu0 plus tau0 over the nominal pressure
@@ -124,7 +124,7 @@ def test_perfect_fit_is_in_complete_contact_at_the_start():
     assert test.contact_area_fraction[1] < 0.2
 
 
-def test_mirrored_faces_have_the_same_curve_in_the_opposite_direction():
+def test_mirrored_faces_have_the_same_shear_curve_in_the_opposite_direction():
     face = create_rough_map()
     mirrored = Surface(face.heights[:, ::-1], spacing=face.spacing)
     options = {"path": "150 um", "steps": 5, "mu0": 0.6, "hardness": "200 MPa"}
@@ -148,7 +148,7 @@ def test_map_of_equal_rows_has_the_shear_curve_of_its_profile():
 # ---- Loads -----------------------------------------------------------------------------------------------------------
 
 
-def test_normal_load_is_constant_although_friction_has_a_vertical_part():
+def test_normal_load_of_a_shear_test_is_constant_although_friction_has_a_vertical_part():
     test = shear(create_rough_map(), path="200 um", steps=4, mu0=0.6, tau0="2 MPa", hardness="200 MPa")
     np.testing.assert_allclose(test.normal_load, 1000.0, rtol=1.1e-4)
     np.testing.assert_allclose(
@@ -156,7 +156,7 @@ def test_normal_load_is_constant_although_friction_has_a_vertical_part():
     )
 
 
-def test_normal_stiffness_raises_the_load_with_the_dilation():
+def test_normal_stiffness_increases_the_load_of_a_shear_test_with_the_dilation():
     test = shear(create_rough_map(), path="200 um", steps=4, mu0=0.6, normal_stiffness="50 MPa/mm")
     area = float(test.overlap_area[0])
     np.testing.assert_allclose(test.normal_load, 1000.0 + 5e-5 * area * test.dilation, rtol=1e-4)
@@ -175,7 +175,7 @@ def test_normal_load_vanishes_if_the_stiffness_unloads_contracting_faces():
     assert np.isnan(test.friction_coefficient[-1])
 
 
-def test_faces_that_lock_at_the_start_are_solved_at_later_displacements():
+def test_shear_test_of_faces_that_lock_at_the_start_solves_later_displacements():
     x = np.arange(201.0)
     ramp = Profile(np.clip(1.2 * (x - 60), 0, 120), spacing=1.0)  # locks for mu0 above 0.83
     pin = Profile(80 * np.exp(-(((x - 100) / 20) ** 2)), spacing=1.0)
@@ -187,18 +187,18 @@ def test_faces_that_lock_at_the_start_are_solved_at_later_displacements():
     assert (stiff_test.status[1:] == "not-solved").all()  # without a height at the start, the load is unknown
 
 
-def test_perfect_fit_without_friction_has_no_force_at_the_start():
+def test_faces_that_fit_perfectly_start_without_force_if_friction_is_zero():
     test = shear(create_wavy_profile(), path="5 um", steps=1, mu0=0, boundary="periodic")
     assert test.friction_coefficient[0] == 0
     assert test.status[0] == "ok"
 
 
-def test_number_of_steps_is_at_most_the_number_of_grid_points_on_the_path():
+def test_shear_test_has_at_most_one_step_per_grid_point():
     test = shear(create_wavy_profile(), path="0.2 um", steps=10**11, mu0=0.3)
     np.testing.assert_allclose(np.diff(test.displacement), 100 / 2048)
 
 
-def test_hardness_of_the_teeth_limits_peak_and_dilation():
+def test_hardness_limits_the_peak_and_the_dilation_of_a_sawtooth():
     options = {"path": "100 um", "steps": 5, "mu0": 0.6, "boundary": "periodic"}
     soft, hard = (shear(create_rough_map(), hardness=value, **options) for value in ("20 MPa", "2 GPa"))
     assert soft.attrs["peak"] < hard.attrs["peak"]
@@ -206,7 +206,7 @@ def test_hardness_of_the_teeth_limits_peak_and_dilation():
     assert soft.load_fraction_at_hardness[-1] > 0.5
 
 
-def test_free_tilt_takes_the_load_off_the_edges():
+def test_free_tilt_changes_the_dilation_of_a_sheared_wedge():
     x = np.linspace(-1, 1, 401)
     wedge = Profile(20 * np.maximum(x, 0), spacing=0.25)
     fixed, free = (shear(wedge, path="10 um", steps=2, mu0=0.3, tilt=tilt) for tilt in ("fixed", "free"))
@@ -266,7 +266,7 @@ def test_interval_for_two_uncertain_moduli_lies_between_the_coefficients_at_both
     assert low < lower < float(test.friction_coefficient[1]) < upper < high
 
 
-def test_intervals_at_many_displacements_equal_those_at_a_few():
+def test_intervals_of_a_shear_test_do_not_depend_on_the_number_of_displacements():
     """Compare intervals with fewer samples, which limit the memory, with those of the usual number."""
     wavy = create_wavy_profile()
     face = Profile(wavy.heights[::8], spacing=8 * wavy.spacing)
@@ -315,7 +315,7 @@ def test_shear_test_accepts_materials_and_interfaces_like_pair():
     assert central == pytest.approx(float(np.median(interface(name).fits[0].mu0)), rel=1e-3)
 
 
-def test_displacement_at_the_peak_includes_the_neighbouring_displacements():
+def test_interval_of_the_peak_displacement_includes_neighbouring_displacements():
     test = shear(create_rough_map(), path="200 um", steps=8, mu0="0.5..0.7", hardness="200 MPa")
     peak = int(np.argmax(test.friction_coefficient.values))
     lower, upper = (test.attrs[f"peak_displacement_um_{end}"] for end in ("lower", "upper"))
@@ -323,7 +323,7 @@ def test_displacement_at_the_peak_includes_the_neighbouring_displacements():
     assert upper >= float(test.displacement[peak + 1])
 
 
-def test_dilation_angle_has_no_interval_if_the_uncertain_input_does_not_change_it():
+def test_dilation_angle_has_no_interval_if_no_uncertain_input_affects_it():
     options = {"path": "200 um", "steps": 8, "mu0": "0.58..0.62"}
     test = shear(create_rough_map(), hardness="200 MPa", **options)
     assert test.attrs["peak_lower"] < test.attrs["peak_upper"]
@@ -337,7 +337,7 @@ def test_dilation_angle_has_no_interval_if_the_uncertain_input_does_not_change_i
 
 
 @pytest.mark.usefixtures("all_input_samples")
-def test_scatter_between_strips_equals_scatter_of_tests_on_single_strips():
+def test_scatter_between_strips_equals_scatter_between_separate_shear_tests():
     face, options = create_rough_map(128), {"path": "150 um", "steps": 3, "mu0": 0.6, "hardness": "200 MPa"}
     test = shear(face, **options)
     strips = [
@@ -353,7 +353,7 @@ def test_scatter_between_strips_equals_scatter_of_tests_on_single_strips():
             assert test.attrs[f"{name}_{end}"] == pytest.approx(limit, abs=0.02 * error)
 
 
-def test_strips_lie_along_the_motion():
+def test_strips_of_a_shear_test_lie_along_the_motion():
     x = 2 * np.pi * np.arange(128) / 128
     ridges = Surface(np.tile(5 * np.cos(2 * x) + np.cos(9 * x + 1), (128, 1)), spacing=1000 / 128)
     options = {"path": "100 um", "steps": 2, "mu0": 0.6, "hardness": "500 MPa"}
@@ -363,12 +363,12 @@ def test_strips_lie_along_the_motion():
     assert turned.attrs["peak_upper"] - turned.attrs["peak_lower"] < 0.05 * along.attrs["peak"]
 
 
-def test_small_maps_and_profiles_have_no_strips():
+def test_shear_test_of_small_maps_and_profiles_has_no_strips():
     assert shear(create_rough_map(), path="50 um", steps=1, mu0=0.6).attrs["strips"] == 0
     assert shear(create_wavy_profile(), path="5 um", steps=1, mu0=0.6).attrs["strips"] == 0
 
 
-def test_strips_without_measured_points_are_left_out():
+def test_strips_without_measured_points_are_omitted_from_a_shear_test():
     face = create_rough_map(128)
     missing = np.zeros(face.heights.shape, bool)
     missing[:26] = True
@@ -442,7 +442,7 @@ def test_shear_test_rejects_a_profile_on_a_map_and_a_flipped_face():
         shear_test(flipped(face), face, **options)
 
 
-def test_missing_points_are_not_part_of_the_overlap():
+def test_missing_points_are_excluded_from_the_overlap_of_a_shear_test():
     face = create_rough_map()
     missing = np.zeros(face.heights.shape, bool)
     missing[:8, :8] = True
@@ -456,7 +456,7 @@ def test_missing_points_are_not_part_of_the_overlap():
 # ---- Registration ----------------------------------------------------------------------------------------------------
 
 
-def test_registered_faces_start_where_they_fit():
+def test_shear_test_of_registered_faces_starts_where_they_fit():
     large = create_rough_map(96)
     upper, lower = (
         Surface(large.heights[row : row + 80, column : column + 80], spacing=large.spacing)
@@ -472,13 +472,13 @@ def test_registered_faces_start_where_they_fit():
     assert registered.attrs["peak"] > unregistered.attrs["peak"]
 
 
-def test_flat_faces_are_not_registered():
+def test_shear_test_does_not_register_flat_faces():
     flat = Surface(np.zeros((40, 40)), spacing=10.0)
     with pytest.raises(ValueError, match="register must be False if a face is flat, got True"):
         shear(flat, path="50 um", mu0=0.6, register=True)
 
 
-def test_periodic_faces_are_not_registered():
+def test_shear_test_does_not_register_periodic_faces():
     with pytest.raises(ValueError, match="register must be False if the faces are periodic, got True"):
         shear(create_rough_map(), path="50 um", mu0=0.6, boundary="periodic", register=True)
 
@@ -486,7 +486,7 @@ def test_periodic_faces_are_not_registered():
 # ---- Closure ---------------------------------------------------------------------------------------------------------
 
 
-def test_bandis_law_is_recovered_from_its_own_closures():
+def test_fit_of_bandis_law_recovers_parameters_of_exact_closures():
     pressure = np.geomspace(1e-5, 1e-3, 8)
     law = fit_bandis_law(pressure, pressure * 20.0 / (3e-6 * 20.0 + pressure))
     assert (law.initial_stiffness, law.maximum_closure) == (pytest.approx(3e-6), pytest.approx(20.0))

@@ -257,7 +257,7 @@ def test_area_interval_of_pair_with_hardness_includes_result_without_blunt_tip(t
     assert tip_caveat.severity == "caution"
 
 
-def test_wide_interval_of_an_alternative_does_not_hide_the_most_useful_measurement(spiked_result):
+def test_wide_interval_without_spikes_does_not_change_the_most_useful_measurement(spiked_result):
     point = replace(spiked_result.summary().first, caveats=())
     expected_text = most_useful_measurement_text(point)
     assert expected_text.startswith("With a scan without spikes")

@@ -32,7 +32,7 @@ def pool():
         yield executor
 
 
-def test_time_is_announced_for_missing_members_only(studies, pool, tmp_path):
+def test_companion_study_announces_the_time_of_missing_pairs_only(studies, pool, tmp_path):
     study, _ = studies
     announced_times = []
     compute_missing_blocks(study, tmp_path, part=(1, 3), executor=pool)
@@ -42,7 +42,7 @@ def test_time_is_announced_for_missing_members_only(studies, pool, tmp_path):
     assert len(announced_times) == 1
 
 
-def test_changed_study_replaces_the_stored_members(studies, pool, tmp_path):
+def test_changed_companion_study_replaces_its_stored_members(studies, pool, tmp_path):
     study, study_of_doubled_heights = studies
     announced_times = []
     CompanionStudy(study, tmp_path).complete(pool)
@@ -52,7 +52,7 @@ def test_changed_study_replaces_the_stored_members(studies, pool, tmp_path):
     assert result.study.surfaces.upper.height_factor == 2.0
 
 
-def test_folder_is_opened_only_if_it_contains_all_members_of_the_same_study(studies, pool, tmp_path):
+def test_companion_study_is_opened_only_if_all_its_members_are_stored(studies, pool, tmp_path):
     study, study_of_doubled_heights = studies
     companion_study = CompanionStudy(study, tmp_path)
     assert companion_study.open() is None
@@ -64,14 +64,14 @@ def test_folder_is_opened_only_if_it_contains_all_members_of_the_same_study(stud
     assert CompanionStudy(study_of_doubled_heights, tmp_path).open() is None
 
 
-def test_folder_opens_with_the_friction_parameters_of_the_study(studies, pool, tmp_path):
+def test_companion_study_opens_with_the_friction_parameters_of_its_study(studies, pool, tmp_path):
     study, _ = studies
     CompanionStudy(study, tmp_path).complete(pool)
     other_friction = study.with_changes({"friction.mu0": [0.7]})
     assert CompanionStudy(other_friction, tmp_path).open().study.friction.mu0 == (0.7,)
 
 
-def test_damaged_folder_is_not_opened(studies, pool, tmp_path):
+def test_damaged_companion_study_is_not_opened(studies, pool, tmp_path):
     study, _ = studies
     CompanionStudy(study, tmp_path).complete(pool)
     (tmp_path / "study.toml").write_text("no study", encoding="utf-8")

@@ -29,7 +29,7 @@ def run_script(script):
     return completed.stdout.split()
 
 
-def test_function_is_evaluated_in_another_process():
+def test_function_is_evaluated_in_a_forked_process():
     script = """
         print("printed once")
         with evaluate_in_copy(lambda: (os.getpid(), bytes(10**6))) as get_value:
@@ -47,7 +47,7 @@ def test_function_is_evaluated_in_another_process():
     ],
     ids=["several threads", "one core"],
 )
-def test_function_is_evaluated_in_this_process_without_a_safe_copy_or_a_second_core(preparation):
+def test_function_is_evaluated_in_this_process_if_forking_is_unsafe_or_useless(preparation):
     script = f"""
         {preparation}
         with evaluate_in_copy(os.getpid) as get_number:
@@ -57,7 +57,7 @@ def test_function_is_evaluated_in_this_process_without_a_safe_copy_or_a_second_c
 
 
 @pytest.mark.parametrize("end", ["os.kill(os.getpid(), signal.SIGKILL)", "1 / 0", "(each for each in [1])"])
-def test_function_is_evaluated_in_this_process_if_the_copy_ends_without_a_value(end):
+def test_function_is_evaluated_again_if_the_forked_process_returns_no_value(end):
     """Check a copy that is killed, an error in the copy, and a value that cannot be sent."""
     script = f"""
         def count():
@@ -68,7 +68,7 @@ def test_function_is_evaluated_in_this_process_if_the_copy_ends_without_a_value(
     assert run_script(script) == ["5"]
 
 
-def test_error_of_the_function_is_raised_in_this_process():
+def test_error_in_a_forked_process_is_raised_in_its_parent():
     script = """
         def fail():
             raise ValueError("reason")
@@ -81,7 +81,7 @@ def test_error_of_the_function_is_raised_in_this_process():
     assert run_script(script) == ["reason"]
 
 
-def test_copy_ends_if_its_value_is_not_used():
+def test_forked_process_ends_if_its_value_is_not_used():
     script = """
         import multiprocessing
         start = time.monotonic()
@@ -95,7 +95,7 @@ def test_copy_ends_if_its_value_is_not_used():
     assert run_script(script) == ["1", "0", "True"]
 
 
-def test_copy_ends_if_the_process_is_killed():
+def test_forked_process_ends_if_its_parent_is_killed():
     """The script ends with its last process, because the copy inherits the standard output."""
     script = """
         with evaluate_in_copy(lambda: time.sleep(50)):
@@ -108,7 +108,7 @@ def test_copy_ends_if_the_process_is_killed():
     assert time.monotonic() - start < 40
 
 
-def test_interrupt_ends_the_copy_without_a_message():
+def test_interrupt_ends_the_forked_process_without_a_message():
     """Send the interrupt to all processes, as a terminal does."""
     script = """
         def interrupt_all():
@@ -124,7 +124,7 @@ def test_interrupt_ends_the_copy_without_a_message():
     assert run_script(script) == ["interrupted", "True"]
 
 
-def test_report_evaluated_in_a_copy_equals_the_report_evaluated_in_one_process(tmp_path):
+def test_report_evaluated_in_a_forked_process_equals_one_evaluated_in_one_process(tmp_path):
     small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
     result = run(Study.named("quick").with_changes(small), store=tmp_path / "small")
     script = f"""

@@ -70,7 +70,9 @@ class InterruptedCalls:
     indirect=["study"],
     ids=["maps", "profiles", "hardness", "tilt", "adhesion", "adhesion of profiles"],
 )
-def test_interrupted_member_continues_with_the_same_bits(study, owner, name, calls_per_attempt, tmp_path, monkeypatch):
+def test_interrupted_solution_continues_with_bit_identical_results(
+    study, owner, name, calls_per_attempt, tmp_path, monkeypatch
+):
     calls = InterruptedCalls(monkeypatch, owner, name)
     expected = compute_member_arrays(study, 0)
     num_calls, calls.num_calls = calls.num_calls, 0
@@ -97,7 +99,7 @@ def test_interrupted_member_continues_with_the_same_bits(study, owner, name, cal
 
 
 @pytest.mark.parametrize("study", [(ADHESION, True)], indirect=True)
-def test_interrupted_run_resumes_inside_a_member(study, tmp_path, monkeypatch):
+def test_interrupted_run_resumes_inside_a_partly_solved_pair(study, tmp_path, monkeypatch):
     expected = run(study).dataset
     calls = InterruptedCalls(monkeypatch, AdhesionSolver, "attraction_at_gap")
     run(study)
@@ -114,7 +116,7 @@ def test_interrupted_run_resumes_inside_a_member(study, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_interrupted_companion_study_resumes_inside_a_member(study, tmp_path, monkeypatch):
+def test_interrupted_companion_study_resumes_inside_a_partly_solved_pair(study, tmp_path, monkeypatch):
     calls = InterruptedCalls(monkeypatch, ContactSolver, "at")
     scaled_study = scale_study_heights(study, 2.0, "both").with_checksums()
     companion_study = CompanionStudy(scaled_study, tmp_path / "pair/height_scale/both-2")
@@ -142,7 +144,7 @@ def test_next_run_removes_steps_of_a_member_whose_run_was_killed_after_storing_i
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_steps_that_are_damaged_or_of_another_study_are_computed_again(study, tmp_path, monkeypatch):
+def test_stored_load_steps_that_are_damaged_or_of_another_study_are_computed_again(study, tmp_path, monkeypatch):
     expected = compute_member_arrays(study, 0)
     calls = InterruptedCalls(monkeypatch, ContactSolver, "at")
     compute_member_arrays(study, 0, MembersInProgress(study, tmp_path, estimate_iterations).add(0))
@@ -167,7 +169,7 @@ def test_steps_that_are_damaged_or_of_another_study_are_computed_again(study, tm
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_member_is_computed_although_its_steps_cannot_be_stored(study, tmp_path):
+def test_solution_is_computed_even_if_its_load_steps_cannot_be_stored(study, tmp_path):
     record = MembersInProgress(study, tmp_path / "missing", estimate_iterations).add(0)
     arrays = compute_member_arrays(study, 0, record)
     assert np.isfinite(arrays["normal_elastic"]).all()
@@ -175,7 +177,7 @@ def test_member_is_computed_although_its_steps_cannot_be_stored(study, tmp_path)
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_progress_of_a_member_rises_with_its_iterations(study):
+def test_progress_of_a_solution_rises_with_its_iterations(study):
     members = MembersInProgress(study, None, lambda: 100.0)
     assert members.estimate_progress() == 0
     counters = [members.add(index).counter for index in range(2)]

@@ -15,7 +15,7 @@ from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bi
 pytestmark = pytest.mark.usefixtures("write_blocks_of_four_members")
 
 
-def test_parts_of_a_run_add_up_to_a_complete_result(tmp_path, uninterrupted_dataset, computed_repetitions):
+def test_run_divided_into_parts_gives_a_complete_result(tmp_path, uninterrupted_dataset, computed_repetitions):
     """Run two of three parts twice each; then a run without a part computes the remaining repetitions."""
     repetitions_of_parts = {(2, 3): [*range(4, 8), *range(16, 20)], (1, 3): [*range(4), *range(12, 16)]}
     for part, expected in repetitions_of_parts.items():
@@ -33,7 +33,7 @@ def test_parts_of_a_run_add_up_to_a_complete_result(tmp_path, uninterrupted_data
     assert not list(tmp_path.rglob("*.partial"))
 
 
-def test_parts_of_differently_divided_runs_add_up_to_a_complete_result(tmp_path, uninterrupted_dataset):
+def test_runs_with_different_numbers_of_parts_together_give_a_complete_result(tmp_path, uninterrupted_dataset):
     compute_missing_blocks(with_repetitions(10), tmp_path, part=(1, 2))
     compute_missing_blocks(TINY_STUDY, tmp_path, part=(3, 5))
     compute_missing_blocks(TINY_STUDY, tmp_path, part=(1, 1))

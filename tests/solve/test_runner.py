@@ -302,7 +302,7 @@ class AgeingExecutor(Executor):
 
 
 @pytest.mark.parametrize("is_removed", [False, True], ids=["old", "removed"])
-def test_claims_of_a_run_are_refreshed_while_it_computes(tmp_path, monkeypatch, is_removed):
+def test_run_refreshes_its_claim_of_a_directory_while_it_computes(tmp_path, monkeypatch, is_removed):
     """Check this because other machines ignore, and remove, a claim that nobody has refreshed for an hour."""
     monkeypatch.setattr(_files, "CLAIM_REFRESH_INTERVAL", 0.01, raising=False)
 

@@ -161,7 +161,7 @@ def test_stored_result_read_in_pieces_equals_the_computed_dataset(folder_copy, u
     assert list(piece.data_vars) == ["contact_area"]
 
 
-def test_large_result_checks_each_block_once_and_then_decodes_only_named_variables(
+def test_reading_one_variable_of_a_large_result_decodes_no_other_variable(
     folder_copy, uninterrupted_dataset, monkeypatch
 ):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
@@ -543,7 +543,7 @@ def test_run_on_full_disk_preserves_finished_blocks(tmp_path, uninterrupted_data
     assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
 
 
-def test_run_does_not_recreate_a_result_folder_removed_during_the_run(tmp_path, monkeypatch):
+def test_run_does_not_recreate_a_result_directory_removed_during_the_run(tmp_path, monkeypatch):
     path, write_block = tmp_path / "r", store.write_block
 
     def write_and_move_folder(folder, first, written, count):
@@ -727,7 +727,7 @@ class WaitingExecutor(InlineExecutor):
 
 
 @pytest.mark.parametrize("change", OTHER_STUDIES, ids=str)
-def test_run_of_another_study_is_rejected_while_a_run_uses_the_folder(tmp_path, uninterrupted_dataset, change):
+def test_run_of_another_study_is_rejected_while_a_run_uses_the_directory(tmp_path, uninterrupted_dataset, change):
     executor, other_study = WaitingExecutor(), TINY_STUDY.with_changes(change)
     with ThreadPoolExecutor(1) as threads:
         first_run = threads.submit(run, TINY_STUDY, executor=executor, store=tmp_path)
@@ -746,7 +746,7 @@ def test_run_of_another_study_is_rejected_while_a_run_uses_the_folder(tmp_path, 
     assert_no_partial_files(tmp_path)
 
 
-def test_new_folder_is_given_to_only_one_of_two_simultaneous_studies(tmp_path):
+def test_new_directory_is_given_to_only_one_of_two_simultaneous_studies(tmp_path):
     for index in range(10):
         studies = [with_repetitions(4).with_changes({"ensemble.seed": seed}) for seed in (1, 2)]
         barrier = threading.Barrier(2)
@@ -776,7 +776,7 @@ run(Study.from_toml("s.toml"), store="r")
 """
 
 
-def test_killed_process_does_not_lock_its_folder(tmp_path, uninterrupted_dataset):
+def test_killed_process_does_not_lock_its_directory(tmp_path, uninterrupted_dataset):
     (tmp_path / "s.toml").write_text(TINY_STUDY.with_changes({"ensemble.seed": 1}).to_toml())
     with subprocess.Popen(
         [sys.executable, "-c", SCRIPT_THAT_WAITS], cwd=tmp_path, stdout=subprocess.PIPE, text=True

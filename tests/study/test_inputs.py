@@ -40,7 +40,7 @@ def compute_pair(directory=None, **options):
     ("contact.yield_exponent", "uniform 0.7 .. 1.6", 1.15, (0.7, 1.6)),
     ("contact.yield_exponent", "1.1..1.3", 1.2, (1.1, 1.3)),
 ])  # fmt: skip
-def test_one_entry_of_a_study_has_the_central_value_and_the_range_of_an_input(key, entry, central, limits):
+def test_study_entry_contains_both_the_central_value_and_the_range_of_an_input(key, entry, central, limits):
     study = STUDY.with_changes({key: entry})
     name = key.partition(".")[2]
     for each in (study, parse_study(study.to_toml(), "text"), pickle.loads(pickle.dumps(study))):
@@ -124,7 +124,7 @@ def test_pair_of_materials_stores_their_ranges_in_the_study():
     assert "poisson_lower" not in inputs.uncertain  # the source has a single value
 
 
-def test_material_and_given_modulus_of_the_other_body_have_separate_ranges():
+def test_material_of_one_body_and_given_modulus_of_the_other_have_separate_ranges():
     study = compute_pair(upper="steel", young="3 MPa ± 5 %", poisson="0.5", effective_modulus=None).study
     inputs = Inputs.from_study(study)
     assert set(inputs.uncertain) >= {"young_upper", "young_lower"}
@@ -153,7 +153,7 @@ def test_replaced_value_has_no_uncertainty_unless_it_equals_the_value_of_the_stu
 
 
 @pytest.mark.usefixtures("all_input_samples")
-def test_replaced_mu0_of_an_interface_has_no_joint_distribution_with_tau0():
+def test_replacing_mu0_of_an_interface_removes_its_correlation_with_tau0():
     study = STUDY.with_changes({"friction.interface": "MoS2 on bearing steel, dry air"})
     inputs = Inputs.from_study(study)
     assert (inputs.central("mu0"), inputs.central("tau0")) == (0.001, 0.02479)
@@ -163,7 +163,7 @@ def test_replaced_mu0_of_an_interface_has_no_joint_distribution_with_tau0():
     assert set(inputs.replaced(mu0=0.2).uncertain) == set(inputs.uncertain) - {"mu0"}
 
 
-def test_studies_with_equal_numbers_and_other_ranges_differ_but_have_equal_members():
+def test_studies_that_differ_only_in_input_ranges_have_equal_members():
     first, second = (STUDY.with_changes({"contact.hardness": text}) for text in ("1.1..1.21 GPa", "1.154 GPa"))
     assert first.contact.hardness == 1.154
     assert first != second
@@ -218,7 +218,7 @@ def study_file(tmp_path_factory):
     ("friction.tau0", '"20..30 MPa"', "τ0 = 24.5 MPa (20..30 MPa), ", "τ0"),
 ])  # fmt: skip
 @pytest.mark.usefixtures("disable_figures", "omit_companion_files")
-def test_run_with_a_changed_entry_prints_its_value_and_range_and_lists_it_in_the_budget(
+def test_study_entry_set_on_the_command_line_appears_in_output_and_budget(
     study_file, tmp_path, key, entry, text, label
 ):
     arguments = ["--set", f"{key}={entry}", "--output", "changed"]

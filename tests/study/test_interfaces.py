@@ -68,7 +68,7 @@ def result(film_file):
 
 
 @pytest.mark.parametrize("name", [*interfaces()])
-def test_published_interface_is_displayed_without_a_sum_at_an_unknown_area(name):
+def test_repr_of_a_published_interface_contains_no_sum_at_an_unknown_area(name):
     law = interface(name)
     lines = repr(law).splitlines()
     assert lines[0] == "Interface"

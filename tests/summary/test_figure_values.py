@@ -73,7 +73,7 @@ def test_contact_forces_are_none_for_maps(tmp_path):
     assert Result.of(run_pair_of_maps(tmp_path)).contact_forces is None
 
 
-def test_friction_of_single_members_has_the_reported_mean(result_of_profiles):
+def test_mean_of_friction_values_in_the_positions_figure_equals_the_reported_mean(result_of_profiles):
     point = result_of_profiles.at().isel(cut_off=0, load=0, mu0=0, tau0=0)
     positions = evaluate_positions(result_of_profiles, point)
     mean = positions["member_friction"].mean("repetition").transpose("direction", "sliding")
@@ -95,7 +95,7 @@ def test_figures_and_reports_of_stored_results_do_not_load_all_members(tmp_path,
     assert collect_report_data(result).num_solved == 3
 
 
-def test_iterate_motions_adds_suffixes_for_several_motions(small_result):
+def test_figures_for_several_directions_have_the_direction_as_suffix(small_result):
     result = Result.of(small_result)
     assert list(iterate_motions(result)) == [("", result)]
     directions = xarray.DataArray([0.0, 90.0], dims="direction", name="direction")
@@ -112,7 +112,7 @@ def test_profiles_for_a_figure_have_evenly_spaced_dimensions_of_the_study():
     assert list(generate_profiles(study)) == dimensions[[0, 5, 10, 14, 19]].tolist()
 
 
-def test_bodies_by_length_scale_have_the_extent_of_the_study():
+def test_surfaces_in_the_length_scale_figure_have_the_extent_of_the_study():
     bodies = generate_bodies_by_length_scale(SMALL_STUDY)
     assert list(bodies) == [factor * float(SMALL_STUDY.surfaces.length_scale) for factor in (0.5, 1.0, 2.0)]
     for profile, surface in bodies.values():

@@ -31,13 +31,13 @@ def test_contact_size_is_the_diameter_of_a_circle_of_the_median_area():
     assert math.pi / 4 * point.contact_size.upper**2 == pytest.approx(area.upper)
 
 
-def test_kappa_is_the_true_area_times_modulus_and_gradient_per_load():
+def test_kappa_equals_true_area_times_modulus_times_gradient_divided_by_load():
     point = summarize_point(measured_result(rms_gradient=0.25, mean_pressure=5.0))
     assert point.kappa == pytest.approx(100.0 * 0.25 / 5.0)
 
 
 @pytest.mark.parametrize(("fraction", "is_dominant"), [(0.95, False), (0.85, True)])
-def test_input_dominates_if_it_narrows_the_interval_by_a_tenth(fraction, is_dominant):
+def test_input_is_called_dominant_if_knowing_it_narrows_the_interval_by_a_tenth(fraction, is_dominant):
     dataset = measured_result(half_width_ratio=0.05)
     dataset["friction_at_cutoff"] = dataset["mean_friction"]
     dataset["remaining_interval"] = dataset["mean_friction"].expand_dims(input=["hardness"])
@@ -80,7 +80,7 @@ def test_area_with_limited_pressure_has_a_caveat_near_half_the_hardness(pressure
 
 
 @pytest.mark.parametrize(("load_fraction_at_hardness", "has_caveat"), [(0.0, True), (0.9, False)])
-def test_drift_of_the_roughness_matters_for_the_elastic_fraction_of_the_load(load_fraction_at_hardness, has_caveat):
+def test_roughness_drift_has_a_caveat_unless_most_of_the_load_is_plastic(load_fraction_at_hardness, has_caveat):
     dataset = measured_result(all_contacts=0.4, load_share_at_hardness=load_fraction_at_hardness)
     point = summarize_point(dataset.assign_attrs(upper_drift=(0.1, 0.5)))
     assert bool(caveats_with(point, "rms slope changes by a factor of 1.1")) == has_caveat

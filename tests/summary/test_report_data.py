@@ -31,7 +31,7 @@ def test_description_of_a_generated_study_lists_its_differences_from_the_default
     assert describe_study(Study()).changed_settings == []
 
 
-def test_description_of_a_measured_study_contains_file_names_without_folders(maps_dataset):
+def test_description_of_a_measured_study_contains_file_names_without_directories(maps_dataset):
     study = parse_study_of_dataset(maps_dataset)
     folder = str(Path(study.surfaces.upper.file).parent)
     description = describe_study(study)
@@ -40,7 +40,7 @@ def test_description_of_a_measured_study_contains_file_names_without_folders(map
     assert description.name == "upper-maps.npy on lower-maps.npy"
 
 
-def test_description_contains_no_folders_of_further_scans_and_of_an_interface(maps_dataset):
+def test_description_of_a_study_contains_no_directories_of_scans_or_interfaces(maps_dataset):
     study = parse_study_of_dataset(maps_dataset)
     surfaces = study.surfaces
     folder = str(Path(surfaces.upper.file).parent)

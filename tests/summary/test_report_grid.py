@@ -47,7 +47,7 @@ def test_tau0_of_a_report_is_below_the_shear_strength_of_the_softer_body():
     assert 0.5 / CENTRAL_SHEAR_RATIO < tau0.values[-1] < 0.71 / CENTRAL_SHEAR_RATIO
 
 
-def test_parameter_axis_marks_only_values_of_the_study_as_uncertain(tmp_path):
+def test_report_slider_marks_only_values_of_the_study_as_uncertain(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path))
     assert [axis.has_range.any() for axis in build_parameter_axes(study)] == [False, False]
     changes = {"friction.tau0": ["40 MPa"], "friction.mu0": "0.25001..0.35"}
@@ -202,7 +202,7 @@ def test_assessments_in_reports_of_generated_surfaces_equal_those_of_summaries(n
     assert ("share_of_pull_off_bounds" in unloaded_caveat_names) == (name == "lower bounds")
 
 
-def test_pressure_and_caveats_of_a_point_are_those_of_the_quoted_sliding_rule():
+def test_summary_pressure_and_caveats_refer_to_the_quoted_sliding_rule():
     result = run(HALF_PLANE_STUDY)
     (_, point) = result.summary([0.1], mu0=[1.0], tau0=[0.2]).points
     area = point.values["contact_area"].sel(statistic="mean")

@@ -170,7 +170,7 @@ def test_result_without_contact_caches_the_error_that_states_the_reason():
     assert len(traceback_lengths) == 1  # the error keeps no frames of earlier calls
 
 
-def test_summary_for_explicitly_given_study_values_equals_the_default_summary(surface_folder, call_counts):
+def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_folder, call_counts):
     """Compare the summary at default values with the summary at the same values given explicitly."""
     result = open_result(surface_folder / "pair")
     default_summary = result.summary()

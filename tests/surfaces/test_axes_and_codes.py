@@ -56,7 +56,7 @@ def test_column_of_a_spectrum_is_not_read_as_heights(tmp_path, name):
 
 @pytest.mark.parametrize("name", ["sample", "frame", "Pixel", "data point", "Messpunkt", "lfd. Nr.", "idx"])
 @pytest.mark.parametrize("step", [1, 10])
-def test_column_that_numbers_the_points_has_a_caveat(tmp_path, name, step):
+def test_column_of_point_numbers_read_as_positions_has_a_caveat(tmp_path, name, step):
     path = write_columns(tmp_path / "a.csv", f"{name};z", step, first=5 * (step - 1))
     assert "numbering" in caveats_of(path, unit="um")
 
@@ -120,7 +120,7 @@ def test_column_of_heights_with_a_factor_after_x_has_a_caveat(tmp_path, name):
 
 
 @pytest.mark.parametrize("name", ["z | µm", "z abs (µm)", "exp. height (µm)"])
-def test_column_of_heights_with_an_abbreviation_or_a_stroke_has_no_caveat(tmp_path, name):
+def test_height_column_whose_name_has_an_abbreviation_or_a_vertical_bar_has_no_caveat(tmp_path, name):
     assert not caveats_of(write_columns(tmp_path / "a.csv", f"x (um);{name}"))
 
 
@@ -165,7 +165,7 @@ def test_repeated_or_known_number_beyond_the_range_of_the_heights_is_reported(tm
 
 
 @pytest.mark.parametrize("kind", ["scattered zeros", "block of zeros", "two values between the others"])
-def test_value_that_is_much_more_frequent_than_similar_heights_is_reported(tmp_path, kind):
+def test_height_much_more_frequent_than_similar_heights_is_reported(tmp_path, kind):
     heights = MAP.copy()
     if kind == "scattered zeros":
         heights.ravel()[::16] = 0
@@ -180,7 +180,7 @@ def test_value_that_is_much_more_frequent_than_similar_heights_is_reported(tmp_p
 
 @pytest.mark.parametrize("fraction", [0.03, 0.06])
 @pytest.mark.parametrize("deviation", [0.04, 0.1, 1.0])
-def test_zeros_among_finely_rounded_heights_are_reported(tmp_path, deviation, fraction):
+def test_many_exact_zeros_among_other_heights_are_reported(tmp_path, deviation, fraction):
     rng = np.random.default_rng(5)
     heights = np.round(deviation * rng.normal(size=(40, 40)), 3)
     heights[rng.random(heights.shape) < fraction] = 0
@@ -190,14 +190,14 @@ def test_zeros_among_finely_rounded_heights_are_reported(tmp_path, deviation, fr
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("round_heights", [np.round, np.trunc, np.floor])
 @pytest.mark.parametrize("deviation", [6.0, 25.0, 120.0])
-def test_zeros_of_rounded_heights_are_not_reported(tmp_path, deviation, round_heights, seed):
+def test_zeros_that_result_from_rounding_are_not_reported(tmp_path, deviation, round_heights, seed):
     heights = round_heights(deviation * np.random.default_rng(seed).normal(size=(60, 50)))
     assert "repeated-height" not in caveats_of(write_map(tmp_path / "a.csv", heights), unit="nm", spacing="1 um")
 
 
 @pytest.mark.parametrize("copies", [2, 3])
 @pytest.mark.parametrize("kind", ["profile", "map"])
-def test_heights_that_are_listed_repeatedly_are_reported(tmp_path, kind, copies):
+def test_sequence_of_heights_that_occurs_repeatedly_is_reported(tmp_path, kind, copies):
     if kind == "profile":
         path = tmp_path / "a.csv"
         path.write_text("".join(f"{z}\n" for z in [*PROFILE] * copies))
@@ -220,7 +220,7 @@ def test_zeros_in_a_profile_are_reported(tmp_path):
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_rows_that_repeat_the_row_before_are_reported(tmp_path, axis):
+def test_rows_equal_to_the_previous_row_are_reported(tmp_path, axis):
     heights = MAP.copy() if axis == 0 else MAP.T.copy()
     heights[10:13] = heights[9]
     path = write_map(tmp_path / "a.csv", heights if axis == 0 else heights.T)
@@ -251,13 +251,13 @@ def test_equal_heights_in_a_part_of_a_profile_are_reported(tmp_path, decimals):
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_rows_that_are_all_listed_twice_are_reported(tmp_path, axis):
+def test_map_with_every_row_listed_twice_is_reported(tmp_path, axis):
     path = write_map(tmp_path / "a.csv", np.repeat(MAP, 2, axis))
     assert "equal to the" in caveats_of(path, unit="um", spacing="1 mm")["repeated-rows"]
 
 
 @pytest.mark.parametrize("kind", ["clipped", "filled with the lowest height"])
-def test_extreme_that_is_much_more_frequent_than_similar_heights_is_reported(tmp_path, kind):
+def test_frequent_extreme_height_of_a_map_is_reported(tmp_path, kind):
     rng = np.random.default_rng(8)
     heights = np.round(rng.normal(size=(40, 40)), 4)
     heights = np.minimum(heights, 1.5) if kind == "clipped" else np.where(rng.random((40, 40)) < 0.05, -4.0, heights)
@@ -322,14 +322,14 @@ def test_surfer_grid_with_an_impossible_header_is_rejected(tmp_path, header, mes
      ("P2\n30 24\n255", "is an image as text"),
      ("ply\nformat ascii 1.0\nelement vertex 720\nelement face 9\nend_header", "is a mesh with faces")],
 )  # fmt: skip
-def test_list_of_a_map_is_not_read_as_a_profile(tmp_path, header, message):
+def test_heights_of_a_map_in_a_single_column_are_not_read_as_a_profile(tmp_path, header, message):
     path = tmp_path / "a.txt"
     path.write_text(header + "\n" + "\n".join(f"{1000 * z:.0f}" for z in MAP.ravel()))
     assert message in error_message(path, unit="nm", spacing="1 um")
 
 
 @pytest.mark.parametrize("numbers", [[240, 0.5], [0.5, 240], [240, 0.5, 1]])
-def test_count_among_the_first_numbers_of_a_column_is_not_read_as_a_height(tmp_path, numbers):
+def test_point_count_at_the_top_of_a_column_is_not_read_as_a_height(tmp_path, numbers):
     path = tmp_path / "a.txt"
     path.write_text("".join(f"{z:g}\n" for z in [*numbers, *PROFILE]))
     assert f"begins with {len(numbers)} numbers" in error_message(path, unit="um", spacing="0.5 um")

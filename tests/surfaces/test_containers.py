@@ -67,7 +67,7 @@ def test_array_of_zeros_and_ones_is_not_read_as_heights(tmp_path, suffix):
     assert "has an array 0 (z) of 0 and 1, like a mask" in error_message(path, spacing="1 um")
 
 
-def test_points_in_an_array_of_a_container_are_not_read_as_a_matrix(tmp_path):
+def test_two_columns_of_an_array_in_a_container_are_read_as_a_profile(tmp_path):
     pytest.importorskip("SurfaceTopography")
     path = write_arrays(tmp_path / "scan.npz", scan=np.column_stack([np.arange(40) * 0.5, np.resize(HEIGHTS, 40)]))
     profile = read_measurement(path, unit="um")
@@ -82,7 +82,7 @@ def test_container_without_a_matrix_is_rejected(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [".bin", ".xls", ".dat", ".raw"])
-def test_bytes_without_a_signature_are_not_read_as_a_map_because_of_their_number(tmp_path, suffix):
+def test_file_without_a_format_signature_is_not_read_as_a_map(tmp_path, suffix):
     pytest.importorskip("SurfaceTopography")
     path = tmp_path / f"scan{suffix}"
     path.write_bytes(np.random.default_rng(2).integers(0, 256, 2 * 32 * 32, dtype=np.uint8).tobytes())
@@ -112,7 +112,7 @@ def write_workbook(path, **sheets):
     return path
 
 
-def test_column_of_formulas_without_values_is_not_replaced_by_another_column(tmp_path):
+def test_workbook_column_of_unevaluated_formulas_is_rejected(tmp_path):
     rows = [["x (um)", "raw", "z (um)"]]
     rows += [[at / 2, z, f"=B{at + 2}*2"] for at, z in enumerate(HEIGHTS.ravel().tolist())]
     path = write_workbook(tmp_path / "a.xlsx", one=rows)

@@ -90,7 +90,7 @@ def test_removal_of_form_changes_pure_noise_only_slightly():
         assert result.std() == pytest.approx(noise.std(), rel=5e-3)
 
 
-def test_levelling_of_a_profile_rejects_forms_of_surfaces_and_conversely():
+def test_levelling_rejects_a_sphere_for_profiles_and_a_circle_for_surfaces():
     with pytest.raises(ValueError, match="trend must be one of"):
         levelled(Profile(np.arange(9.0), spacing=1.0), "sphere")
     with pytest.raises(ValueError, match="trend must be one of"):

@@ -151,13 +151,13 @@ def test_pixel_size_that_agrees_with_the_spacing_of_rows_is_used(read_text, line
      "Vergrößerung 10:1", "Vertical scale 1000:1", "Exponent: 1", "Z exponent: 1.0", "z x0.1 (um)",
      "z x5", "height x 0.5"],
 )  # fmt: skip
-def test_factor_in_words_adds_a_caveat(read_text, line):
+def test_height_factor_described_in_words_adds_a_caveat(read_text, line):
     reading = read_text(f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert caveat_names(reading) == ["scale"]
 
 
 @pytest.mark.parametrize("factor", ["1.0e-03", "1.0e+03"])
-def test_factor_above_a_displayed_matrix_adds_a_caveat(read_text, factor):
+def test_height_factor_in_a_line_above_a_matrix_adds_a_caveat(read_text, factor):
     reading = read_text(f"z =\n\n   {factor} *\n\n{MAP_TEXT}", unit="um", spacing="0.5 um")
     assert caveat_names(reading) == ["scale"]
     assert reading.body.heights.tolist() == MAP.tolist()
@@ -171,7 +171,7 @@ def test_factor_above_a_displayed_matrix_adds_a_caveat(read_text, factor):
      "Scan in 0.5 um steps", "Sampling times 3", "Conversion of 12 files", "Maßstab 1:1", "Vertical magnification 1",
      "Scaled to 1:1", "divided by 1.0", "values times 1", "# history: multiplied by 2 um, as declared in the file"],
 )  # fmt: skip
-def test_factor_that_does_not_apply_to_heights_has_no_caveat(read_text, line):
+def test_header_factor_that_does_not_apply_to_heights_has_no_caveat(read_text, line):
     assert not read_text(f"{line}\n{MAP_TEXT}", unit="um", spacing="0.5 um").caveats
 
 
@@ -187,7 +187,7 @@ UNKNOWN_UNITS = ["ft", "mils", "thou", "dm", "LSB", "bar", "a. u.", "0.1 um", "x
 
 @pytest.mark.parametrize("unit", UNKNOWN_UNITS)
 @pytest.mark.parametrize("names", ["x (mm);z ({})\n", "x [mm];z [{}]\n", "x;z\n(mm);({})\n"])
-def test_given_unit_does_not_replace_an_unknown_unit_of_a_column(read_text, names, unit):
+def test_unit_option_does_not_replace_an_unknown_unit_of_a_column(read_text, names, unit):
     message = error_message(read_text, names.format(unit) + ROWS, unit=("mm", "um"))
     shown_unit = "inch" if unit == '"' else unit
     assert f"has heights in {shown_unit!r}, which is not a supported unit of length" in message
@@ -196,7 +196,7 @@ def test_given_unit_does_not_replace_an_unknown_unit_of_a_column(read_text, name
 @pytest.mark.parametrize(
     "names", ['x/mm;z/"\n', 'x_mm;z_"\n', 'x;z\nmm;"\n', 'x in mm;z in "\n', 'x (mm);z\nZ unit = "\n', 'x/mm;"z/"\n']
 )
-def test_inch_mark_without_brackets_is_an_unknown_unit(read_text, names):
+def test_inch_mark_after_a_column_name_is_rejected_as_an_unknown_unit(read_text, names):
     message = error_message(read_text, names + ROWS, unit=("mm", "um"))
     assert "has heights in 'inch', which is not a supported unit of length" in message
 
@@ -212,7 +212,7 @@ def test_names_in_quotation_marks_contain_no_inch_mark(read_text):
 
 @pytest.mark.parametrize("unit", UNKNOWN_UNITS[:-1])
 @pytest.mark.parametrize("line", ["Unit: {}", "Z-axis unit = {}", "Einheit: {}", "z ({})", "Heights in {}"])
-def test_given_unit_does_not_replace_an_unknown_unit_in_a_header_line(read_text, line, unit):
+def test_unit_option_does_not_replace_an_unknown_unit_in_a_header_line(read_text, line, unit):
     message = error_message(read_text, f"{line.format(unit)}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert f"has heights in {unit!r}, which is not a supported unit of length" in message
 
@@ -236,7 +236,7 @@ def test_unit_with_a_power_of_ten_or_in_another_script_is_read(read_text, unit):
         "z µm/s",
     ],
 )
-def test_given_unit_does_not_replace_another_unit_at_the_end_of_a_column_name(read_text, name):
+def test_unit_option_does_not_replace_another_unit_at_the_end_of_a_column_name(read_text, name):
     message = error_message(read_text, f"x (mm);{name}\n{ROWS}", unit=("mm", "um"))
     assert "which is not a supported unit of length" in message
 
@@ -249,7 +249,7 @@ def test_given_unit_does_not_replace_another_unit_at_the_end_of_a_column_name(re
      ("x-mm;surface height-km", "km"), ("x mm;Height u m", "u m"), ("X;Z\nmm;0.1 um", "0.1 um"),
      ("Distance;Height\nmm;foo", "foo"), ("x_mm;z_foo", "foo")],
 )  # fmt: skip
-def test_given_unit_does_not_replace_a_unit_without_brackets(read_text, names, unit):
+def test_unit_option_does_not_replace_a_column_unit_without_brackets(read_text, names, unit):
     message = error_message(read_text, f"{names}\n{ROWS}", unit=("mm", "um"))
     assert f"has heights in {unit!r}, which is not a supported unit of length" in message
 
@@ -257,7 +257,7 @@ def test_given_unit_does_not_replace_a_unit_without_brackets(read_text, names, u
 @pytest.mark.parametrize(
     "names", ["X_my;Z_my", "x pollici;z pollici", "X_10nm;Z_10nm", "Position, \\mum;Height, \\mum"]
 )
-def test_given_unit_does_not_replace_an_unknown_unit_of_all_columns(read_text, names):
+def test_unit_option_does_not_replace_an_unknown_unit_of_all_columns(read_text, names):
     assert "which is not a supported unit of length" in error_message(read_text, f"{names}\n{ROWS}", unit="um")
 
 
@@ -272,7 +272,7 @@ def test_words_after_a_name_are_ignored_unless_they_are_units(read_text, names):
 
 
 @pytest.mark.parametrize("line", ["Z: MM", "z_my", "Height foo", "Z: 10 nm", "z 1e-4 m", "z = x10 nm", "Y unit: V"])
-def test_given_unit_does_not_replace_a_unit_after_the_name_of_the_heights(read_text, line):
+def test_unit_option_does_not_replace_a_unit_after_the_name_of_the_heights(read_text, line):
     message = error_message(read_text, f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert "which is not a supported unit of length" in message
 
@@ -312,16 +312,16 @@ def test_header_with_more_names_than_columns_applies_to_the_first_columns(read_t
     assert read_text(f"x (mm)\tz (nm)\tslope (urad)\n{rows}").body.heights == pytest.approx(PROFILE / 1000)
 
 
-def test_letter_after_a_name_is_a_unit_if_another_name_has_a_unit_of_length(read_text):
+def test_letter_after_a_column_name_is_a_unit_if_another_column_has_a_unit(read_text):
     assert "has heights in 's'" in error_message(read_text, f"Position mm;Height s\n{ROWS}", unit=("mm", "um"))
 
 
-def test_entity_in_a_unit_is_decoded(read_text):
+def test_html_entity_in_a_unit_is_decoded(read_text):
     rows = "".join(f"{at / 2:.1f}\t{z}\n" for at, z in enumerate(PROFILE))
     assert read_text(f"x (&micro;m)\tz (&micro;m)\n{rows}").body.spacing == pytest.approx(0.5)
 
 
-def test_given_unit_does_not_replace_a_unit_with_a_number_after_a_blank(read_text):
+def test_unit_option_does_not_replace_a_unit_that_contains_a_number(read_text):
     message = error_message(read_text, f"Height unit 10 nm\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert "has heights in '10 nm'" in message
 
@@ -391,12 +391,12 @@ def test_units_between_names_separated_by_blanks_are_read(read_text):
     ["Units: x=mm, z=PSIA\nx;z", "mm;PSIA\nPosition;Height", "name: x\nunit: mm\nname: z\nunit: PSIA\nx;z",
      "units.z: V\nx;z", "figure units: z = V\nx;z", "Channel unit: 1/mm\nx;z", "unit_z = V\nx;z"],
 )  # fmt: skip
-def test_given_unit_does_not_replace_a_unit_in_a_header_of_several_quantities(read_text, header):
+def test_unit_option_does_not_replace_a_unit_in_a_header_of_several_quantities(read_text, header):
     message = error_message(read_text, f"{header}\n{ROWS}", unit=("mm", "um"))
     assert "which is not a supported unit of length" in message
 
 
-def test_unit_in_the_header_that_contradicts_a_column_has_a_caveat(read_text):
+def test_header_unit_that_contradicts_the_unit_of_a_column_has_a_caveat(read_text):
     reading = read_text(f"Units: nm\nx (mm);z (um)\n{ROWS}")
     assert (reading.unit, caveat_names(reading)) == ("um", ["scale"])
 
@@ -408,12 +408,12 @@ def test_unit_with_a_factor_above_columns_with_units_has_a_caveat(read_text, lin
 
 
 @pytest.mark.parametrize("line", ["unit: 1 um", "unit: um", "units: metric"])
-def test_unit_that_agrees_with_a_column_has_no_caveat(read_text, line):
+def test_header_unit_that_agrees_with_the_unit_of_a_column_has_no_caveat(read_text, line):
     assert not read_text(f"{line}\nx (mm);z (um)\n{ROWS}").caveats
 
 
 @pytest.mark.parametrize("name", ["Profile (nmi)", "Depth [nmi]", "Signal (nmi)", "Height (nmi)"])
-def test_given_unit_does_not_replace_an_unknown_unit_of_a_single_column(read_text, name):
+def test_unit_option_does_not_replace_an_unknown_unit_of_a_single_column(read_text, name):
     assert "has heights in 'nmi', which is not a supported unit" in error_message(
         read_text, f"{name}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um"
     )
@@ -468,7 +468,7 @@ def test_names_with_units_in_brackets_may_be_separated_by_single_blanks(read_tex
 
 
 @pytest.mark.parametrize("third_line", ["Smp;Avg", ";part a", '"Smp";"Smp"', "part a;part a"])
-def test_line_of_objects_may_follow_the_names_and_the_units(read_text, third_line):
+def test_third_header_line_after_names_and_units_is_ignored(read_text, third_line):
     body = read_text(f"Position;Height\nmm;um\n{third_line}\n{ROWS}").body
     np.testing.assert_array_equal(body.heights, PROFILE)
     assert body.spacing == pytest.approx(0.5)
@@ -477,7 +477,7 @@ def test_line_of_objects_may_follow_the_names_and_the_units(read_text, third_lin
 
 
 @pytest.mark.parametrize("row", ["{x};mm;{z};um\n", "{x};mm;{z};µm\n"])
-def test_words_beside_numbers_that_are_units_apply_to_the_numbers(read_text, row):
+def test_unit_written_beside_each_number_applies_to_that_number(read_text, row):
     text = "".join(row.format(x=at / 2000, z=z) for at, z in enumerate(PROFILE))
     body = read_text(text).body
     np.testing.assert_array_equal(body.heights, PROFILE)

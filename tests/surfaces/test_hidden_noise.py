@@ -52,7 +52,7 @@ class TestNoiseFloorFit:
         assert fit.gain == pytest.approx(0.0, abs=1e-3)
         assert fit.exponents == pytest.approx((2.2,), rel=1e-3)
 
-    def test_reported_gain_of_a_fitted_noise_floor_is_the_increase_in_log_likelihood(self):
+    def test_gain_of_a_noise_floor_fit_is_its_increase_in_log_likelihood(self):
         spectrum = self.create_spectrum(2.2, 1.0, weight=3.0)
         fit = fit_noise_floor([spectrum], exponents=(1.0, 5.0))
 

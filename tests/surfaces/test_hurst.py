@@ -159,7 +159,7 @@ class TestProfileHurstExponent:
             estimate_hurst_exponent(Profile([0.0, 1.0] * 50, spacing=1.0), periodic=True)
 
 
-def test_wide_interval_of_the_hurst_exponent_or_values_outside_0_to_1_cause_a_caution():
+def test_hurst_exponent_with_a_wide_interval_or_outside_0_to_1_has_a_caution():
     estimate = estimate_hurst_exponent(rough_profile(points=4096))
     assert estimate.caution is None
     assert estimate.interval_classical == (2 - estimate.upper, 2 - estimate.lower)

@@ -500,7 +500,7 @@ def test_codes_for_missing_points_are_reported_and_can_be_masked(tmp_path):
         assert read_with_interpretation(path, accept="repeated-extreme,tall").caveats == ()
 
 
-def test_flags_in_a_column_mark_missing_points(tmp_path):
+def test_column_of_validity_flags_marks_missing_points(tmp_path):
     lines = [
         f"{0.5 * index};{-30 if index in (4, 5) else z};{int(index not in (4, 5))}"
         for index, z in enumerate(LINE_HEIGHTS)
@@ -841,7 +841,7 @@ def table_with_words(separator=",", words=("OK", "NG"), word_column=2, names=Tru
 @pytest.mark.parametrize("separator", [",", ";", "\t", " ", ", "])
 @pytest.mark.parametrize("words", [("OK", "NG"), ("pass", "fail"), ("", "spike"), ("A1", "B2")])
 @pytest.mark.parametrize("word_column", [0, 1, 2])
-def test_error_names_the_table_column_that_contains_words(tmp_path, separator, words, word_column):
+def test_error_message_states_which_table_column_contains_words(tmp_path, separator, words, word_column):
     if separator == " " and not words[0]:
         words = ("nan", words[1])
     path = tmp_path / "a.csv"

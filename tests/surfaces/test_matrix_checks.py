@@ -42,7 +42,7 @@ def error_message(path, **options):
 
 @pytest.mark.parametrize("separator", [" ", ",", ";", "\t"])
 @pytest.mark.parametrize("kind", COLUMNS_BESIDE_XYZ)
-def test_points_with_further_columns_are_rejected_unless_x_y_and_z_are_chosen(tmp_path, kind, separator):
+def test_point_list_with_extra_columns_is_rejected_unless_x_y_and_z_are_chosen(tmp_path, kind, separator):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.column_stack([X, Y, HEIGHTS.ravel(), COLUMNS_BESIDE_XYZ[kind]]), separator))
     assert "columns 0 and 1 are the coordinates of a grid; choose x, y and z (--columns 0,1,2)" in error_message(
@@ -58,7 +58,7 @@ def read_surface_of_columns(path, columns):
     return surface
 
 
-def test_points_with_row_numbers_are_rejected_with_the_columns_to_choose(tmp_path):
+def test_error_about_a_point_list_with_row_numbers_lists_the_columns_to_choose(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.column_stack([NUMBERS + 1, X, Y, HEIGHTS.ravel()])))
     assert "(--columns 1,2,3)" in error_message(path, **OPTIONS)
@@ -76,7 +76,7 @@ def test_array_of_points_on_a_grid_is_not_read_as_a_map_of_three_columns(tmp_pat
     ("kind", "message"),
     [("colours", "column 3 has only whole numbers"), ("normals", "columns 3 to 5 are unit vectors")],
 )
-def test_points_that_are_not_on_a_grid_are_recognised_by_columns_unlike_heights(tmp_path, kind, message):
+def test_scattered_points_with_extra_columns_are_not_read_as_a_map(tmp_path, kind, message):
     rng, path = np.random.default_rng(1), tmp_path / "a.txt"
     scattered = rng.uniform(0, 9, (NUMBERS.size, 2))
     normals = NORMALS + 0
@@ -99,7 +99,7 @@ def test_map_of_rounded_heights_is_read(tmp_path, decimals, shape):
 
 
 @pytest.mark.parametrize("rows_below", [1, 3, 15])
-def test_block_below_an_empty_line_is_not_read_as_rows_of_a_map(tmp_path, rows_below):
+def test_second_matrix_below_an_empty_line_is_not_read_as_rows_of_the_first(tmp_path, rows_below):
     path = tmp_path / "a.txt"
     path.write_text(to_text(HEIGHTS) + "\n" + to_text(2 * create_map(rows_below, 20, seed=8)))
     message = error_message(path, **OPTIONS)
@@ -107,7 +107,7 @@ def test_block_below_an_empty_line_is_not_read_as_rows_of_a_map(tmp_path, rows_b
 
 
 @pytest.mark.parametrize("numbers_below", [1, 3, 150])
-def test_numbers_below_an_empty_line_are_not_read_as_heights_of_a_profile(tmp_path, numbers_below):
+def test_numbers_below_an_empty_line_are_not_appended_to_a_profile(tmp_path, numbers_below):
     path, line = tmp_path / "a.txt", HEIGHTS.ravel()[:150, None]
     path.write_text(to_text(line) + "\n" + to_text(line[:numbers_below] / 2))
     assert f"150 from line 1, {numbers_below} from line 152" in error_message(path, **OPTIONS)
@@ -119,7 +119,7 @@ def test_empty_lines_between_all_rows_are_ignored(tmp_path):
     assert np.allclose(read_surface(path, **OPTIONS).heights, HEIGHTS)
 
 
-def test_count_above_an_empty_line_is_removed(tmp_path):
+def test_point_count_above_an_empty_line_is_not_read_as_a_height(tmp_path):
     path, line = tmp_path / "a.txt", HEIGHTS.ravel()[:, None]
     path.write_text(f"{line.size}\n\n{to_text(line)}")
     assert np.allclose(read_measurement(path, **OPTIONS).heights, line[:, 0])
@@ -161,7 +161,7 @@ def test_maps_that_agree_with_their_own_statistics_are_read(tmp_path, heights):
 
 
 @pytest.mark.parametrize("per_line", [4, 5, 8, 10, 12, 16, 20])
-def test_profile_in_lines_of_several_heights_adds_a_caveat(tmp_path, per_line):
+def test_profile_wrapped_into_lines_of_several_heights_adds_a_caveat(tmp_path, per_line):
     path, profile = tmp_path / "a.txt", np.cumsum(np.random.default_rng(4).normal(size=240)) / 50
     path.write_text(to_text(profile.reshape(-1, per_line)))
     assert [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats][:1] == ["wrapped"]
@@ -171,7 +171,7 @@ def test_profile_in_lines_of_several_heights_adds_a_caveat(tmp_path, per_line):
 
 @pytest.mark.parametrize("shape", [(15, 20), (60, 5), (30, 30), (10, 8)])
 @pytest.mark.parametrize("step", [1, 4, 12])
-def test_map_of_few_columns_has_no_caveat_about_lines_of_a_profile(tmp_path, shape, step):
+def test_map_of_few_columns_has_no_caveat_about_a_wrapped_profile(tmp_path, shape, step):
     path = tmp_path / "a.txt"
     path.write_text(to_text(create_map(step * shape[0], shape[1])[::step]))
     assert not read_with_interpretation(path, unit="nm", spacing="0.5 um").caveats
@@ -184,7 +184,7 @@ def test_profile_with_another_number_of_points_than_its_header_declares_has_a_ca
 
 
 @pytest.mark.parametrize("order", [(3, 0, 1, 2), (3, 4, 5, 0, 1, 2), (0, 2, 1, 3), (2, 0, 1, 3)])
-def test_columns_around_the_coordinates_of_a_grid_do_not_hide_them(tmp_path, order):
+def test_grid_coordinates_are_found_among_other_columns(tmp_path, order):
     columns = np.column_stack([X, Y, HEIGHTS.ravel(), np.sqrt(NUMBERS % 97) / 10, np.cos(X * Y), np.sin(NUMBERS**2)])
     path = tmp_path / "a.txt"
     path.write_text(to_text(columns[:, order]))
@@ -230,7 +230,7 @@ def test_rows_of_another_width_above_a_matrix_are_rejected(tmp_path):
 
 @pytest.mark.parametrize("names", ["", "x (um) z (um)\n", "24 18\nx (um) z (um)\n"])
 @pytest.mark.parametrize("words", ["Ra 0.07 x z\n", "mean\n", "a b\nc d\n"])
-def test_row_of_a_profile_above_words_is_not_dropped(tmp_path, names, words):
+def test_profile_row_above_a_line_of_words_is_not_dropped_silently(tmp_path, names, words):
     path = tmp_path / "a.txt"
     rows = [f"{x:.1f} {z:.4f}\n" for x, z in zip(X[:20], HEIGHTS[0], strict=True)]
     path.write_text(names + rows[0] + words + "".join(rows[1:]))
@@ -241,7 +241,7 @@ def test_row_of_a_profile_above_words_is_not_dropped(tmp_path, names, words):
 
 
 @pytest.mark.parametrize("line", ["0 1", "1 2", "0.5 0.5", "20 1", "10 0.07"])
-def test_two_numbers_above_names_that_are_no_position_are_ignored(tmp_path, line):
+def test_two_numbers_above_the_column_names_are_not_read_as_a_row(tmp_path, line):
     path = tmp_path / "a.txt"
     path.write_text(f"{line}\nx (um) z (um)\n" + "".join(f"{x} {z}\n" for x, z in zip(X[:20], HEIGHTS[0], strict=True)))
     assert np.array_equal(read_measurement(path).heights, HEIGHTS[0])
@@ -264,7 +264,7 @@ def test_last_number_among_numbers_of_different_or_no_decimals_has_no_caveat(tmp
     assert "truncated" not in names
 
 
-def test_profile_in_few_lines_has_a_caveat(tmp_path):
+def test_smooth_profile_wrapped_into_few_lines_has_a_caveat(tmp_path):
     path = tmp_path / "a.txt"
     heights = create_map(1, 125)[0]
     path.write_text(to_text(heights.reshape(5, 25)))
@@ -273,7 +273,7 @@ def test_profile_in_few_lines_has_a_caveat(tmp_path):
 
 @pytest.mark.parametrize("shape", [(3, 32), (4, 25), (8, 12), (17, 16)])
 @pytest.mark.parametrize("seed", range(4))
-def test_rough_profile_in_lines_has_a_caveat(tmp_path, shape, seed):
+def test_rough_profile_wrapped_into_lines_has_a_caveat(tmp_path, shape, seed):
     path, rng = tmp_path / "a.txt", np.random.default_rng(seed)
     profile = np.convolve(rng.normal(size=shape[0] * shape[1] + 20), np.hanning(9), "same")[10:-10]
     path.write_text(to_text(profile.reshape(shape)))
@@ -281,7 +281,7 @@ def test_rough_profile_in_lines_has_a_caveat(tmp_path, shape, seed):
 
 
 @pytest.mark.parametrize("shape", [(4, 25), (7, 25)])
-def test_profile_in_few_lines_has_a_caveat_although_some_lines_seem_to_end_in_steps(tmp_path, shape):
+def test_rough_profile_wrapped_into_few_lines_has_a_caveat(tmp_path, shape):
     path = tmp_path / "a.txt"
     for seed in range(40):
         rng = np.random.default_rng(seed)
@@ -291,7 +291,7 @@ def test_profile_in_few_lines_has_a_caveat_although_some_lines_seem_to_end_in_st
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_map_with_lay_along_its_rows_has_no_caveat_of_a_profile(tmp_path, seed):
+def test_map_with_lay_along_its_rows_has_no_caveat_about_a_wrapped_profile(tmp_path, seed):
     path, rng = tmp_path / "a.txt", np.random.default_rng(seed)
     grooves = np.convolve(rng.normal(size=46), np.hanning(5), "same")[3:-3, np.newaxis]
     path.write_text(to_text(grooves + np.cumsum(rng.normal(size=(40, 24)), axis=1) / 20))
@@ -321,7 +321,7 @@ def test_column_of_positions_and_then_heights_is_rejected(tmp_path):
     assert "lists all x and then all z" in error_message(path, **OPTIONS)
 
 
-def test_profile_of_a_ramp_and_a_rough_part_is_read_if_its_halves_differ_in_length(tmp_path):
+def test_column_of_a_ramp_and_a_rough_part_is_read_as_one_profile(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.concatenate([np.arange(120) / 100, HEIGHTS.ravel()[:151]])[:, np.newaxis]))
     assert read_measurement(path, **OPTIONS).heights.size == 271

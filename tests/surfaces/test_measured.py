@@ -511,7 +511,7 @@ WORD_TABLES = {
 
 
 @pytest.mark.parametrize("table", WORD_TABLES)
-def test_words_are_treated_in_workbooks_in_the_same_way_as_in_text_files(write_file, table):
+def test_words_in_a_workbook_cause_the_same_error_as_in_a_text_file(write_file, table):
     names, cells = WORD_TABLES[table]
     rows = [names, *([at / 4, *cells(z)] for at, z in enumerate(LONG_HEIGHTS))]
     text = "".join(",".join("" if cell is None else str(cell) for cell in row) + "\n" for row in rows)

@@ -318,7 +318,7 @@ def test_pair_function_rejects_maps_without_a_position_measured_in_both_maps(com
         pair(scan, scan, shifts=4, **PAIR_OPTIONS)  # Some of the shifts are an odd number of rows.
 
 
-def test_dangling_link_in_a_folder_of_scans_is_rejected(scan_path):
+def test_dangling_link_in_a_directory_of_scans_is_rejected(scan_path):
     (scan_path.parent / "gone.npy").symlink_to("nowhere.npy")
     with pytest.raises(ValueError, match=r"gone\.npy: cannot be read"):
         pair(scan_path.parent, scan_path, missing="mask", shifts=1, **READ_OPTIONS, **PAIR_OPTIONS)

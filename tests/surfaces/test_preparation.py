@@ -50,7 +50,7 @@ def test_levelling_is_accurate_for_a_large_tilt():
     assert np.abs(levelled(tilted_profile, "line").heights - 1e-3 * profile.heights).max() < 1e-10
 
 
-def test_levelling_of_a_profile_rejects_trends_of_surfaces_and_conversely():
+def test_levelling_rejects_a_plane_for_profiles_and_a_line_for_surfaces():
     with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'line', .*, got 'plane'"):
         levelled(rough_profile(9), "plane")
     with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'plane', .*, got 'line'"):

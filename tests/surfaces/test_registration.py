@@ -45,7 +45,7 @@ def cut_moved_pair(angle, shift, noise=0.0, points=100):
 @pytest.mark.parametrize("noise", [0.0, 1.0])
 @pytest.mark.parametrize("shift", [(0, 2), (0.5, 0), (3.25, -4.5)])
 @pytest.mark.parametrize("angle", [0, 0.25, 0.5, -2])
-def test_registration_finds_mates_to_a_fraction_of_a_point(angle, shift, noise):
+def test_registration_finds_shift_and_rotation_to_a_fraction_of_a_grid_point(angle, shift, noise):
     _, _, registration = register_faces(*cut_moved_pair(angle, shift, noise))
     np.testing.assert_allclose(np.array(registration.shift) / 50, shift, atol=0.02)
     assert registration.rotation == pytest.approx(angle, abs=0.02)
@@ -53,7 +53,7 @@ def test_registration_finds_mates_to_a_fraction_of_a_point(angle, shift, noise):
     assert registration.gap_noise == pytest.approx(np.sqrt(2) * noise, rel=0.25, abs=0.05)
 
 
-def test_registration_of_a_map_that_is_averaged_for_the_search_finds_an_exact_mate():
+def test_registration_of_a_large_map_finds_its_exact_shift():
     large = self_affine_surface(
         7, hurst_exponent=0.8, rms=1000.0, shape=(272, 272), spacing=500.0, shortest_wavelength=2000.0
     )
@@ -85,7 +85,7 @@ def test_profiles_are_registered_by_a_shift():
     assert registration.rms_gap < 1e-9
 
 
-def test_profiles_are_registered_between_points():
+def test_registration_of_profiles_finds_shifts_between_grid_points():
     fine = self_affine_surface(7, shape=(4, 600), **(ROUGH | {"spacing": 25.0})).row(0)
     upper, lower = (Profile(fine.heights[start : start + 256 : 2], spacing=50.0) for start in (23, 16))
     _, _, registration = register_faces(upper, lower)

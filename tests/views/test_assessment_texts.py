@@ -93,11 +93,11 @@ def test_summary_contains_an_assessment_for_every_condition():
         (((0.0, 1.0), (1.0, 0.0)), "none to 1 µm"),
     ],
 )
-def test_cutoffs_that_differ_between_bodies_are_both_given(cut_offs, expected_text):
+def test_text_about_cutoffs_contains_both_cutoffs_if_they_differ(cut_offs, expected_text):
     assert cutoff_text(cut_offs) == expected_text
 
 
-def test_texts_and_records_of_a_point_give_the_cutoff_of_each_body():
+def test_summary_texts_and_json_records_contain_the_cutoff_of_each_body():
     study = measured_study(hardness=2.0)
     scans = {
         side: getattr(study.surfaces, side).model_copy(update={"max_cut_off": quantity(f"{limit} um", "length")})

@@ -487,7 +487,7 @@ def test_filtered_result_that_is_quoted_does_not_change_the_resolved_wavelengths
     assert shortest_wavelengths[0] == shortest_wavelengths[1] < float(points["cut_off"].max())
 
 
-def test_list_of_figures_computes_no_resolution_limits(maps_at_two_cutoffs, monkeypatch):
+def test_listing_the_figures_of_a_result_does_not_compute_resolution_limits(maps_at_two_cutoffs, monkeypatch):
     def fail(*_):
         pytest.fail("the limits are computed although the figure is not drawn")
 
