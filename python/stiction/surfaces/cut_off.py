@@ -7,7 +7,7 @@ from stiction.surfaces.filters import gaussian_low_pass, validate_cutoff
 from stiction.surfaces.surface import AnyBody, as_body
 
 # Longest cutoff wavelength, as a fraction of the shortest side of the body.
-# With a longer cutoff, too few periods would remain after filtering.
+# A body filtered at a longer cutoff wavelength would contain too few periods.
 MAX_CUTOFF_FRACTION = 1 / 3
 
 
@@ -32,7 +32,7 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     Raises
     ------
     ValueError
-        If the wavelength is outside this range.
+           If the wavelength is outside its range.
 
     See Also
     --------

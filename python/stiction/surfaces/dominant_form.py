@@ -14,7 +14,7 @@ MAX_BLOCKS = 64
 """Largest number of blocks along an axis of a map. Averaging over blocks keeps the form, which varies only over long
 distances.
 
-A profile has the square of this number.
+A profile is divided into at most ``MAX_BLOCKS ** 2`` blocks.
 """
 
 MIN_BLOCKS = 16  # minimum number of blocks along an axis; fewer blocks do not distinguish form from roughness
@@ -28,9 +28,9 @@ parabola is the form of the part, roughness contributes little to the higher ter
 MIN_STEP_SHARPNESS = 0.8
 """Smallest fraction of the height of a step that must lie within a few blocks. It excludes smooth forms."""
 
-_STEP_ANGLE_COUNT = 72  # directions across a step: 0°, 2.5°, ... 177.5°
+_STEP_ANGLE_COUNT = 72  # number of tested directions across a step: 0°, 2.5°, ... 177.5°
 _STEP_MARGIN = 0.02  # minimum fraction of the points on either side of a step
-_STEP_BAND_BLOCKS = (0.75, 3.75)  # distances from a step between which the heights on either side are compared
+_STEP_BAND_BLOCKS = (0.75, 3.75)  # range of distances from a step in which the heights on its two sides are compared
 
 
 class DominantStep(NamedTuple):
@@ -54,7 +54,7 @@ def measure_parabola_fraction(body: Surface) -> float:
     x, y = coordinates
     powers = [(i, degree - i) for degree in range(5) for i in range(degree + 1)]
     design = np.stack([x**i * y**j for i, j in powers], axis=1)
-    # The orthogonal basis has three columns for the plane, three for the parabola, and the higher terms.
+    # Columns 0 to 2 of the orthogonal basis describe the plane, 3 to 5 the parabola, the rest the higher terms.
     basis, _ = np.linalg.qr(design)
     energies = np.square(basis.T @ heights) / heights.size
     parabola, higher_terms = energies[3:6].sum(), energies[6:].sum()
@@ -79,7 +79,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
         order = np.argsort(distance_across, kind="stable")
-        # For each number of points below the step: projection onto the heights, and square norm without the trend.
+        # Project the heights onto every possible step, whose square norm excludes the mean and the tilt.
         projections = np.cumsum(heights[order])[candidates]
         square_norms = (sizes - np.square(np.cumsum(trend_basis[order], axis=0)).sum(axis=1))[candidates]
         gains = np.square(projections) / square_norms
@@ -95,7 +95,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
         return None
     if (above.mean() - below.mean()) / best_height < MIN_STEP_SHARPNESS:
         return None
-    # Blocks that the step divides have heights between those of the two sides.
+    # Exclude blocks that the step divides, because their mean heights lie between the heights of the two sides.
     is_undivided = np.abs(distances) > nearest_distance
     design = np.stack([np.ones_like(heights), *coordinates, distances > 0], axis=1)[is_undivided]
     *_, height = np.linalg.lstsq(design, heights[is_undivided], rcond=None)[0]

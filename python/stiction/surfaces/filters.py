@@ -17,21 +17,21 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 MonomialExponents = tuple[int, ...]
-# Shortest cutoff, in points.
-# At this cutoff, the filter still transmits 96 % of the amplitude of the shortest wavelength.
+# Shortest cutoff of a filter, in points.
+# A cutoff of half a point transmits 96 % of the amplitude of the shortest wavelength.
 MIN_CUTOFF_POINTS = 0.5
 _MIN_REGRESSION_CUTOFF_POINTS = 4.0  # minimum cutoff, in points, at which straight lines are fitted near the ends
 # Half width of the weight function, in cutoff wavelengths.
-# Beyond this distance, all weights are below 1e-15 of the largest weight.
+# All weights farther than 1.6 cutoff wavelengths away are below 1e-15 of the largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
 # Minimum number of weights on each side of a point.
-# With a cutoff of two or three points, the weights decay slowly, to 1e-5 at this distance.
+# With a cutoff of two or three points, the weights decay slowly, to 1e-5 at a distance of 64 points.
 _MIN_HALF_WIDTH_POINTS = 64
 # The mean line is estimated at a point only if at least this fraction of the weights belongs to measured points.
 _MIN_WEIGHT_COVERAGE = 1e-6
-_MIN_PIVOT = 1e-9  # the normalised local equations count as singular if a pivot is below this limit
-# Biweight scale, in median absolute deviations.
-# For normally distributed heights, this scale is three standard deviations.
+_MIN_PIVOT = 1e-9  # local equations with a smaller normalised pivot count as singular
+# Scale of Tukey's biweight, in median absolute deviations.
+# For normally distributed heights, the scale of the biweight is three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
 # The iteration has converged if the mean line changes by less than this fraction of the biweight scale.
 _ROBUST_TOLERANCE = 1e-4
@@ -265,7 +265,7 @@ class _FilterKernel:
             self._weights = np.exp(-((math.pi * self._offset) ** 2) / math.log(2))
             self._weights /= 2 * self._weights.sum() - self._weights[0]
             return
-        # Up to the Nyquist wave number, these weights reproduce the analytic transmission exactly.
+        # The inverse transform yields weights with exactly the analytic transmission up to the Nyquist wave number.
         transform_length = next_fast_len(max(self.padded_size, 4 * half_width + 2), real=True)
         self._weights = irfft(
             gaussian_transmission(2 * math.pi * rfftfreq(transform_length), length), transform_length
@@ -313,7 +313,7 @@ def _fit_local_polynomials(
     kernels = [_FilterKernel(*pair, samples_weights) for pair in zip(heights.shape, lengths, strict=True)]
     padded_shape = [kernel.padded_size for kernel in kernels]
     unpadded_slices = tuple(slice(points) for points in heights.shape)
-    # As in rfftn, the last array axis has a half transform, and all other array axes have full complex transforms.
+    # Like `rfftn`, compute half of the transform along the last array axis, and the full transform along the others.
     kernel_transforms = [
         [
             _reshape_along_axis(
@@ -354,8 +354,8 @@ def _solve_constant_terms(
     """
     term_indices = range(len(basis))
     total = np.where(moments[basis[0]] > _MIN_WEIGHT_COVERAGE, moments[basis[0]], 1)
-    # The dictionary contains the lower triangle of the normal equations, with row k for term k.
-    # The Schur complements remain symmetric, so the upper triangle is not needed.
+    # Row k of the normal equations belongs to term k. Only the lower triangle is stored.
+    # The upper triangle is not needed, because the Schur complements remain symmetric.
     rows = {
         (k, m): moments[_multiply_monomials(basis[k], basis[m])] / total for k in term_indices for m in range(k + 1)
     }

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 # a noise floor is significant if adding it to the power laws increases the log-likelihood by at least this amount
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
-# initial level of the fitted floor, as a fraction of the maximum level; the lowest density sets this maximum
+# initial level of the fitted floor, as a fraction of the largest level that all spectral densities allow
 _INITIAL_FLOOR_FRACTION = 0.3
 _FIT_TOLERANCE = 1e-12  # tolerance of the minimisation; typical relative errors of the floor level are below 3e-6
 _MAX_FIT_EVALUATIONS = 2000  # maximum number of evaluations in a minimisation; nearly all need fewer than 100
@@ -27,7 +27,7 @@ class BinnedSpectrum(NamedTuple):
     log_q: Floats  # logarithm of the wave number
     density: Floats
     weight: Floats  # shape parameters of the gamma distributions of the densities
-    # spectral density of a floor of level 1; for white noise of variance 1, this density equals the spacing
+    # spectral density of a noise floor of level 1; white noise of variance 1 has the spacing as its density
     floor: float = 1.0
 
 
@@ -76,8 +76,8 @@ def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float
         bounds += [(None, None), exponents]
 
     def minimize_loss(parameters: Sequence[float], level_bounds: tuple[float, float | None]) -> OptimizeResult:
-        # TNC is used instead of L-BFGS-B, which solves its small systems of equations on several threads (SciPy 1.17).
-        # The threads of L-BFGS-B busy-wait for a tenth of a second afterwards.
+        # TNC is used because L-BFGS-B solves its small systems of equations on several threads (SciPy 1.17).
+        # After each fit, the threads of L-BFGS-B would occupy the processor for another 0.1 s.
         return minimize(
             loss, parameters, jac=True, bounds=[*bounds, level_bounds], method="TNC", tol=_FIT_TOLERANCE,
             options={"maxfun": _MAX_FIT_EVALUATIONS},

@@ -9,23 +9,23 @@ import numpy as np
 from stiction._checks import Floats
 
 # Minimum distance between harmonics, in bins.
-# If the distance is smaller, the spectrum between the harmonics cannot be assessed.
+# Between closer harmonics, too few bins remain to assess the spectrum.
 MIN_HARMONIC_DISTANCE = 10
-# Smallest bin in which a first harmonic may lie.
-# A Hann window spreads a spectral line to two bins on each side, so the smallest bin is above 2.
+# Lowest position of a first harmonic, in bins.
+# The limit is above 2, because a Hann window spreads a spectral line to two bins on each side.
 _MIN_FIRST_HARMONIC_BIN = 2.5
 _MAX_COMPARED_HARMONICS = 8  # maximum number of harmonics that are compared with the spectrum between the harmonics
-# Minimum number of significant harmonics above the first.
-# In addition, at least a third of the compared harmonics must be significant.
+# Minimum number of significant harmonics above the first harmonic.
+# A texture also requires that at least a third of the compared harmonics are significant.
 _MIN_SIGNIFICANT_HARMONICS = 2
 _MAX_TESTED_PEAKS = 6  # maximum number of peaks that are tested as the first harmonic
 # Minimum ratio of the density of a harmonic to the density between harmonics.
-# About one bin in 1000 exceeds this ratio by chance.
+# By chance, about one bin in 1000 has ten times the density between harmonics.
 _MIN_HARMONIC_RATIO = 10.0
 _PEAK_HALF_WIDTH = 2.5  # half width of the peak of a harmonic in a Hann-windowed spectrum, in bins
 _STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
 # Quantile of the spectral density that estimates the background in a window as wide as the harmonic distance.
-# The peaks of the harmonics, also of aliased ones, lie above this quantile.
+# The quantile is low, so that the peaks of harmonics, also of aliased harmonics, lie above it.
 _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
@@ -46,8 +46,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
     is_rising, is_falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, is_rising] & np.r_[is_falling, True])
     peaks = peaks[(peaks > _MIN_FIRST_HARMONIC_BIN) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= nyquist_bin)]
-    # Sort peaks by their contribution to the slope variance.
-    # The first harmonics of a texture contribute most to this variance.
+    # Test peaks in order of their contribution to the slope variance, which is largest for first harmonics.
     peak_order = np.argsort(-padded_density[peaks] * np.square(peaks))[:_MAX_TESTED_PEAKS]
     best_score, best_harmonics = 0.0, (math.nan, math.nan)
     for peak in peaks[peak_order].tolist():

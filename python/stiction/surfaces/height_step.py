@@ -8,17 +8,17 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 
 # Second differences count as equal if they differ by less than this fraction of the height range.
-# The fraction exceeds the round-off of levelling and of single-precision heights.
+# The tolerance exceeds the round-off of levelling and of single-precision heights.
 _TOLERANCE_RATIO = 1e-6
 _MIN_REPETITIONS = 5  # minimum number of equal second differences that may be due to rounding
 _MIN_REPEATED_FRACTION = 0.5  # minimum fraction of second differences that are repeated
-# minimum fraction of second differences that are multiples of the step, and the accepted deviation in steps
+# Minimum fraction of second differences that are multiples of the step, and the tolerance in steps.
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
-# Minimum fraction of multiples among second differences that are not 0.
-# In a map that was clipped at most points, nearly all second differences are 0, which is a multiple of any step.
-# If heights are not rounded, 10 % of the second differences are multiples by chance.
+# Minimum fraction of multiples of the step among second differences that are not 0.
+# In a map that is clipped almost everywhere, nearly all second differences are 0, a multiple of any step.
+# If heights are not rounded, 10 % of the second differences are multiples of a step by chance.
 _MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5
-# Maximum ratio of the step to the height range. With fewer than four levels, a scan may be flat with equal spikes.
+# Maximum ratio of the step to the height range. A scan with fewer than four levels may be flat with equal spikes.
 _MAX_STEP_RATIO = 1 / 3 + 1e-6
 
 

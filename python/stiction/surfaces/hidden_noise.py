@@ -29,7 +29,7 @@ _MIN_FIT_BINS = 8  # minimum number of bins for a fit
 _RELATIVE_MODEL_ERROR = 0.1  # assumed relative deviation of the true spectrum from a power law in each bin
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)  # exponents of line spectra for Hurst exponents 0 and 2
 # Maximum accepted ratio of the fitted noise density of a map to the median density at the shortest wavelengths.
-# The shortest wavelengths are those below four points along both axes.
+# The shortest wavelengths of a map are those below four points along both axes.
 _MAX_FITTED_NOISE_RATIO = 2.0
 
 
@@ -99,7 +99,7 @@ def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:
 def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpectrum | None:
     """Average a spectrum in bins at wavelengths of up to 16 points; return None if there are too few bins."""
     q, density, count, spacing = spectrum
-    # exclude the first two harmonics, because the window spreads longer wavelengths to these harmonics
+    # Exclude the first two harmonics, into which the window spreads longer wavelengths.
     if not periodic:
         q, density, count = q[2:], density[2:], count[2:]
     is_fitted = q * MAX_FITTED_WAVELENGTH_POINTS * spacing * (1 + 1e-9) >= 2 * math.pi

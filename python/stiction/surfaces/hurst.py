@@ -31,18 +31,18 @@ _NUM_EXCLUDED_HARMONICS = 2
 
 _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with one degree of freedom
 _BINS_PER_DECADE = 12
-_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum; each piece has its own power law
+_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum that has its own power law
 # Assumed relative deviation of the true spectrum from a power law in each bin.
 # Every measured spectrum deviates from a power law by at least this much.
 _RELATIVE_MODEL_ERROR = 0.1
-# An additional piece of the spectrum must increase the log-likelihood by at least this amount.
-# An additional piece has three parameters, and can begin at any of about 50 bins.
+# Minimum increase of the log-likelihood by an additional piece of the spectrum.
+# An additional piece of the spectrum has three parameters, and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
 # Largest accepted deviance per bin. Random scatter about a power law causes a deviance of about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.
 _MAX_DEVIANCE = 10.0
-_MIN_BAND_WIDTH = math.log(3)  # minimum width of a band in ln(q); this width is half a decade
-# A roll-off adds one parameter. It must increase the log-likelihood by at least this amount.
+_MIN_BAND_WIDTH = math.log(3)  # minimum width of a band in ln(q), about half a decade
+# Minimum increase of the log-likelihood by a roll-off, which adds one parameter to the fit.
 _ROLL_OFF_PENALTY = 2.0
 
 
@@ -63,7 +63,7 @@ class PowerLawFit:
         for _ in range(_NUM_NEWTON_STEPS):  # The loss is a convex log-sum-exp function, so Newton's method converges.
             scaled_power = self._power * np.exp(self.exponent * self._log_q)
             scaled_power /= scaled_power.sum()
-            # unlike BLAS dot products, these sums do not depend on the number of threads
+            # Use sums, because the round-off of BLAS dot products depends on the number of threads.
             gradient = float((scaled_power * self._log_q).sum())
             step = gradient / float((scaled_power * (self._log_q - gradient) ** 2).sum())
             self.exponent -= min(max(step, -2.0), 2.0)
@@ -289,7 +289,7 @@ def estimate_hurst_exponent(
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     fit = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
     lower, upper = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_95 / 2)
-    if piece_bins is not None:  # the interval also includes the uncertainty of the end of the roll-off
+    if piece_bins is not None:  # include the uncertainty of the end of the roll-off in the interval
         roll_off_fits = _fit_roll_offs(piece_bins, piece_bins.count / (variance_factor * dispersion))
         max_loss = min(roll_off_fit.min_loss for roll_off_fit in roll_off_fits) + _CHI_SQUARED_95 / 2
         intervals = [
@@ -385,13 +385,12 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
             for piece in pieces:
                 if not 1 < exponents[piece] < max_exponent:
                     continue
-                # index of the first harmonic, and index after the last harmonic
                 start, end = int(starts[piece]), int(piece_ends[piece])
                 if bins.slice_bins(start, end).deviance(exponents[piece], weight[start:end]) > _MAX_DEVIANCE:
                     continue
                 end -= end < bins.log_q.size
                 first_bin = start + (start > 0)
-                if start == 0:  # omit a roll-off that is too short for a separate piece
+                if start == 0:  # remove a roll-off that is too short for a separate piece of the spectrum
                     roll_off_losses = [law.min_loss for law in _fit_roll_offs(bins.slice_bins(0, end), weight[:end])]
                     start = (
                         int(np.argmin(roll_off_losses))

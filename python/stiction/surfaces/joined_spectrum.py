@@ -25,7 +25,7 @@ MIN_POINTS_PER_WAVELENGTH = (
 MAX_WAVELENGTH_TO_SIDE = (
     1 / 3
     # Longest wavelength that is used from a scan, divided by the shortest side of the scan.
-    # At longer wavelengths, the measured spectrum depends on the window.
+    # The spectrum at wavelengths above a third of the side depends on the window.
 )
 # Number of wave vectors per independent value.
 # Opposite wave vectors have equal values, and the window correlates the values of neighbouring wave vectors.
@@ -111,8 +111,7 @@ class JoinedSpectrum(TextReprMixin):
             is_compared = is_shared & np.isfinite(ratio)
             weight = self.contribution[scan_index, is_compared]
             if is_compared.any() and (weight < 1).any():
-                # The combined density includes the density of the scan itself.
-                # The contribution of the scan is removed before the comparison.
+                # Remove the contribution of the scan itself from the combined density before the comparison.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)
@@ -145,7 +144,7 @@ class JoinedSpectrum(TextReprMixin):
         result = []
         for power, factor in ((2, 1.0), (4, 0.25)):
             variance_terms = factor * self.wave_number ** (power + 2) * self.density * step / (2 * math.pi)
-            # The integral up to the centre of a bin includes only half of this bin.
+            # Count only half of the last bin, because the integral ends at the centre of this bin.
             result.append(np.sqrt(variance_terms.cumsum() - variance_terms / 2))
         return ScaleDependentRoughness(
             wavelength=make_read_only(2 * math.pi / self.wave_number), gradient=make_read_only(result[0]),
@@ -278,7 +277,7 @@ def joined_spectrum(
             np.log(q[is_occupied]),
             np.log(weighted_density.sum(axis=0)[is_occupied] / total_count[is_occupied]),
         )
-    )  # across gaps, interpolate linearly between logarithms
+    )  # across gaps between scans, interpolate log density linearly in log wave number
     with np.errstate(divide="ignore", invalid="ignore"):
         return JoinedSpectrum(
             wave_number=make_read_only(q), density=make_read_only(density), count=make_read_only(total_count),
@@ -341,7 +340,7 @@ def _average_in_bins(
     for bin_index in np.unique(index).tolist():
         is_in_bin = index == bin_index
         bin_centre = 10 ** ((bin_index + 0.5) / per_decade)
-        # The spectrum C decreases within a bin, but q³ C is nearly constant.
+        # Average q³ C, which is nearly constant within a bin, because the spectrum C decreases within a bin.
         mean_density = float(
             np.average(density[is_in_bin] * (q[is_in_bin] / bin_centre) ** 3, weights=wave_vector_counts[is_in_bin])
         )

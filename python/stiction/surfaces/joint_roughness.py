@@ -13,7 +13,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-SAMPLING_INTERVAL = 1270.0  # interval (µm) for which the relation between Z2 and JRC was fitted
+SAMPLING_INTERVAL = 1270.0  # sampling interval (µm) for which the relation between Z2 and JRC was fitted
 MAX_SAMPLING_INTERVAL_DEVIATION = 0.2  # maximum relative deviation from `SAMPLING_INTERVAL` for which a JRC is given
 MIN_Z2, MAX_Z2 = 0.1, 0.42  # range of Z2 for which the relation was fitted
 
@@ -25,7 +25,8 @@ class JointRoughness:
     Attributes
     ----------
     sampling_interval : float, µm
-        Distance of the points, the multiple of the grid spacing next to 1.27 mm, or less on a face that is shorter.
+           Distance between the compared points: the multiple of the grid spacing closest to 1.27 mm, or less on a
+        shorter face.
     z2 : float
         Root-mean-square slope. It is the same for both senses of a direction.
     rising_slope, falling_slope : float
@@ -52,7 +53,7 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
     motion = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
     spacing = np.array(face.spacings)
     largest_index = np.array(face.heights.shape) - 1
-    # On a face that is too short, all axes are scaled by the same factor, so that the direction remains.
+    # On a face that is too short, scale the offset along both axes by the same factor, which preserves the direction.
     offsets = SAMPLING_INTERVAL * motion / spacing
     offsets *= min(1.0, float(np.min(largest_index / np.maximum(np.abs(offsets), 1e-9))))
     steps = np.rint(offsets).astype(int)

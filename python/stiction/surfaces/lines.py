@@ -23,8 +23,7 @@ _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
 MAX_POWER_LAW_MISFIT = 1.5  # largest accepted rms factor between a spectrum and its fitted power law
 # Two wavelength bands count as equal if their limits differ by at most this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
-# Variance of ln(density) in a bin due to deviations from a power law.
-# The statistical variance is added to this variance.
+# Variance of ln(density) in a bin due to deviations from a power law, in addition to the statistical variance.
 _LOG_MODEL_VARIANCE = 0.04
 _MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formula
 
@@ -143,7 +142,7 @@ def line_roughness(
             fitted_lines.append(unlevelled_line)
     free_fits = [fit for line in fitted_lines if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
     if band is not None and not free_fits and (rough_lines := [line for line in fitted_lines if not line.is_flat]):
-        estimate_hurst_exponent(rough_lines[0], band=band)  # this call raises an error that explains why the fit failed
+        estimate_hurst_exponent(rough_lines[0], band=band)  # raise the error that explains why the fit of a line failed
     band_fits = free_fits
     if band is None and 2 * len(free_fits) >= len(fitted_lines):
         band_ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in free_fits], axis=0)

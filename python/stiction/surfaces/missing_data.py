@@ -26,9 +26,9 @@ _MIN_OUTLIER_RATIO = MIN_OUTLIER_DEVIATIONS * 1.4826  # smallest deviation of an
 MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; a larger group is a feature of the surface
 
 # Median deviation of rounding errors from their neighbours, as a fraction of the step to which heights are rounded.
-# Independent errors give 0.25 for deviations from means, and 0.21 (profiles) or 0.33 (maps) for deviations from lines.
+# Independent rounding errors have 0.25 for deviations from means, and 0.21 to 0.33 for deviations from lines.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
-# Round-off of heights from which a form was subtracted, as a fraction of their range.
+# Round-off of heights from which a form was subtracted, as a fraction of the height range.
 _ROUND_OFF_RATIO = 1e-10
 # Maximum fraction of deviations that may be due to rounding or round-off in a scan without flat regions.
 _MAX_FLAT_FRACTION = 0.25
@@ -36,7 +36,7 @@ _MIN_ROUGH_FRACTION = 0.02  # minimum fraction of rough points whose deviations 
 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles (1) and for maps (2)
 # Minimum number of estimates of a height from neighbouring points.
-# Three estimates are enough even if one of them is affected by another outlier.
+# Of three estimates, one may be affected by another outlier.
 _MIN_NEIGHBOUR_ESTIMATES = 3
 # Maximum number of lines that may pass near an outlier by chance.
 # At least five lines connect neighbouring points near a point.
@@ -46,8 +46,7 @@ _MAX_OUTLIER_PASSES = 8
 _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
 _MAX_STRIP_POINTS = 16_384  # maximum number of points of a map whose deviations are computed at a time
 _MAX_WINDOWS = 100_000  # maximum number of neighbourhoods whose medians are computed at a time
-# The scatter of edge points, and of rough regions beside flat regions, is estimated separately only if there are at
-# least this many points.
+# Minimum number of edge points, or of rough points beside flat regions, for a separate estimate of their scatter.
 _MIN_EDGE_POINTS = 20
 
 
@@ -145,7 +144,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.of_scan for typical in typical_deviations])
-        # A neighbourhood can only raise the typical deviation, so it is evaluated only at outliers of the whole scan.
+        # Evaluate neighbourhoods only at outliers of the whole scan, because they can only raise the typical deviation.
         is_judged = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(is_judged & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)
@@ -211,7 +210,7 @@ def _find_typical_deviations(
     is_known, width = is_measured & np.isfinite(distances), _WINDOW_WIDTHS[distances.ndim]
     is_rough = near_rough_region = np.zeros(distances.shape, np.bool_)
     round_off = _ROUND_OFF_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
-    resolution = 1.01 * max(step, round_off)  # a deviation of one rounding step does not exceed this limit
+    resolution = 1.01 * max(step, round_off)  # a deviation of one rounding step is within this limit
     if is_known.any() and np.quantile(distances[is_known], _MAX_FLAT_FRACTION) <= resolution:
         is_rough = is_known & (median_filter(np.where(is_known, distances, 0.0), size=width) > resolution)
         near_rough_region = maximum_filter(is_rough, size=width)
@@ -268,7 +267,7 @@ def _deviations_in_strip(
         [2 * shifted_heights(step, sign) - shifted_heights(step, 2 * sign) for step in neighbour_steps]
         for sign in (1, -1)
     ]
-    # Each height is extrapolated from both sides in profiles, and from eight directions in maps.
+    # Extrapolate each height from both sides in profiles, and from eight directions in maps.
     extrapolated_heights = (
         [_finite_median(extrapolation[:3], 1) for extrapolation in extrapolations]
         if heights.ndim == 1

@@ -31,10 +31,10 @@ from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
 # Default number of pairs of lines.
-# With this number of pairs, an interval can be estimated, and the computation takes only one or two seconds.
+# With 128 pairs of lines, an interval can be estimated in one or two seconds.
 DEFAULT_NUM_LINE_PAIRS = 128
 # The largest shift of a map is its length divided by this number.
-# After a shift by a quarter of the length, the two maps overlap in three quarters of their length.
+# After a shift by a quarter of the length, two maps overlap in three quarters of their length.
 MAX_SHIFT_DIVISOR = 4
 MIN_PIECE_SIDE_POINTS = 16  # minimum number of rows and of columns in a piece of a map
 MAX_SURROGATE_SIDE_POINTS = 512  # maximum number of rows and of columns of an areal surrogate
@@ -43,7 +43,7 @@ SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN_RATIO = (5**0.5 - 1) / 2
 _PLASTIC_NUMBER = 1.324717957244746  # real root of x^3 = x + 1, the base of two-dimensional quasi-random points
 _QUINTIC_ROOT = 1.1673039782614187  # real root of x^5 = x + 1
-GRID_POINTS_PER_WAVELENGTH = 4  # number of grid points per shortest wavelength in surfaces generated from spectra
+GRID_POINTS_PER_WAVELENGTH = 4  # number of grid points per shortest wavelength of a generated surface
 
 
 def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
@@ -135,7 +135,7 @@ class LinePairs:
         start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * line_count // self.count) % line_count
-        # The step is close to the product of the golden ratio and the width, and has no common divisor with the width.
+        # Use a step close to the golden ratio times the width that has no common divisor with the width.
         step = max(1, round(line_count * _GOLDEN_RATIO))
         while math.gcd(step, line_count) > 1:
             step += 1
@@ -269,7 +269,7 @@ class MapPairs:
     lower: Surface
     level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
     seed: int = 2016  # seed of the surrogates
-    # Shifts (x, y) of the upper map in µm. They replace the default sequence of shifts.
+    # Shifts (x, y) of the upper map in µm, which replace the default sequence of shifts.
     shifts: tuple[tuple[float, float], ...] | None = None
 
     @cached_property
@@ -486,15 +486,15 @@ class SpectralSurfacePairs(SquarePiecePairs):
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
 
-    # Spectrum of the upper body. Flipping does not change the spectrum, because the phases are random.
+    # Spectrum of the upper body, which flipping does not change, because the phases are random.
     upper: JoinedSpectrum
     lower: JoinedSpectrum
     level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
     seed: int = 2016
-    cut_off: tuple[float, float] = (0.0, 0.0)  # cutoff wavelengths of the upper and the lower body, µm; 0 for no filter
+    cut_off: tuple[float, float] = (0.0, 0.0)  # cutoff wavelengths (µm) of the upper and lower body, or 0
     finest_spacing: float = (
-        # Shortest cutoff of a study, µm. This cutoff determines the grid for all cutoffs.
-        # Each member therefore has the same surfaces at all cutoffs.
+        # Shortest cutoff of a study (µm), which determines the grid for all cutoffs.
+        # The common grid gives each member the same surfaces at all cutoffs.
         0.0
     )
 

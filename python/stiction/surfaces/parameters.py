@@ -190,7 +190,7 @@ class ParameterSet(TextReprMixin):
 
     def __getattr__(self, name: str) -> float:
         """Return the value of a parameter by name."""
-        # `values` does not exist yet while an object is being copied
+        # An object that is being copied does not have `values` yet.
         values: Mapping[str, float] = self.__dict__.get("values", {})
         if name in values:
             return values[name]

@@ -20,7 +20,7 @@ ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic"
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
 GridAlignment = Literal["start", "middle"]  # part of the longer body that is kept: the start or the middle
 # Tolerance for positions on a grid, as a fraction of the spacing.
-# With this tolerance, the position 0.3 µm is point 3 of a grid with a spacing of 0.1 µm, despite round-off.
+# Despite round-off, the position 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
 GRID_POSITION_TOLERANCE = 1e-9
 LEVELLING_ROUND_OFF = 1e-14  # round-off of a subtracted straight line, relative to the largest height
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
@@ -39,7 +39,7 @@ FLIPPED_HISTORY_ENTRY = "flipped"
 _FLIP_HISTORY_ENTRIES = FLIPPED_HISTORY_ENTRY, "turned over"
 """Entries that record a flip. The second entry is in files that earlier versions wrote."""
 
-# At this distance from the end of a spline, in points, the effect of the end condition is negligible.
+# Distance from the end of a spline, in points, at which the effect of the end condition is negligible.
 _SPLINE_MARGIN_POINTS = 32
 _ALIGNMENT_TEXTS = {"start": "first", "middle": "middle"}
 _NEIGHBOUR_ROUNDING_FUNCTIONS = (np.floor, np.ceil)
@@ -401,7 +401,7 @@ def _resample_along_axis(
     if heights is None:
         return None
     last_index = heights.shape[axis] - 1
-    # position of the first new point, in units of the old spacing
+    # Compute the position of the first new point, in units of the old spacing.
     ratio = spacing / actual
     start = max(0.0, (last_index - (points - 1) * ratio) / 2) if align == "middle" else 0.0
     if actual == spacing:
@@ -488,11 +488,11 @@ def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple
     from scipy.interpolate import RectBivariateSpline
 
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
-    # positions of the new points before the rotation about the middle
+    # Compute the positions that the new points had before the rotation about the middle.
     source_row = ((rows - 1) * dy / 2 - x * math.sin(angle) + y * math.cos(angle)) / dy
     source_column = ((columns - 1) * dx / 2 + x * math.cos(angle) + y * math.sin(angle)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)
-    # round-off may move positions beyond the sides
+    # Round-off may move positions beyond the sides.
     source_row, source_column = np.clip(source_row, 0, rows - 1), np.clip(source_column, 0, columns - 1)
     heights, missing = spline.ev(source_row, source_column), None
     if surface.missing is not None:
@@ -509,8 +509,8 @@ def inscribed_rectangle(height: float, width: float, angle: float) -> tuple[floa
     """Return the height and width of the largest axis-parallel rectangle within a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer_side, shorter_side = max(height, width), min(height, width)
-    if shorter_side <= 2 * sine * cosine * longer_side:  # two corners of the result lie on the longer sides
-        half_shorter = shorter_side / 2  # limits the size of the result
+    if shorter_side <= 2 * sine * cosine * longer_side:  # two corners of the rectangle lie on the longer sides
+        half_shorter = shorter_side / 2
         width_across, length_along = half_shorter / cosine, half_shorter / sine
         return (length_along, width_across) if height >= width else (width_across, length_along)
     cosine_of_double_angle = cosine**2 - sine**2

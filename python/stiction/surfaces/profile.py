@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 Side = Literal["lower", "upper"]  # name of one body of a pair
-# axis along which the lines of a surface are oriented: "x" for rows, "y" for columns
+# Axis along which the lines of a surface are oriented: "x" for rows, "y" for columns.
 LineOrientation = Literal["x", "y"]
 MAX_POINTS = 100_000_000  # maximum number of points of a generated body; its heights take 0.8 GB
-# limits of the spacing (µm), within which powers of slopes and curvatures do not overflow
+# Limits of the spacing (µm), within which powers of slopes and curvatures do not overflow.
 MIN_ACCEPTED_SPACING, MAX_ACCEPTED_SPACING = 1e-30, 1e30
-MIN_POINTS = 4  # minimum number of points; a natural cubic spline then has two interior points
+MIN_POINTS = 4  # minimum number of points, for a natural cubic spline with two interior points
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,7 +49,7 @@ class Body(PlotReprMixin):
         if not MIN_ACCEPTED_SPACING <= np.min(spacing) <= np.max(spacing) <= MAX_ACCEPTED_SPACING:
             allowed = f"from {MIN_ACCEPTED_SPACING:g} to {MAX_ACCEPTED_SPACING:g} µm"
             raise ValueError(f"spacing must be {allowed}, got {short_repr(spacing)}")
-        # copy the array, because other objects may still modify it
+        # Copy the array, because other objects may modify it.
         if heights.flags.writeable or not heights.flags.owndata:
             heights = make_read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
@@ -68,7 +68,7 @@ class Body(PlotReprMixin):
             object.__setattr__(self, "missing", make_read_only(missing) if missing.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Objects are unpickled with the constructor, which makes the heights read-only again.
+        # Unpickle objects with the constructor, which makes the heights read-only again.
         return partial(type(self), spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
 
     @property

@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# a hill counts if it is higher than this fraction of Rp, and a dale if it is deeper than this fraction of Rv
+# A hill counts if it is higher than this fraction of Rp, and a dale if it is deeper than this fraction of Rv.
 DISCRIMINATION_FRACTION = 0.1
 
 
@@ -26,7 +26,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     sign[heights < -DISCRIMINATION_FRACTION * pit] = -1
     counted_points = np.flatnonzero(sign)
     sign_changes = np.flatnonzero(np.diff(sign[counted_points]))
-    # last point of each hill or dale, and first point of the hill or dale that follows it
+    # Find the last point of each hill or dale, and the first point of the next hill or dale.
     last_points, next_points = counted_points[sign_changes], counted_points[sign_changes + 1]
     is_above = heights > 0
     crossings = np.flatnonzero(is_above[:-1] != is_above[1:])
@@ -36,7 +36,6 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     first_crossing = crossing_positions[np.searchsorted(crossings, last_points)]
     last_crossing = crossing_positions[np.searchsorted(crossings, next_points) - 1]
     feature_ends = (first_crossing + last_crossing) / 2
-    # Find the highest and the lowest point of each hill or dale.
     starts = np.ceil(feature_ends).astype(np.intp)
     highest_points = np.maximum.reduceat(heights, starts)[:-1]
     lowest_points = np.minimum.reduceat(heights, starts)[:-1]

@@ -20,15 +20,15 @@ from stiction.surfaces.surface import Surface
 
 MAX_ROTATION = 3.0  # largest rotation (degrees) of the search
 ROTATION_STEP = 0.5  # step (degrees) of the search on coarse maps
-GRID_TOLERANCE = 0.02  # distance (points) to a position on the grid up to which this position is used
-MAX_SECOND_FIT_RATIO = 0.7  # maximum ratio of the correlation at any other shift to the one at the best shift
+GRID_TOLERANCE = 0.02  # positions within this distance (points) of a grid position are moved to the grid
+MAX_SECOND_FIT_RATIO = 0.7  # maximum ratio of the correlations at any other shift and at the best shift
 MIN_OVERLAP_FRACTION = 0.5  # minimum overlap along each axis, relative to the shorter face
 _MIN_COARSE_POINTS = {1: 64, 2: 16}  # minimum number of points along each axis for a comparison, by dimension
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}  # maximum number of points along each axis in the search, by dimension
 _MAX_REFINEMENTS = 20  # maximum number of Gauss-Newton steps
 _STEP_SCALES = (1.0, 0.5, 0.25)  # fractions of a Gauss-Newton step to try until the gap decreases
 _CONVERGED_MOVE = 1e-4  # largest move of a corner (points) at which the refinement ends
-_PEAK_WIDTH_FRACTION = 0.05  # positions closer to the best one than this fraction of the length belong to its peak
+_PEAK_WIDTH_FRACTION = 0.05  # half width of a correlation peak, as a fraction of the length
 
 
 @dataclass(frozen=True)

@@ -24,18 +24,18 @@ from stiction.surfaces.surface import Surface, as_body
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Largest fraction of the mean square slope that may be due to noise. The error of h' is then below 5 %.
+# Largest fraction of the mean square slope that may be due to noise, for an error of h' below 5 %.
 MAX_NOISE_FRACTION = 0.1
 MIN_HEIGHT_RANGE = 1e-70  # minimum height range of a scan, µm; powers of smaller ranges would underflow
 MIN_CORRELATION = 0.5  # minimum correlation of two scans that are assumed to show the same area
-# widths (points) of the Gaussian filters in successive stages of the alignment
+# Widths (points) of the Gaussian filters in successive stages of the alignment.
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
-# number of points per independent value of white noise after a Gaussian filter that is one point wide
+# Number of points per independent value of white noise after a Gaussian filter that is one point wide.
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
-_OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation requires
-_NUM_TRIAL_CUTOFFS = 400  # number of trial cutoffs
-# a shift counts as an integer if its distance from the nearest integer is below this number of points
+_OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation needs
+_NUM_TRIAL_CUTOFFS = 400  # number of cutoffs that are tried
+# A shift counts as an integer if its distance from the nearest integer is below this number of points.
 _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 

@@ -115,7 +115,7 @@ def roughness_parameters(
 def height_and_slope_parameters(z: Floats, spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
     """Compute height and slope parameters about the mean line. The names omit the profile letter (P, R or W)."""
     scale = float(np.abs(z).max()) or 1.0
-    scaled_heights = z / scale  # scaling prevents overflow and underflow of the fourth power
+    scaled_heights = z / scale  # scale the heights, so that the fourth power does not overflow or underflow
     rms = float(np.sqrt(np.mean(scaled_heights**2)))
     differences = (
         np.correlate(scaled_heights, SEVEN_POINT_WEIGHTS, mode="valid") / 60
@@ -217,7 +217,7 @@ def surface_parameters(
     z = surface.heights
     deviation = z - z.mean()
     scale = float(np.abs(deviation).max())
-    deviation /= scale  # scaling prevents overflow and underflow of the fourth power
+    deviation /= scale  # scale the heights, so that the fourth power does not overflow or underflow
     values = {
         **_height_parameters(deviation, scale),
         **_material_ratio_parameters(deviation, scale),
@@ -327,11 +327,11 @@ def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> floa
     """Return the area of the triangles between points divided by the projected area, minus 1."""
     area_sum = 0.0
     corner_heights = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
-    # The slopes of each triangle are determined by its side along x and its side along y.
+    # Each triangle of a grid cell has one side along x and one side along y, which determine its slopes.
     for step_x in (corner_heights[1] - corner_heights[0], corner_heights[3] - corner_heights[2]):
         for step_y in (corner_heights[2] - corner_heights[0], corner_heights[3] - corner_heights[1]):
             squared_gradient = np.square(step_x / spacing[1]) + np.square(step_y / spacing[0])
-            # This form of sqrt(1 + squares) - 1 avoids cancellation.
+            # Compute sqrt(1 + s²) - 1 as s² / (1 + sqrt(1 + s²)), which avoids cancellation.
             area_sum += float(np.mean(squared_gradient / (1 + np.sqrt(1 + squared_gradient)))) / 4
     return area_sum
 
@@ -343,9 +343,9 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
     """
     correlation = autocorrelation(deviation)
     max_shift = [points // 2 for points in deviation.shape]
-    # opposite directions have equal autocorrelations
+    # Half of the directions are enough, because opposite directions have equal autocorrelations.
     angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
-    # The search step is half of the smaller grid spacing.
+    # Search in steps of half the smaller grid spacing.
     # In each direction, the search ends at a shift of half the length of the surface along x or y.
     points_per_length = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))
     with np.errstate(divide="ignore"):

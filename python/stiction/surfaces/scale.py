@@ -27,28 +27,28 @@ _ROUGHNESS_BINS_PER_DECADE = 48  # number of wave number bins per decade for slo
 _NOISE_BINS_PER_OCTAVE = 8  # number of wave number bins per octave in the search for instrument noise
 _WINDOW_OCTAVES = (1.0, 2.0)  # widths, in octaves, of the windows in which a spectral exponent is fitted
 # Minimum difference between a measured exponent and the exponent for H = 0, in standard deviations.
-# A surface with H = 0 is the roughest self-affine surface.
+# A self-affine surface with H = 0 is the roughest possible.
 _MIN_EXPONENT_DEVIATIONS = 3.0
 # Largest wavelength, in points, at which a hump in the spectrum is attributed to the instrument.
-# A hump at a longer wavelength is attributed to the surface.
+# A hump at a wavelength above 24 points is attributed to the surface.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
 # Wavelengths count as reliable if their spectral density is at least this multiple of the lowest density.
 _MIN_TRUSTED_DENSITY_RATIO = 4.0
 # A spectrum counts as rising if its density exceeds this multiple of the lowest density at longer wavelengths.
-# The spectrum of a surface never rises in this way.
+# The spectrum of a surface never rises to three times its lowest density at longer wavelengths.
 _MIN_RISE_DENSITY_RATIO = 3.0
 # Largest fraction of the mean square slope that may come from wavelengths not attributed to the surface.
-# If the fraction is larger, a result must not be reported.
+# A result must not be reported if a larger fraction of the mean square slope has an unknown origin.
 MAX_UNATTRIBUTED_FRACTION = 0.1
 # Ratio of a cutoff to the wavelength that the filter is meant to remove.
-# At this ratio, the Gaussian filter transmits 8 % of the amplitude of the wavelength.
+# A Gaussian filter transmits 8 % of the amplitude of a wavelength that is 1.9 times shorter than the cutoff.
 CUTOFF_WAVELENGTH_RATIO = 1.9
-_MIN_SLOPE_FRACTION = 1e-4  # fractions of the mean square slope below this limit may be due to round-off
-# In the octave of the shortest wavelengths, the exponent of a rough surface is at least this large, even with aliasing.
+_MIN_SLOPE_FRACTION = 1e-4  # smaller fractions of the mean square slope may be due to round-off
+# Smallest exponent of a rough surface in the octave of the shortest wavelengths, even with aliasing.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
-# A spectrum with the harmonics of a texture falls at least with this exponent, unless noise exceeds the harmonics.
+# Smallest exponent of a spectrum with the harmonics of a texture, unless noise exceeds the harmonics.
 # Noise was suspected in 8 of 1080 generated turned profiles (feeds of 15 to 500 points), and in 22 without the limit.
-# Added noise was found equally often with and without the limit.
+# Noise that was added to turned profiles was found equally often with and without the limit.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
 # Heights count as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
@@ -56,15 +56,15 @@ _MIN_QUANTISATION_FRACTION = 0.3
 _MAX_FLAT_EXPONENT = 0.35
 # Largest exponent of a noise floor if the fitted range also contains a part of the spectrum of the surface.
 _MAX_FLOOR_EXPONENT = 0.7
-# At wavelengths below this fraction of the wavelength limit, a spectrum consists only of noise.
+# A spectrum consists only of noise at wavelengths below this fraction of the wavelength limit.
 _NOISE_WAVELENGTH_RATIO = 0.7
-# reasons that always refer to the instrument and never to the surface
+# Reasons for a wavelength limit that always refer to the instrument and never to the surface.
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
-_MAX_EQUAL_NOISE_RATIO = 2.0  # two noise densities along different axes count as equal up to this ratio
+_MAX_EQUAL_NOISE_RATIO = 2.0  # maximum ratio of two noise densities along different axes that count as equal
 # Noise may be hidden in a spectrum whose density is at least this fraction of the noise density.
-# The fraction is below 1 to allow for scatter.
+# The minimum density is below the noise density, to allow for scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
-# If there are fewer lines with independent noise, no noise is assumed to be hidden along the other axis.
+# Minimum number of lines with independent noise at which noise may be hidden along the other axis.
 _MIN_INDEPENDENT_LINES = 8.0
 # Spectra are extrapolated down to this fraction of the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
@@ -197,7 +197,7 @@ def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) 
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
-    # The integral equals (end^x - start^x) / x. The expression below remains valid for x = 0.
+    # Use an expression of (end^x - start^x) / x that remains valid for x = 0.
     integral = start**exponent * (np.expm1(exponent * ratio) / exponent if exponent != 0 else ratio)
     return np.asarray(estimate.prefactor / (estimate.dimensions * math.pi) * integral)
 
@@ -480,7 +480,7 @@ def instrument_limit(
         noise_kind = "quantisation"
     noise_wavelength = round_up_wavelength(noise_wavelength) if noise_wavelength > 0 else noise_wavelength
     limits = {"pixels": 2 * spacing, noise_kind: noise_wavelength, "tip": math.nan}
-    # if only the pixels set the limit, scale-dependent roughness is not needed
+    # Scale-dependent roughness is not needed if only the pixels set the limit.
     roughness = None
     if radius is not None or noise_wavelength > 0:
         roughness = scale_dependent_roughness(body, periodic=periodic)
@@ -526,7 +526,7 @@ def cutoff_for_slope_fraction(roughness: ScaleDependentRoughness, fraction: floa
         log_lower, log_upper = (
             (log_middle, log_upper) if transmitted_fraction > 1 - fraction else (log_lower, log_middle)
         )
-    # The cutoff is rounded to two digits, so that repeated scans can have the same cutoff.
+    # Round the cutoff to two digits, so that repeated scans can have the same cutoff.
     return max(lower, float(f"{math.exp(log_upper):.1e}"))
 
 
@@ -615,10 +615,10 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
 class _SpectrumDisturbance(NamedTuple):
     """Disturbance of a line spectrum: the wavelengths not attributed to the surface, and the texture period."""
 
-    # upper limit of the wavelengths not attributed to the surface, µm; NaN if there are no such wavelengths
+    # Upper limit of the wavelengths not attributed to the surface, µm; NaN if there are no such wavelengths.
     wavelength_limit: float
     noise_kind: str
-    # mean square slope of the lines that is due to wavelengths other than those of the surface and its texture
+    # Mean square slope of the lines due to wavelengths other than those of the surface and its texture.
     mean_square_slope: float
     period: float  # period of a texture, µm; NaN if there is no texture
 
@@ -632,7 +632,7 @@ def _find_disturbance(
     if first_harmonic > 0:
         if harmonic_distance < MIN_HARMONIC_DISTANCE:
             return _SpectrumDisturbance(math.nan, "noise floor", 0.0, period)
-        # The first harmonic is excluded, because cusps of unequal depth cause a hump near it.
+        # Exclude the first harmonic, because cusps of unequal depth cause a hump near it.
         above_first_harmonic = slice(int(first_harmonic), None)
         density_with_harmonics = density[above_first_harmonic]
         density, q, count = (
@@ -647,7 +647,7 @@ def _find_disturbance(
         return _SpectrumDisturbance(math.nan, kind, 0.0, period)
     is_unattributed = q * wavelength_limit > 2 * math.pi
     mean_square_slope = float((np.square(q) * density)[is_unattributed].sum() * (q[1] - q[0]) / math.pi)
-    # a noise floor has the same density at all wave numbers, namely the density at the end of the spectrum
+    # The density of a noise floor at the end of the spectrum is its density at all wave numbers.
     if kind in INSTRUMENT_REASONS:
         floor_density = float(density[q * math.sqrt(2) > q[-1]].mean())
         mean_square_slope = min(mean_square_slope, floor_density * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
@@ -685,7 +685,7 @@ def _find_noise_wavelength(
     The limit is NaN if there is no noise.
     """
     no_noise = math.nan, "noise floor"
-    # exclude the first two harmonics, because the window spreads longer wavelengths to these harmonics
+    # Exclude the first two harmonics, into which the window spreads longer wavelengths.
     if not periodic:
         q, density, count = q[2:], density[2:], count[2:]
     if q.size < _NOISE_BINS_PER_OCTAVE:
@@ -810,5 +810,5 @@ def _is_quantised(body: Profile | Surface) -> bool:
     """Return True if the heights of a body were rounded to so large a step that rounding explains the noise."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s has the variance s²/12.
-    # The variance of the second differences of white noise is six times the variance of the noise.
+    # Second differences of white noise have six times the variance of the noise.
     return body.height_step**2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference

@@ -40,10 +40,10 @@ _NUM_FLANK_POINTS = 4  # number of points on each side of a spike within which i
 # Minimum ratio of the largest step between two points to the height of a wide spike.
 # The ratio is 0.4 for a groove with a Gaussian cross section whose depth falls to 1/e over two points.
 _MIN_STEP_RATIO = 0.7
-_MIN_DEEP_SPIKE_RATIO = 2.0  # minimum height of wide spikes and of dips of a profile, as a multiple of the rms height
+_MIN_DEEP_SPIKE_RATIO = 2.0  # minimum height of a wide spike or a dip of a profile, as a multiple of the rms height
 
 # Smallest ratio of the height range without outliers to the height range with outliers.
-# If the ratio is smaller, the scan is flat except for outliers.
+# A scan with a smaller ratio of the height ranges is flat except for outliers.
 MIN_ROUGHNESS_RATIO = 1e-6
 
 MIN_LAY_RATIO = 2.0
@@ -51,10 +51,10 @@ MIN_LAY_RATIO = 2.0
 
 The ratio is at most 1.2 for isotropic maps with 64 x 64 points.
 """
-MAX_LAY_RATIO = 1000.0  # largest ratio of the rms slopes across and along a lay that is reported
+MAX_LAY_RATIO = 1000.0  # largest reported ratio of the rms slopes across and along a lay
 # Number of strips along each axis whose rms slopes are compared.
 _NUM_STRIPS = 8
-# A scan has at least this number of points in each strip, or its drift is not assessed.
+# Minimum number of points per strip; the drift of a smaller scan is not assessed.
 _MIN_STRIP_POINTS = 4
 MAX_DRIFT = math.log(4.0)
 """Upper limit of a reported drift of ln(rms slope), which a linear fit overestimates if the roughness changes abruptly.
@@ -202,13 +202,13 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
     if min(heights.shape) <= _NUM_STRIPS * _MIN_STRIP_POINTS:
         return 0.0
     differences = [np.diff(heights, axis=axis) / body.spacings[axis] for axis in range(heights.ndim)]
-    if heights.ndim == 2:  # both derivatives at the centres of the grid cells
+    if heights.ndim == 2:  # compute both derivatives at the centres of the grid cells
         differences = [
             (differences[0][:, 1:] + differences[0][:, :-1]) / 2, (differences[1][1:] + differences[1][:-1]) / 2
         ]  # fmt: skip
     gradients = [difference - difference.mean() for difference in differences]
     power = np.sum([np.square(np.abs(rfftn(gradient))) for gradient in gradients], axis=0)
-    # Except at both ends, each value also stands for its complex conjugate.
+    # Except at both ends, each value also represents its complex conjugate.
     num_columns = gradients[0].shape[-1]
     weights = np.full(power.shape[-1], 2.0)
     weights[0] = 1.0
@@ -268,7 +268,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     rounding_error = body.height_step / math.sqrt(12)  # rms error of rounded heights
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
-        # The second difference is large beside wider spikes, and it is unknown at both ends.
+        # The second difference is large beside wider spikes, and unknown at both ends.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
     else:
@@ -304,7 +304,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
 
     for (group,) in find_objects(label(outliers)[0]):
         width = group.stop - group.start
-        # Several points at an end may be one side of a groove or of a ridge.
+        # Several adjacent outliers at an end of the profile may be one side of a groove or of a ridge.
         if width > 1 and (group.start == 0 or group.stop == outliers.size):
             continue
         deviation = max((profile.heights - remaining_heights)[group].tolist(), key=abs)

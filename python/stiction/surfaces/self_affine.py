@@ -256,14 +256,13 @@ def self_affine_surface(
         min((size - 1) // 2, int(extent / shortest * ROUND_OFF_FACTOR))
         for size, extent in ((columns, extent_x), (rows, extent_y))
     ]
-    # The indices are 0, 1, -1, 2, -2 and so on.
-    # In this order, the random numbers of a wave vector do not depend on the grid.
+    # In the order 0, 1, -1, 2, -2, the random numbers of a wave vector do not depend on the grid.
     order = np.arange(1, 2 * max_orders[1] + 2)
     j = np.where(order % 2 == 0, order // 2, -(order // 2))
     transform = np.zeros((rows, columns // 2 + 1), dtype=np.complex128)
     power = 0.0
     for i in range(max_orders[0] + 1):
-        # wave number relative to the wave number of the longest wavelength
+        # Compute wave numbers relative to the wave number of the longest wavelength.
         relative_wave_number = longest * np.hypot(i / extent_x, j / extent_y)
         is_included = relative_wave_number * shortest <= longest * ROUND_OFF_FACTOR
         if i == 0:

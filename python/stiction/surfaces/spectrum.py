@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 ROUND_OFF_FACTOR = 1 + 1e-9  # factor that allows for round-off in ratios of lengths
 _PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks
-_PEAK_WINDOW_BINS = 6  # number of bins on each side of a bin that are used for the median level around this bin
+_PEAK_WINDOW_BINS = 6  # number of bins on each side of a bin from which the median level around the bin is computed
 
 HANN_VARIANCE_FACTOR = 35 / 18
 """Factor by which a Hann window w increases the variance of sums over harmonics: mean(w⁴) / mean(w²)²."""
@@ -400,7 +400,7 @@ class SurfaceSpectrum(TextReprMixin):
             float(-wave_numbers[0]) if wave_numbers.size % 2 == 0 else float(wave_numbers[-1])
             for wave_numbers in (q_y[:, 0], q_x)
         )
-        # Opposite wave vectors describe the same wave, so only one of them is used.
+        # Use only one of two opposite wave vectors, because they describe the same wave.
         is_counted = ((q_y > 0) | ((q_y == 0) & (q_x > 0))) & (q < limit * (1 - 1e-9))
         order = np.argsort(q[is_counted], kind="stable")
         angle = np.degrees(

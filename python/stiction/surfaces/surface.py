@@ -17,10 +17,10 @@ AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitudeMeasure = Literal["height", "Sa", "Sq"]
 BodyLike = Any  # a Profile, a Surface, or an array of heights
 
-# Names that the C++ core uses for the amplitude measures that do not depend on the order of the points.
+# Names in the C++ core for the amplitude measures that do not depend on the order of the points.
 _CORE_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Lower limit of the height of a body (µm). Fourth powers of smaller heights would underflow.
-# The inverse of this number is the upper limit, because fourth powers of larger heights would overflow.
+# Lower limit of the height of a body (µm), below which fourth powers would underflow.
+# Above the inverse of the lower limit, fourth powers of heights would overflow.
 _MIN_HEIGHT = 1e-50
 
 
@@ -90,7 +90,7 @@ class Surface(Body):
 
     def _extract_profile(self, index: Any, axis: int, step: str) -> Profile:
         mask = select_from_mask(self.missing, index)
-        # if a line has no measured points, its interpolated heights are used
+        # The interpolated heights of a line are used if the line has no measured points.
         mask = None if mask is None or mask.all() else mask
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 

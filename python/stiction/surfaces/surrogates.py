@@ -15,12 +15,12 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, re
 _RINGS_PER_DECADE = 12  # number of rings of wave number per decade; empty rings are merged with their neighbours
 # Weight of the smoothness penalty, as a number of harmonics. The penalty dominates in rings with one or two harmonics.
 _SMOOTHNESS_PENALTY = 2.0
-_ROUND_OFF_FRACTION = 1e-14  # a density counts as round-off if it is below this fraction of the largest density
+_ROUND_OFF_FRACTION = 1e-14  # densities below this fraction of the largest density count as round-off
 _MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten are usually enough
 # The fit has converged if the logarithm of each density changes by less than this amount in one iteration.
 _CONVERGENCE_TOLERANCE = 1e-6
 # Default maximum number of rows and of columns of a surrogate.
-# The half-space solution of a map of this size takes some tenths of a second.
+# The half-space solution of a map of 512 × 512 points takes some tenths of a second.
 _MAX_DEFAULT_SIDE_POINTS = 512
 
 
@@ -95,7 +95,7 @@ def surrogate(
     else:
         # The mirror image extends the profile without a jump, and halves the distance between harmonics.
         # Every second harmonic of the extended profile is a harmonic of the original profile.
-        # The power of each remaining harmonic is split equally between its two neighbours.
+        # The power of each harmonic in between is split equally between its two neighbours.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])
         harmonic_indices = 2 * np.arange(points // 2 + 1)
@@ -237,7 +237,7 @@ def isotropic_surface(
     edges, density, _ = _fit_ring_densities(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
-    ring_index = np.searchsorted(edges, q, side="right")  # index 0 is for wavelengths longer than the profile
+    ring_index = np.searchsorted(edges, q, side="right")  # index 0 means a wavelength longer than the profile
     power = np.concatenate([[0.0], density, density[-1:]])[ring_index] * (rows * columns / profile.spacing**2)
     history_entry = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
     heights, spacings = gaussian_heights(power, seed, repetition, side), (profile.spacing, profile.spacing)
@@ -251,7 +251,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     rows, columns = power.shape
     random_values = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, uniform_numbers = random_values[:, :columns], random_values[:, columns:] / (2 * math.pi)
-    # Taking the real part combines opposite wave vectors, and halves the power.
+    # The real part combines opposite wave vectors, and has half of their power.
     coefficients = np.sqrt(-2 * power * np.log1p(-uniform_numbers)) * np.exp(1j * phases)
     return np.asarray(ifft2(coefficients, overwrite_x=True).real)
 
@@ -272,9 +272,9 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     count = np.bincount(bin_index, spectrum.count).astype(np.float64)
     measured_density = np.bincount(bin_index, spectrum.count * spectrum.density) / count
     measured_density = np.maximum(measured_density, _ROUND_OFF_FRACTION * measured_density.max())
-    # The corners of the grid belong to rings beyond the Nyquist wave number of both axes.
+    # Include the corners of the grid in rings beyond the Nyquist wave number of both axes.
     edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
-    # Spectrum of a section through a surface with one ring of unit density, averaged over the harmonics of each bin.
+    # Compute the spectrum of a section through a surface with one ring of unit density, averaged in each bin.
     transverse_wave_number = np.minimum(
         np.sqrt(np.maximum(edges**2 - wave_number[:, np.newaxis] ** 2, 0)), nyquist_wave_number
     )

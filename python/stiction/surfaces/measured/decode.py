@@ -14,7 +14,7 @@ from stiction.surfaces.measured.raw import FormatError
 MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 """Maximum number of lines of a text, and maximum number of cells of a line."""
 
-# maximum number of lines that are searched for a known layout, and maximum number of searched characters per line
+# Limits for the search of a known layout: maximum number of lines, and of characters per line.
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
 PIECE_LENGTH = 250_000  # number of characters that are classified together
 _MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line in a message
@@ -117,7 +117,7 @@ class DecodedText:
     def character_type_bits(self) -> NDArray[np.uint8]:
         """Bit mask of the character types that occur in each line."""
         starts, pieces, first = self.line_starts, [], 0
-        while first < len(self):  # pieces of whole lines that fit into the cache take two thirds of the time
+        while first < len(self):  # pieces that fit into the cache reduce the time by a third
             end = max(first + 1, int(np.searchsorted(starts, starts[first] + PIECE_LENGTH, "right")) - 1)
             piece = self.data[starts[first] : starts[end]].translate(_CHARACTER_KIND_TABLE)
             pieces.append(np.bitwise_or.reduceat(np.frombuffer(piece, np.uint8), starts[first:end] - starts[first]))
@@ -168,7 +168,7 @@ def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
     if not text.isascii():
         for minus_sign in ("\u2212", "\uff0d", "\ufe63"):
             text = text.replace(minus_sign.encode(), b"-")
-        # no-break space, narrow no-break space and thin space
+        # UTF-8 bytes of the no-break space, the narrow no-break space and the thin space
         space_pattern = b"(?:\xc2\xa0|\xe2\x80\xaf|\xe2\x80\x89)"
         text = re.sub(rb"(?<=[0-9])" + space_pattern + rb"(?=[0-9]{3}(?![0-9]))", b"", text)
         text = re.sub(space_pattern, b" ", text)
@@ -199,7 +199,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
     else:
         return "utf-8", data
     first_bytes = data[:100_000]
-    # The sample ends at the end of a line, so that all its characters are complete.
+    # End the sample at the end of a line, so that all its characters are complete.
     first_bytes = first_bytes[: first_bytes.rfind(b"\n") + 1] or first_bytes
     candidates = []
     for encoding in _LEGACY_ENCODINGS:

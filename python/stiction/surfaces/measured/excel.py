@@ -21,7 +21,7 @@ MAX_WORKBOOK_TAGS = 10_000_000
 # Maximum number of XML tags in a row: eight tags for each column of the largest sheet.
 # The number of tags is limited because each row is stored in memory.
 MAX_TAGS_PER_ROW = 8 * 16_384
-_FORMULA_WITHOUT_VALUE = "unevaluated formula"  # word that replaces such a formula
+_FORMULA_WITHOUT_VALUE = "unevaluated formula"  # word that replaces a formula without a stored value
 _FORMULA_WITHOUT_VALUE_PATTERN = re.compile(
     rb"</(?:\w+:)?f>\s*(?:<(?:\w+:)?v\s*(?:/>|>\s*</(?:\w+:)?v>)\s*)?</(?:\w+:)?c>"
 )
@@ -46,7 +46,7 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
             sheets = {title: _show_formulas_without_values(rows, formulas[title]) for title, rows in sheets.items()}
     except (FormatError, MemoryError):
         raise
-    except Exception as error:  # openpyxl raises many kinds of errors
+    except Exception as error:  # openpyxl raises many classes of errors
         reason = " ".join(str(error).split())[:80]
         raise FormatError(f"is a damaged workbook ({type(error).__name__}: {reason})") from None
     layout = next((layout for layout in WORKBOOK_LAYOUTS if layout.recognises(sheets)), None)
@@ -85,7 +85,7 @@ def _read_sheets(
 
 
 def _show_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
-    """Replace formulas without a stored value by a word, so that their column is not taken for an empty one."""
+    """Replace formulas without a stored value by a word, so that a column of formulas does not count as empty."""
     shown_rows = []
     for number, formula_row in enumerate(formulas):
         row = rows[number] if number < len(rows) else ()
@@ -111,7 +111,7 @@ def _scan_archive(data: bytes) -> bool:
         remaining_bytes, tag_count = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
             end_of_chunk = b""
-            tags_in_row = -math.inf  # no limit applies before the first row; a file that is not a sheet has no rows
+            tags_in_row = -math.inf  # no limit applies before the first row; only sheets have rows
             for chunk in read_member_chunks(archive, name, remaining_bytes):
                 remaining_bytes -= len(chunk)
                 tag_count += chunk.count(b"<")
@@ -128,7 +128,7 @@ def _scan_archive(data: bytes) -> bool:
 
 def _read_rows(sheet: Any) -> list[tuple[Any, ...]]:
     """Return the cells of a sheet up to its last filled row."""
-    sheet.reset_dimensions()  # the dimensions that the file declares for a sheet may be wrong
+    sheet.reset_dimensions()  # the sheet dimensions that a file declares may be wrong
     rows = [tuple(row) for row in sheet.iter_rows(values_only=True)]
     while rows and all(cell is None for cell in rows[-1]):
         rows.pop()

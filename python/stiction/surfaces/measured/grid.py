@@ -10,13 +10,12 @@ from stiction._checks import Floats
 from stiction.surfaces.measured.raw import MAX_DECLARED_NUMBER, FormatError
 
 EXACT_POSITION_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a uniform grid, in grid steps
-# Largest deviation of a point from the grid, in grid steps.
-# The rounding error of the printed position is allowed in addition.
+# Largest deviation of a point from the grid, in grid steps, in addition to the rounding error of its position.
 MAX_GRID_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per listed point
 MIN_ROUNDED_STEP = 2.0  # minimum step of rounded positions, in units of the last printed digit
 # Largest scatter of rounded positions about a grid, in units of the last printed digit.
-# Rounding causes a scatter of at most 1. The rest is a margin for the error of the fitted step.
+# Rounding causes a scatter of at most 1 digit. The margin of 0.2 allows for the error of the fitted step.
 MAX_SCATTER_DIGITS = 1.2
 MIN_GRID_GAP_RATIO = 4.0  # minimum ratio of the gaps between grid points to the gaps that are due to rounding
 
@@ -91,7 +90,7 @@ def _find_step_and_node_indices(
     last_node = int(nodes.max())
     step = float(positions.max() - positions.min()) / last_node
     deviations = np.abs(positions - positions.min() - nodes * step)
-    # Measured end positions are as uncertain as all other positions.
+    # Fit the step to all positions, because measured end positions are as uncertain as the others.
     if deviations.max() > EXACT_POSITION_TOLERANCE * step:
         step, first = (float(item) for item in np.polyfit(nodes, positions, 1))
         deviations = np.abs(positions - first - nodes * step)
@@ -131,7 +130,7 @@ def estimate_step(positions: Floats) -> float | None:
     gaps = np.diff(distinct_positions)
     if not gaps.size:
         return None
-    # A gap between positions is a grid step, a multiple of a grid step (at missing nodes), or a small rounding error.
+    # A gap between positions is a rounding error, a grid step, or a multiple of a grid step at missing nodes.
     ordered_gaps = np.sort(gaps)
     ratios = ordered_gaps[1:] / ordered_gaps[:-1]
     if ratios.size and ratios.max() > MIN_GRID_GAP_RATIO:

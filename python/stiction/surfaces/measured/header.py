@@ -97,7 +97,7 @@ _NO_UNIT_WORDS = ("", "-", "--", "1", "metric", "si", "none", "n/a", "default", 
 
 _POWER_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-−+])[0-9]{1,2}|1?e[-−+][0-9]{1,2})"
 _DIGIT_PATTERN = r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|levels?|gr[ae]y[ _-]?(?:levels?|values?))"
-_NOT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"  # a factor of 1 changes nothing
+_NOT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"  # a factor of 1 has no effect
 _UNAPPLIED_FACTOR_PATTERN = re.compile(
     rf"\W*{_NOT_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"  # "1.0e-03 *" above a matrix
     rf"\W*{_POWER_PATTERN}\W*|"
@@ -117,7 +117,7 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
     r"überhöhung|倍率|係数|系数|比例|множитель|коэффициент)(?![^\W\d_]).{0,20}?"
     rf"{SEPARATOR_PATTERN}{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}.*|"
     r"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|unit|decimal)[\s_-]*)*exponent(?![^\W\d_]).{0,20}?"
-    rf"{SEPARATOR_PATTERN}(?![-+]?0(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"  # only an exponent of 0 changes nothing
+    rf"{SEPARATOR_PATTERN}(?![-+]?0(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"  # an exponent of 0 has no effect
     rf"\W*(?:(?:z|heights?|data|values?|vertical)[\s_-]*)*scale{SEPARATOR_PATTERN}"
     rf"{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}\W*|"
     rf".*(?:\b(?:[nuµp]?m|heights?|volts?|V)|[0-9][nuµp]m)\s*(?:/|per)\s*(?:{_DIGIT_PATTERN}|div|[nuµm]m)\b.*|"
@@ -164,7 +164,7 @@ _HEIGHT_RANGE_PATTERN = re.compile(
     rf"\s*(?:[\[(]({UNIT_PATTERN})[\])])?{SEPARATOR_PATTERN}({DECIMAL_PATTERN})\s*({UNIT_PATTERN})?\W*",
     re.IGNORECASE,
 )
-MAX_UNIT_LENGTH = 12  # maximum number of characters of a unit that is not known
+MAX_UNIT_LENGTH = 12  # maximum number of characters of an unknown unit
 _HISTORY_PREFIX = "# history: "
 
 NON_LENGTH_UNIT_PATTERN = re.compile(
@@ -394,7 +394,7 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
     With `has_size`, the header declares the size of a map, and "Height 10 um" is a part of it.
     """
     plain_units = dict(_list_plain_units(lines))
-    if len({parse_length_unit(unit) or unit for unit in plain_units}) > 1:  # one for each quantity or column
+    if len({parse_length_unit(unit) or unit for unit in plain_units}) > 1:  # one unit per quantity or column
         return " and ".join(plain_units), next(iter(plain_units.values()))
     for line in lines:
         if (match := _HEIGHT_UNIT_PATTERN.fullmatch(line)) and is_unit(match[1]):
@@ -505,7 +505,7 @@ def is_unit(word: str) -> bool:
 
 
 def find_other_axis(name: str, unit: str | None) -> str | None:
-    """Return the quantity that a column of positions names instead of a length, such as "time", or None.
+    """Return the quantity, such as "time", that a column of positions contains instead of a length, or None.
 
     None also if the column has a unit that is not a length, because such units are rejected elsewhere.
     """
@@ -536,7 +536,7 @@ def parse_column_headings(header: Sequence[str], width: int, dialect: Dialect) -
         return ColumnHeadings()
     names, has_unit_line = _parse_column_names(lines, width, dialect)
     if len(lines) > 2 and not has_unit_line and not _names_axes(names):
-        # a line of objects or of kinds of values may follow the units
+        # A line of objects, or of kinds of values, may follow the line of units.
         names_above, has_unit_line = _parse_column_names(lines[:-1], width, dialect)
         if has_unit_line and _names_axes(names_above):
             lines, names = lines[:-1], names_above
@@ -569,7 +569,7 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
         while len(cells) > width and not cells[-1]:
             cells.pop()
         if len(cells) > width > 1 and number == 0 and dialect.separator is not None and any(map(_has_unit, cells)):
-            return cells[:width]  # the table lacks the last columns that its header names
+            return cells[:width]  # the table lacks the last columns that its header lists
         if len(cells) == width:
             return cells
         if len(cells) == width - 1 and line[:1] in "\t;, ":  # the heading of the column of row numbers may be missing
@@ -615,7 +615,7 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
     if name_line is None:
         return (None,) * width
     cells = split_column_names(name_line, width, dialect) if width > 1 else None
-    if _has_number_outside_brackets(name_line):  # only a number in a unit, as in "z in 1e-9 m", is part of a name
+    if _has_number_outside_brackets(name_line):  # in column names, a number must be part of a unit, as in "z in 1e-9 m"
         is_names = cells is not None and all(
             _UNIT_AFTER_NAME_PATTERN.fullmatch(cell)
             or _find_scaled_unit(cell)
@@ -625,7 +625,7 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
         )
         return tuple(map(unit_in_column_name, cells)) if cells is not None and is_names else (None,) * width
     if cells is not None and any(unit_in_column_name(cell) for cell in cells):
-        # next to "x mm", the last letter of "z V" and the last word of "z foo" are units, too
+        # If one name ends with a known unit, as in "x mm", the ends of the other names, as in "z V", are units too.
         last_words = [_split_name(cell)[-1] for cell in cells]
         are_last_words = any(map(parse_length_unit, last_words))
         return tuple(

@@ -60,7 +60,7 @@ def is_reader_installed() -> bool:
 def read_instrument_file(path: Path) -> HeightChannels:
     """Read a file with SurfaceTopography, which supports about forty instrument formats."""
     try:
-        with warnings.catch_warnings(action="ignore"):  # SurfaceTopography warns about optional dependencies
+        with warnings.catch_warnings(action="ignore"):  # ignore warnings about optional dependencies
             import SurfaceTopography  # noqa: F401
     except ImportError:
         raise FormatError(
@@ -100,9 +100,9 @@ def _open_reader(path: Path) -> Iterator[Any]:
             yield reader
     except FormatError:
         raise
-    except Exception as error:  # the readers of SurfaceTopography raise many kinds of errors
+    except Exception as error:  # SurfaceTopography raises many classes of errors
         detail = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
-        # this error is not quoted, because its text contains the errors of all readers
+        # Do not quote `CannotDetectFileFormat`, because its text contains the errors of all readers.
         if type(error).__name__ == "CannotDetectFileFormat":
             detail = ""
         raise FormatError(_UNKNOWN_FORMAT_MESSAGE.format(detail)) from None
@@ -115,12 +115,12 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable
         if points > MAX_POINTS:
             raise FormatError(f"contains {points} points; at most {MAX_POINTS} can be read")
         check_point_count(points, path.stat().st_size)
-        # if positions and values have different units, the values are not lengths
+        # If positions and values have different units, the values are not lengths.
         if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None
-        # SurfaceTopography requires sizes even if the file contains no sizes.
-        # The spacing computed from these sizes is not used.
+        # SurfaceTopography requires sizes even if the file contains none.
+        # The spacing computed from placeholder sizes is not used.
         size_arguments = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = HeightProvenance(f"{reader.format()} by SurfaceTopography", column=name)
         topography = channel.topography(**size_arguments)

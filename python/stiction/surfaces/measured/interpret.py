@@ -63,7 +63,7 @@ class ReadOptions:
     codes: tuple[float, ...] = ()  # numbers that mark missing points, as written in the file
     words: tuple[str, ...] = ()  # words that mark missing points
     accept: tuple[str, ...] = ()  # names of accepted caveats
-    # True if `unit` is a single unit; it then also applies to lengths without a unit in the file
+    # True if `unit` is a single unit, which then also applies to lengths without a unit in the file
     one_unit: bool = False
 
 
@@ -249,7 +249,7 @@ def _make_profile_or_surface(
         codes = [item for item in remaining_caveats if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, codes)])) from None
     history = (f"read from {name}", *raw.history, *steps, *crop_and_fill_steps)
-    heights = make_read_only(heights) if heights.base is None else heights  # a read-only array need not be copied
+    heights = make_read_only(heights) if heights.base is None else heights  # a read-only array is not copied
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
     return InterpretedScan(body, unit, num_missing, remaining_caveats)
 
@@ -303,7 +303,7 @@ def _choose_position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
 
 def _to_micrometres(values: _Length, unit: str) -> _Length:
     factor = LENGTH_UNITS[unit]
-    # If possible, divide by an integer, so that 100 nm is converted to exactly 0.1 µm.
+    # Divide by an integer if possible, so that 100 nm is converted to exactly 0.1 µm.
     return values / round(1 / factor) if factor < 1 else values * factor
 
 
@@ -486,7 +486,7 @@ def _profile_spacing(
         direction = -1.0 if mean_spacing < 0 else 1.0
         if given is not None:
             if _worst_unexplained_deviation(x, direction * given, digit, MAX_STEP_UNEVENNESS * given) is not None:
-                # The given spacing takes precedence over the measured spacing.
+                # A given spacing takes precedence over the measured spacing.
                 _reject_uneven_positions(x, mean_spacing, digit)
                 numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
@@ -521,7 +521,7 @@ def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[Fil
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     ends = {"first": float(raw.heights[0])}
-    if raw.source.column in ("", "column 0"):  # a table of several columns has no spacing below its heights
+    if raw.source.column in ("", "column 0"):  # only a column without a name can have the spacing below its heights
         ends["last"] = float(raw.heights[-1])
     for place, number in ends.items():
         if any(math.isclose(number * factor, given, rel_tol=1e-9) for factor in LENGTH_UNITS.values()):
@@ -568,7 +568,7 @@ def _worst_position_deviation(x: Floats, spacing: float, digit: Floats, slack: f
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
     # Rounding displaces the first and the last point by up to half a digit each.
-    # Truncation changes the distance between these two points by less than one digit.
+    # Truncation changes the distance between the first and the last point by less than one digit.
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
     excess = np.abs(deviations) - tolerance - slack - round_off

@@ -21,16 +21,16 @@ MAX_POINT_COLUMNS = 12  # maximum number of columns of a list of points with col
 MIN_POINT_ROWS = 12  # minimum number of rows in which the columns of a list of points are compared
 MAX_STATISTIC_LINES = 6  # maximum number of outer rows or columns that contain statistics of a matrix
 # Largest deviation of a statistic from its computed value, relative to the standard deviation of the heights.
-# Printed statistics of heights deviate less, and heights of a surface deviate more.
+# Printed statistics deviate less from computed statistics, and measured heights deviate more.
 MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per line of a profile that is written in lines
 MIN_WRAPPED_LINES = 3  # minimum number of lines of a profile that is written in lines
-# A profile in lines changes from the end of a line to the start of the next as little as between neighbours in a line.
-# A map changes as much there as between neighbours in a column. Few lines may leave both possible.
-# A map is certain if these changes are more likely in a map by this factor. One profile in a hundred may exceed it.
+# Maximum likelihood of a map, relative to a profile that is written in lines, for a caveat.
+# In a profile, heights change as little from the end of a line to the next line as along a line.
+# In a map, heights change from the end of a line to the next line as much as between neighbours in a column.
 MAX_LIKELIHOOD_RATIO = 100.0
-MAX_DEVIATION_IN_LINES = 8.0  # heights above this limit, in median deviations, are ignored in a wrapped profile
-MIN_COLUMN_DIFFERENCE = 2.0  # minimum mean square difference between neighbours in a column, relative to a line
+MAX_DEVIATION_IN_LINES = 8.0  # heights beyond this number of median deviations are ignored in a wrapped profile
+MIN_COLUMN_DIFFERENCE = 2.0  # minimum ratio of the mean square differences of neighbours in a column and in a line
 
 _STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
     ("means", np.mean), ("standard deviations", np.std),
@@ -73,7 +73,7 @@ def reject_coordinates_above_heights(column: Floats) -> None:
     if column.size % 3 or column.size < 3 * MIN_GRID_POINTS:
         return
     points = column.reshape(3, -1).T
-    # one of the first two coordinates changes in equal steps, and the other does not change
+    # In a list of grid points, one of the first two coordinates changes in equal steps, and the other is constant.
     first_steps, second_steps = np.diff(points[:3, :2], axis=0)
     if np.allclose(first_steps, second_steps, rtol=0.01, atol=0.0) and find_grid_columns(points) == (0, 1):
         raise FormatError("lists all x, then all y and all z; write x, y and z in columns, one point per line")
@@ -145,7 +145,7 @@ def _find_statistics(values: Floats) -> str | None:
     for axis, kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered in (("last", lines), ("first", lines[::-1])):
-            # columns in which a line is compared with statistics of the others; the full comparison is rarely needed
+            # Compare a few columns first, because the full comparison with statistics is rarely needed.
             sample = np.linspace(0, lines.shape[1] - 1, min(8, lines.shape[1])).astype(int)
             for count in range(1, min(MAX_STATISTIC_LINES, lines.shape[0] - 4) + 1):
                 name = _find_statistic_name(ordered[:, sample], count)
@@ -160,7 +160,7 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
     if not np.isfinite(lines).all():
         return None
     tolerance = MAX_STATISTIC_DEVIATION * float(heights.std())
-    # lines that are all equal, or of equal heights, agree with their own statistics
+    # Lines that are all equal, or that have equal heights, agree with their own statistics.
     if min(float(np.median(np.ptp(heights, axis=0))), float(np.ptp(last))) <= 50 * tolerance:
         return None
     for name, statistic in _STATISTICS:
@@ -180,7 +180,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
     finite_values = values[np.isfinite(values)]
     if finite_values.size < values.size / 2:
         return ()
-    # ignore outliers and codes for missing points, which would dominate the differences
+    # Ignore outliers and codes for missing points, which would dominate the differences.
     deviations = np.abs(values - np.median(finite_values))
     limit = MAX_DEVIATION_IN_LINES * np.median(deviations[np.isfinite(values)])
     heights = np.where(deviations <= limit, values, np.nan)
@@ -193,7 +193,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
         return ()
     ratio = difference_across / difference_along
     num_wraps = np.count_nonzero(np.isfinite(steps_at_wrap))
-    # logarithm of the likelihood of a map, relative to a profile, for differences with normal distributions
+    # Compute the log-likelihood of a map relative to a profile, for normally distributed differences.
     log_likelihood_ratio = num_wraps / 2 * (difference_at_wrap / difference_along * (1 - 1 / ratio) - np.log(ratio))
     if not log_likelihood_ratio <= np.log(MAX_LIKELIHOOD_RATIO):
         return ()

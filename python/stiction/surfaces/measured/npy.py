@@ -83,7 +83,7 @@ def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
             is_version_1 = np.lib.format.read_magic(file) == (1, 0)
             header = np.lib.format.read_array_header_1_0 if is_version_1 else np.lib.format.read_array_header_2_0
             shape, fortran_order, kind = header(file)
-    except Exception as error:  # parsing the header, a Python literal, can raise many kinds of errors
+    except Exception as error:  # the parser of the header, a Python literal, can raise many classes of errors
         reason = " ".join(str(error).split())[:80]
         raise FormatError(f"is a damaged .npy file, or contains Python objects instead of numbers ({reason})") from None
     if kind.hasobject or any(isinstance(count, bool) for count in shape):

@@ -16,17 +16,17 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# The largest or smallest height may be a code for missing points if at least this many points have this height.
+# Minimum number of points at the largest or smallest height if this height is a code for missing points.
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from all other heights, relative to the range of the other heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
-# The same for a number in a file that repeats exactly, and for the numbers that programs write at missing points.
+# Minimum distances of a code that repeats exactly in the file, and of a code that programs commonly write.
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
     + [-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1]
 )
-# A repeated height counts as a code for missing points only if there are at least this many other heights.
+# A repeated height counts as a code for missing points only if the scan has at least this many other heights.
 MIN_DISTINCT_HEIGHTS = 5
 MAX_MISSING_CODES = 4  # maximum number of codes for missing points at either end of the heights
 # minimum distance of a code for missing points from the median height, in median deviations
@@ -35,19 +35,19 @@ MAX_SAMPLED_HEIGHTS = 65_536  # maximum number of heights from which medians and
 MIN_COMPARED_HEIGHTS = 20  # minimum number of different heights of a scan whose frequencies are compared
 NUM_NEIGHBOURS = 12  # number of next lower and next higher heights with which a frequency is compared
 # A height counts as repeated if its frequency is at least ratio · m + deviations · sqrt(m).
-# In this formula, m is the median frequency of similar heights.
+# The frequency of repeated heights is compared with the median frequency m of similar heights.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4  # range of the fraction of points that have a repeated height
 # Zeros count as repeated if their number is at least 2 m + ZERO_COUNT_DEVIATIONS sqrt(2 m) + MIN_ZEROS.
-# In this formula, m is the largest mean frequency of NUM_NEAREST_HEIGHTS heights on either side of 0.
+# The number of zeros is compared with m, the largest mean frequency of NUM_NEAREST_HEIGHTS heights beside 0.
 ZERO_COUNT_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
-# maximum fraction of rows that equal the row before; a map with a larger fraction is probably an extended profile
+# Maximum fraction of rows that equal the row before; a map with more equal rows is probably an extended profile.
 MAX_REPEATED_ROWS = 0.9
-# minimum length of a run of equal heights in a profile that is reported, and maximum probability of such a run due
-# to rounding
+# Minimum length of a reported run of equal heights in a profile.
+# Reported runs of equal heights also have at most this probability of being due to rounding.
 MIN_EQUAL_RUN, MAX_RUN_PROBABILITY = 8, 1e-4
-# Heights contradict a declared range if their range is at least 10 times larger, or if it is smaller by a power of
-# 1000 (within 10 %), because the unit is then probably wrong.
+# Heights contradict a declared range if their range is at least 10 times larger.
+# A range that is smaller by a power of 1000 (within 10 %) indicates a wrong unit.
 MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
 MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
 # Minimum spacing (one ångström), maximum spacing (one centimetre) and maximum extent (one metre), in µm.
@@ -59,7 +59,7 @@ class ScannedHeights:
     """Heights (µm, NaN at missing points) and spacing, with the conversion factor and the source of the numbers."""
 
     heights: Floats
-    spacing: tuple[float, ...]  # µm, along (y and) x
+    spacing: tuple[float, ...]  # spacing (µm) along y and x, or along x
     factor: float = 1.0  # conversion factor from the numbers in the file to µm
     from_file: bool = True  # False for objects, whose heights may be computed
     declared_range: float | None = None  # range of the heights in the header of the file, µm
@@ -96,7 +96,7 @@ def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
         return ()
     findings = [(check, text) for check in PLAUSIBILITY_CHECKS[:1] for text in check.find(scan)]
     codes = [float(text.partition("|")[2]) * scan.factor for _, text in findings]
-    if codes:  # the other checks ignore heights that may be codes for missing points
+    if codes:  # exclude possible codes for missing points from the other checks
         is_code = np.isclose(scan.heights[..., np.newaxis], codes, rtol=1e-9, atol=0.0).any(axis=-1)
         scan = replace(scan, heights=np.where(is_code, np.nan, scan.heights))
     findings += [(check, text) for check in PLAUSIBILITY_CHECKS[1:] for text in check.find(scan)]
@@ -130,7 +130,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     heights, extremes = scan.non_missing_heights, scan.extremes
     if heights.size < 2 * MIN_DISTINCT_HEIGHTS:
         return []
-    # only heights far from the median can be codes, unless most heights are equal
+    # Only heights far from the median can be codes for missing points, unless most heights are equal.
     sample = heights[:: max(1, heights.size // MAX_SAMPLED_HEIGHTS)]
     median = float(np.median(sample))
     limit = MIN_CODE_DEVIATION * float(np.median(np.abs(sample - median)))
@@ -146,7 +146,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - limit) | (heights > median + limit)
-    # a gap beside a code is at least as wide between the sampled heights as between all heights
+    # A gap next to a code is at least as wide between the sampled heights as between all heights.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []
@@ -164,7 +164,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         itertools.product(range(min(MAX_MISSING_CODES, len(low)) + 1), range(min(MAX_MISSING_CODES, len(high)) + 1)),
         key=sum,
     )[1:]
-    candidates = []  # codes with their distances, and the range of the other heights
+    candidates = []  # possible codes with their distances, and the range of the other heights
     for num_low, num_high in choices:
         remaining_values = values[num_low : values.size - num_high]
         ends = [low[:num_low], high[len(high) - num_high :]]
@@ -240,7 +240,7 @@ def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str |
         return None
     first, end = max(0, place - NUM_NEIGHBOURS), place + NUM_NEIGHBOURS + 1
     near_counts, distances = counts[first:end], np.abs(values[first:end])
-    step = float(np.diff(values[first:end]).min())  # resolution of the numbers
+    step = float(np.diff(values[first:end]).min())  # resolution of the numbers in the file
     usual = max(
         float(near_counts[(distances > 0) & (distances < (num + 0.5) * step)].sum()) / (2 * num)
         for num in NUM_NEAREST_HEIGHTS
@@ -261,7 +261,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
         ends = np.flatnonzero(np.diff(scan.heights) != 0)  # last points of the runs of equal heights
         runs = np.diff(ends, prepend=-1, append=scan.heights.size - 1)
         longest_run = int(runs.max())
-        # fraction of points that equal the point before, without the longest run
+        # Compute the fraction of points that equal the point before them, without the longest run.
         fraction = (scan.heights.size - runs.size - (longest_run - 1)) / scan.heights.size
         if MIN_EQUAL_RUN <= longest_run < scan.heights.size / 2 and (
             scan.heights.size * fraction ** (longest_run - 1) < MAX_RUN_PROBABILITY
@@ -277,7 +277,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
             MIN_DISTINCT_HEIGHTS
         ):
             continue
-        rows = np.flatnonzero((lines[1:, :8] == lines[:-1, :8]).all(axis=1))  # most rows differ in their first heights
+        rows = np.flatnonzero((lines[1:, :8] == lines[:-1, :8]).all(axis=1))
         is_repeated = (lines[rows + 1] == lines[rows]).all(axis=1) & (np.ptp(lines[rows + 1], axis=1) > 0)
         count = int(is_repeated.sum())
         if 0 < count <= MAX_REPEATED_ROWS * lines.shape[0]:

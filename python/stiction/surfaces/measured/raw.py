@@ -34,7 +34,7 @@ not in words.
 """
 
 MAX_FILE_BYTES = 2_000_000_000
-# maximum size of a text file in bytes; parsing requires ten times as much memory as the text
+# Maximum size of a text file in bytes. Parsing takes ten times as much memory as the text.
 MAX_TEXT_BYTES = 300_000_000
 MAX_POINTS_PER_BYTE = 100  # maximum number of points of a compressed map per byte of its file
 MAX_POINTS_OF_SMALL_MAP = 1_000_000  # maximum number of points of a map that may be larger than its file
@@ -48,7 +48,7 @@ _LEADING_NUMBER_PATTERN = re.compile(
 """Pattern of a decimal number that a unit may follow. A hexadecimal or incomplete number does not match."""
 
 _ARCHIVE_CHUNK_SIZE = 1 << 16
-# compression methods of archive members that can be read in pieces of limited size
+# Compression methods of archive members that can be read in pieces of limited size.
 _COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -130,7 +130,7 @@ class UnclearSpacing:
     """Header line that may declare a spacing. A single length in the line is used as the spacing, with a caveat."""
 
     line: str
-    lengths: tuple[float, ...] = ()  # lengths in the line, µm: one, or one for each axis in unknown order
+    lengths: tuple[float, ...] = ()  # one length (µm) in the line, or one for each axis in unknown order
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class HeightProvenance:
     encoding: str = ""  # encoding of a text file
     separator: str = ""
     decimal_mark: str = ""
-    lines: tuple[int, int] | None = None  # first and last line of the data, counted from 1
+    lines: tuple[int, int] | None = None  # numbers of the first and the last line of the data, counted from 1
     lines_above: int = 0  # number of lines above the data
     lines_below: int = 0  # number of lines below the data
 
@@ -154,7 +154,7 @@ PlaceValueFunction = Callable[[], Floats]
 class RawHeights:
     """Numbers read from a file before conversion, with their units if known. Missing heights are NaN."""
 
-    heights: Floats  # (n,) or (rows, columns)
+    heights: Floats  # heights in the unit of the file, with shape (n,) or (rows, columns)
     unit: str | None = None
     positions: Floats | None = None  # (n,) positions of a profile
     # function that returns the place value of the last printed digit of each position, with shape (n,)
@@ -181,8 +181,8 @@ class WordColumn:
     place: int  # column number
     words: str  # the most frequent words and their counts
     rarest: str  # the least frequent word
-    missing: NDArray[np.bool_]  # (rows,) True at rows whose word marks a missing point according to the caller
-    units: tuple[str, ...] = ()  # different units of length, if all words are such units
+    missing: NDArray[np.bool_]  # (rows,) mask of the rows whose word marks a missing point
+    units: tuple[str, ...] = ()  # units of length in the column, if all words are such units
 
 
 @dataclass(frozen=True)
@@ -198,16 +198,15 @@ class ColumnTable:
     row_digits: Callable[[int], Floats] | None = None
     declared: HeaderDeclarations = field(default_factory=lambda: HeaderDeclarations())
     history: tuple[str, ...] = ()  # processing steps applied before the heights were written
-    # True for a NumPy array.
-    # An array with two columns contains positions and heights only if the first column has equal steps.
+    # True for a NumPy array, in which two columns contain positions and heights only if the first has equal steps.
     area: bool = False
     source: HeightProvenance = HeightProvenance()
-    places: tuple[int, ...] | None = None  # column numbers in the file, if columns were skipped
-    # numbers of rows, and first line numbers (counted from 1), of the blocks that empty lines separate in a text
+    places: tuple[int, ...] | None = None  # column numbers in the file, if some columns were skipped
+    # Numbers of rows, and first line numbers (from 1), of the blocks that empty lines separate in a text.
     block_lengths: tuple[int, ...] = ()
     block_lines: tuple[int, ...] = ()
     caveats: tuple[FileCaveat, ...] = ()
-    word_columns: tuple[WordColumn, ...] = ()  # columns that contain words; their values are NaN
+    word_columns: tuple[WordColumn, ...] = ()  # columns of words, whose values are NaN
 
     def last_digit_value_function(self, column: int) -> PlaceValueFunction | None:
         """Return a function that computes the place value of the last digit of each number in a column."""
@@ -231,11 +230,11 @@ class HeaderDeclarations:
     factor: float | None = None  # factor that converts the numbers to `unit`
     codes: tuple[float, ...] = ()  # values that mark missing points
     counts: tuple[float, ...] = ()  # integers that are either codes for missing points or counts of missing points
-    scale: str = ""  # line that declares a factor or a range of heights that is not applied
+    scale: str = ""  # line that declares a factor or a height range that is not applied
     points: int | None = None  # number of points of a profile
     tip_radius: DeclaredLength | None = None  # radius of the stylus tip
     line: str = ""  # line that declares the unit or the factor
-    slope_line: str = ""  # line by which the numbers of a profile are slopes
+    slope_line: str = ""  # line that declares the numbers of a profile to be slopes
 
 
 @dataclass(frozen=True)
@@ -271,7 +270,7 @@ def parse_length_unit(text: str) -> str | None:
         numerator, _, denominator = power.partition("/")
         value = float(numerator) / float(denominator or 1) / float(match[3] or 1) * LENGTH_UNITS[match[2]]
         return next((unit for unit in ("m", "mm", "um", "nm", "pm") if math.isclose(LENGTH_UNITS[unit], value)), None)
-    # normalisation converts ligatures such as ㎛ to separate characters
+    # Normalisation converts ligatures such as ㎛ to separate characters.
     plain_text = unicodedata.normalize("NFKC", text)
     if plain_text in LENGTH_UNITS:
         return plain_text

@@ -50,15 +50,15 @@ MIN_MATRIX_COLUMNS = 4  # minimum number of columns of a height matrix in a text
 MAX_TABLE_GRID_POINTS = 100_000_000  # maximum number of points of a map
 MAX_LISTED_NAMES = 12  # maximum number of names in a message
 MAX_SELECTED_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
-MIN_JITTERED_POSITIONS = 8  # slightly uneven positions count as measured only if there are at least this many positions
+MIN_JITTERED_POSITIONS = 8  # minimum number of slightly uneven positions that count as measured
 MAX_JITTER = 0.5  # largest range of the steps between measured positions, relative to the mean step
-# a surface counts as tilted if the correlation between heights and point index exceeds this limit
+# A surface counts as tilted if the correlation between heights and point index exceeds this limit.
 MIN_TILT_CORRELATION = 0.98
-# The first number is suspicious if it has fewer decimals than the following numbers.
-# At least this many following numbers must have the same number of decimals.
+# Minimum number of following numbers with equal decimals for a check of the first number.
+# The first number of a column is suspicious if it has fewer decimals than the numbers below it.
 MIN_COMPARED_NUMBERS = 20
 # Smallest step of positions, in units of the last printed digit.
-# Equal steps below this limit may also occur between coarsely rounded heights.
+# Coarsely rounded heights may also have equal steps if the steps are smaller than three digits.
 MIN_STEP_DIGITS = 3.0
 NameOrIndex = str | int
 
@@ -72,7 +72,7 @@ _NUMBERING_NAME_PATTERN = re.compile(
 )
 _VALID_NAME_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
-# column names that do not show whether 1 marks valid or invalid points
+# Column names that do not show whether 1 marks valid or invalid points.
 _FLAG_NAME_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 _NUMBERED_UNIT_PATTERN = re.compile(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")  # a unit with a number other than 1
 _RAW_HEIGHTS_PATTERN = re.compile(r"\W*(?:z|heights?|höhe\w*|profile?|topography)(?:[ _-]?a\w+)?[\W_]*raw\W*", re.I)
@@ -122,7 +122,7 @@ def _find_column_or_channel_index(
     """Return the index of a column or a channel, given its name or its number in the file."""
     text = str(selected).strip()
     normalisers: list[Callable[[str], str]] = [lambda name: name, lambda name: name.casefold()]
-    if "(" not in text or is_unit(unit_in_column_name(text) or ""):  # "Height (trace)" has no unit that can be omitted
+    if "(" not in text or is_unit(unit_in_column_name(text) or ""):  # "Height (trace)" ends with a remark
         normalisers.append(_name_without_unit)
     for normaliser in normalisers:
         matches = [index for index, name in enumerate(names) if normaliser(name.strip()) == normaliser(text) and text]
@@ -183,7 +183,7 @@ def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[NameOrIn
 def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **attributes: Any) -> RawHeights:
     """Return the heights of a table together with all declarations in its header."""
     declared = table.declared
-    # a count that exceeds the number of heights cannot be the number of missing points
+    # A count that exceeds the number of heights cannot be the number of missing points.
     counts = tuple(count for count in declared.counts if count > heights.size)
     caveats: tuple[FileCaveat, ...] = ()
     if declared.scale:
@@ -276,7 +276,7 @@ def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = Fa
             f"has positions in a column named {printable_text(name)!r}, but {quantity} is not a length; choose "
             f"only the heights (--columns {_column_numbers(table)[places[-1]]}) and give their spacing (--spacing)"
         )
-    # these rows lie below the end of the shorter of two adjacent tables in the file
+    # Remove the rows below the end of the shorter of two adjacent tables in the file.
     is_empty = np.isnan(positions) & np.isnan(heights)
     end = heights.size - int(np.argmin(is_empty[::-1])) if not is_empty.all() else heights.size
     digits = table.last_digit_value_function(places[0])
@@ -324,12 +324,12 @@ def _reject_positions_above_heights(column: Floats) -> None:
 def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
     """Remove the first number of a height column if it is the count of the numbers that follow."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
-        for leading_number_count in range(place + 1, 4):  # numbers at the start that are not heights
+        for leading_number_count in range(place + 1, 4):  # count of numbers at the start that are not heights
             if heights[place] != heights.size - leading_number_count:
                 continue
             if leading_number_count == 1:
                 return heights[1:], (f"first number removed, {heights[0]:.0f}, which is the count of the others",)
-            # a whole number among whole heights is a count only if it is directly above them
+            # A whole number among whole heights is a count only if it is directly above the heights.
             if leading_number_count == place + 1 or (heights[leading_number_count:] % 1 != 0).any():
                 raise FormatError(
                     f"begins with {leading_number_count} numbers, of which one, {heights[place]:.0f}, counts the "
@@ -407,7 +407,7 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
     first, second, third = positions[:3].tolist()
     step = second - first
     counts_points = step == 1 and first in (0, 1)
-    counts_by_name = bool(name) and step.is_integer() and first.is_integer()  # for example every tenth frame
+    counts_by_name = bool(name) and step.is_integer() and first.is_integer()
     if not (counts_points or counts_by_name) or not np.array_equal(positions, first + step * np.arange(positions.size)):
         return ()
     number = _column_numbers(table)[place]
@@ -636,7 +636,7 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
     # Measured positions have unequal steps.
-    # The heights of a tilted surface may also have unequal steps, but then the heights rise in every line.
+    # On a tilted surface, whose heights may also have unequal steps, the heights rise in every line.
     return any(_correlation_with_index(other) < MIN_TILT_CORRELATION for other in other_lines)
 
 
@@ -722,7 +722,7 @@ def _is_xyz_table(table: ColumnTable) -> bool:
         return False
     count = x.size
     distinct_counts = [np.unique(value).size for value in (x, y)]
-    # On a grid, x and y have few different values. The positions of a profile all differ.
+    # On a grid, x and y have few different values, whereas all positions of a profile differ.
     return (max(distinct_counts) < count and min(distinct_counts) > 1) or (
         bool(table.names) and max(distinct_counts) == count and min(distinct_counts) > 1
     )

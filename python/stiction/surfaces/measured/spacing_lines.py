@@ -134,7 +134,7 @@ def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
         else:
             spacing = spacing or declaration
     along_axes = [find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, parse_bracketed_length) for axis in "yx"]
-    if along_axes[0] and pixel_sizes and not _are_equal(along_axes[0], pixel_sizes[0]):  # "Track distance: 2 um"
+    if along_axes[0] and pixel_sizes and not _are_equal(along_axes[0], pixel_sizes[0]):
         unclear = UnclearSpacing(along_axes[0].line.strip())
         spacing = pixel_sizes = None
     written = [
@@ -184,9 +184,9 @@ def _parse_spacing_line(
         return UnclearSpacing(line.strip()) if has_length and not is_resolution else None
     items = [match.groups()[:4], match.groups()[4:]][: 2 if match[5] else 1]
     if any("," in item[0] and text.count(",") > len(items) * 2 - 1 for item in items):
-        return UnclearSpacing(line.strip())  # the comma either separates two cells or is a decimal comma
+        return UnclearSpacing(line.strip())  # the comma separates two cells or is a decimal comma
     if any(item[2] and not re.fullmatch(f"{_POINT_WORDS}|lines?|rows?|columns?", item[2], re.I) for item in items):
-        return None  # for example a resolution of heights in nm per bit
+        return None  # for example the resolution of heights in nm per bit
     if is_resolution and not any(item[2] for item in items):
         return None  # the resolution of an instrument
     units = [item[1] or items[-1][1] or bracket for item in items]
@@ -252,7 +252,7 @@ def _parse_bare_number(number: str) -> float | None:
     """Parse a spacing without a unit. Return None if no scan can have this spacing."""
     try:
         return parse_positive_number(number, "as spacing")
-    except FormatError:  # a header often contains unused entries
+    except FormatError:  # headers often contain unused entries
         return None
 
 
@@ -262,7 +262,7 @@ def parse_length(digits: str, unit: str | None, *, line: str) -> DeclaredLength 
         return None
     try:
         length = parse_number(digits, f"in its header line {line[:80]!r}")
-    except FormatError:  # raised when the length is used, because a header often contains unused entries
+    except FormatError:  # headers often contain unused entries, so an error is raised only when the length is used
         return DeclaredLength(math.nan, 0.0, str(parse_length_unit(unit)), line)
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
     digit = float(f"1e{int(exponent or 0) - len(mantissa.partition('.')[2])}")

@@ -42,16 +42,16 @@ MAX_HISTORY_STEP_LENGTH = 1000  # maximum number of characters of a history entr
 MAX_HISTORY_STEPS = 1000
 
 
-# Maximum number of lines of numbers above or below the data that do not belong to the table.
-# It is a fraction of the number of data lines, to which 2 is added.
+# Maximum number of numeric lines above or below the data that are not part of the table.
+# The limit is this fraction of the number of data lines, plus 2.
 MAX_FOOTER_FRACTION = 0.1
 
 
-# The last number of a text may be cut off if at least this many numbers above it have the same number of decimals.
+# The last number of a text may be cut off if this many numbers above it have the same number of decimals.
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 
-# Minimum number of rows of a separate block above the data. A smaller block is a size or a count.
+# Minimum number of rows of a separate block above the data, because smaller blocks are sizes or counts.
 MIN_BLOCK_ROWS = 2
 
 
@@ -70,7 +70,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
     first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
     dialect = detect_dialect(text, first, last)
     labels = _include_label_line(text, first, last, dialect)
-    if labels < first:  # the line of labels starts with a word and not with a number
+    if labels < first:  # a line of labels starts with a word and not with a number
         first, text = labels, replace(text, words=(*text.words, dialect.split_line(text.line(labels))[0]))
     _reject_unreadable_line(text, dialect, len(dialect.split_line(text.line(last))), runs)
     block = parse_number_block(text, first, last, dialect, ragged=True)
@@ -240,7 +240,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
             continue
         cells = dialect.split_line(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
-        # above the data, a line of the form "name value" does not count as a row of numbers
+        # Above the data, a line of the form "name value" does not count as a row of numbers.
         weighted_number_count = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
         if len(cells) != width or None not in kinds or _are_position_labels(cells, dialect):
             continue

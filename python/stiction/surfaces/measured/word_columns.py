@@ -13,10 +13,10 @@ from stiction._text import printable_text
 from stiction.surfaces.measured.decode import BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE, DecodedText
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_line_runs, split_cells
 
-# The comma is tried last, because it may be the decimal mark if the cells have another separator.
+# The comma is tried last, because it may be the decimal mark of cells that another character separates.
 _CELL_SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL_PATTERN = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
-_MISSING_WORD_REPLACEMENT = "nan"  # text that replaces each word
+_MISSING_WORD_REPLACEMENT = "nan"  # text that replaces each word for a missing point
 _MAX_SEPARATOR_SEARCH_LINES = 400  # number of lines that are searched for possible separators
 MIN_TABLE_ROWS = 4  # minimum number of rows of a table in which columns of words are searched for
 MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
@@ -42,7 +42,7 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[LocatedW
         separator: _find_word_table(text, lines[:_MAX_SEPARATOR_SEARCH_LINES], separator)
         for separator in _CELL_SEPARATORS
     }
-    # if several separators are equally good, the first of them is used
+    # If several separators yield equally many columns of numbers, `max` chooses the first separator.
     separator = max(samples, key=lambda key: len(samples[key].numeric))
     if not samples[separator].words:
         return text, ()
@@ -94,7 +94,7 @@ class _WordTable:
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
     words: dict[int, Counter[str]] = field(default_factory=dict)  # count of each word, by column
-    # numbers of the lines in which a word marks a missing point, by column
+    # line numbers in which a word marks a missing point, by column
     missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
 
@@ -131,7 +131,7 @@ def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | N
         words = Counter({cell: count for cell, count in counts.items() if _is_word(cell, dialect, text, given_words)})
         if (
             words and not {cell.casefold() for cell in counts} <= given_words
-        ):  # a column that contains only words for missing points is ignored
+        ):  # columns that contain only words for missing points are ignored
             table.words[index] = words
     return table
 

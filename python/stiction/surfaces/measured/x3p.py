@@ -48,7 +48,7 @@ def read_x3p(data: bytes) -> RawHeights:
             return _read_archive(archive)
     except FormatError:
         raise
-    except Exception as error:  # zipfile and zlib raise many kinds of errors
+    except Exception as error:  # zipfile and zlib raise many classes of errors
         raise FormatError(f"is a damaged X3P file ({type(error).__name__}: {str(error)[:80]})") from None
 
 
@@ -58,7 +58,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     ]
     if not main_xml_names:
         raise FormatError(f"is a zip archive without {_MAIN_XML_FILE}, so it is not an X3P file")
-    # some programs store all members in a directory of the archive
+    # Some programs store all members in a directory of the archive.
     folder = min(main_xml_names, key=len).removesuffix(_MAIN_XML_FILE)
     root = _MainXml(archive, folder)
     feature = _get_element_text(root, "Record1/FeatureType")
