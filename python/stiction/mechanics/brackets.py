@@ -79,7 +79,7 @@ def extrapolated_gradients(
     finer_wavelengths = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest
     if estimate is None:
         return np.full((finer_wavelengths.size, 3), np.nan)
-    # Scale the extrapolated gradients so that they equal the gradient of this scan at its shortest wavelength.
+    # Scale the extrapolated gradients to match the gradient of the scan at its shortest wavelength.
     gradient_ratio = gradient / float(roughness.gradient_at(shortest))
     gradients = gradient_ratio * np.stack(
         [roughness.continued(finer_wavelengths, power_law) for power_law in fitted_and_limiting_power_laws(estimate)],
@@ -142,7 +142,7 @@ def max_friction_for_finer_scans(
     value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contact_count: float
 ) -> Floats:
     """Return the largest mu_s that finer scans of a yielding pair can give. Arguments are numbers or samples."""
-    # The part of the friction that is due to tau0 is proportional to the area.
+    # The friction due to tau0 is proportional to the contact area.
     adhesive_friction = np.asarray(value - mu0)
     increase = max_area_for_finer_scans(adhesive_friction, adhesion, contact_count) - np.maximum(
         adhesive_friction, adhesion

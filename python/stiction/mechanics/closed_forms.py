@@ -23,9 +23,9 @@ from stiction.mechanics.friction import (
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import SlidingRule
 
-# With this number of bisections, the logarithm of an aspect ratio is exact to the last bit.
+# After this number of bisections, the logarithm of an aspect ratio is exact to the last bit.
 _NUM_BISECTIONS = 64
-_SLOPE_TOLERANCE = 1e-9  # the rms slope may exceed the rms gradient by at most this relative amount
+_SLOPE_TOLERANCE = 1e-9  # largest relative amount by which the rms slope may exceed the rms gradient
 # Below this standard deviation of the slopes, two terms of the series are exact to the last bit.
 _SMALL_SLOPE_LIMIT = 1e-3
 
@@ -415,7 +415,7 @@ def maugis_dugdale(
                 lower_limit -= 1
             if (
                 _maugis_radius_and_load(lower_limit, attraction_strength)[1] < force / force_unit
-            ):  # round-off hides the difference of the two radii
+            ):  # round-off hides the difference between the radii of contact and attraction
                 raise ArithmeticError
             log_ratio = brentq(
                 lambda x, s=attraction_strength, f=force / force_unit: _maugis_radius_and_load(x, s)[1] - f,
@@ -686,8 +686,8 @@ def hertz_ellipse(
         )
     )
     larger_radius, smaller_radius = np.maximum(r1, r2), np.minimum(r1, r2)
-    ratio = smaller_radius / larger_radius  # ratio of the smaller to the larger radius
-    # R_D(0, k², 1)/R_D(0, 1, k²) increases with k, and is smaller than k.
+    ratio = smaller_radius / larger_radius
+    # Bisection finds k, because R_D(0, k², 1)/R_D(0, 1, k²) increases with k and is smaller than k.
     log_low, log_high = np.log(ratio), np.zeros(ratio.shape)
     for _ in range(_NUM_BISECTIONS):
         log_middle = 0.5 * (log_low + log_high)

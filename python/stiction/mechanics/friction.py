@@ -38,7 +38,7 @@ Status = Literal[
 The coefficient of a point with the status "bulk-shear" is a lower limit, because the softer body shears.
 """
 
-# The sequence of the statuses must not change, because files store the index of a status in this sequence.
+# Files store the index of a status in this sequence, so the order of the statuses must not change.
 STATUSES: tuple[Status, ...] = get_args(Status)
 STATUS_OK: Status = "ok"
 STATUS_SELF_LOCKED: Status = "self-locked"
@@ -213,8 +213,9 @@ class FrictionLaw:
         mean_pressure = np.minimum(load / area, pressure)
         frictional, adhesive = self.contributions(mean_pressure, 1.0)
         with np.errstate(invalid="ignore", divide="ignore"):
+            # At the limit pressure, the traction mu0 p + tau0 reaches the shear strength.
             limit_pressure = np.where(np.asarray(self.mu0) > 0, (strength - self.tau0) / np.asarray(self.mu0), np.inf)
-            relative_limit = np.clip(limit_pressure / pressure, 0.0, 1.0)  # pressure that reaches the shear strength
+            relative_limit = np.clip(limit_pressure / pressure, 0.0, 1.0)
             limited = frictional * _fraction_below(relative_limit, mean_pressure / pressure) + np.minimum(
                 adhesive, strength
             )
@@ -254,7 +255,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
     slope = np.asarray(ratio * mu0 / PLANE_STRAIN_RATIO)
     margin = np.maximum(1 - ratio * tau0 / hardness - slope * (1 + np.pi / 2), 0.0)
     linear = slope * (1 + np.pi / 2) * np.sqrt(2.0)
-    with np.errstate(invalid="ignore"):  # 0/0 without mu0, where tau0 equals the shear strength
+    with np.errstate(invalid="ignore"):  # 0/0 occurs if mu0 is 0 and tau0 equals the shear strength
         x = np.nan_to_num(2 * margin / (linear + np.sqrt(linear**2 + 8 * margin)))
         x = np.minimum(x, np.sqrt(0.5))
         for _ in range(NUM_PRESSURE_STEPS):
@@ -292,7 +293,7 @@ def _tabulate_fractions_below() -> Floats:
     from scipy.special import gamma, gammainc
 
     means = np.linspace(SMALLEST_TABULATED_MEAN, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
-    means = np.minimum(means, 0.9999)  # the rate at a mean of 1 is zero
+    means = np.minimum(means, 0.9999)  # a mean of 1 has a rate of 0, whose logarithm is not finite
     shape = 1.5 - 0.65 * means
     low, high = np.full_like(means, -12.0), np.full_like(means, 12.0)
     for _ in range(60):
@@ -309,7 +310,7 @@ def _tabulate_fractions_below() -> Floats:
 def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
     """Solve for the pressure of p² + α (mu0 p + tau0)² = H²."""
     half_linear_coefficient = alpha * (mu0 * tau0)
-    # If the contact seizes, this difference of two squares is zero or negative.
+    # The difference of the two squares is zero or negative if the contact seizes.
     constant_term = np.square(hardness) - alpha * tau0**2
     with np.errstate(invalid="ignore"):
         pressure = constant_term / (
@@ -509,7 +510,7 @@ class FrictionCurve(PlotReprMixin):
         if mu0 is None:
             return draw_contact_area(axes_or_new_axes(ax), self.normal_elastic, self.contact_area)
         coefficient = self.friction_coefficient(mu0=mu0, tau0=tau0)
-        direction = getattr(self, "direction", 0.0)  # profiles have no attribute `direction`
+        direction = getattr(self, "direction", 0.0)  # curves of profiles have no `direction`
         return draw_friction(
             axes_or_new_axes(ax), self.normal_elastic, coefficient, mu0=mu0, tau0=tau0, direction=direction
         )
@@ -547,7 +548,7 @@ def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
-MAX_FRICTION_PARAMETER = 1e12  # largest accepted mu0 and tau0 (GPa); larger values may overflow
+MAX_FRICTION_PARAMETER = 1e12  # largest accepted mu0 and tau0 (GPa); larger numbers may overflow
 
 
 def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:

@@ -31,12 +31,11 @@ MAX_CACHED_GRID_POINTS = 2**20
 Computing the kernels takes a quarter of the time of solving a contact with free boundaries.
 """
 
-# In a linear response to a tilt, the edge displacement is this fraction of the mean displacement due to the load.
+# Edge displacement in a linear response to a tilt, as a fraction of the mean displacement due to the load.
 TILT_DISPLACEMENT_RATIO = 0.01
-# relative tolerance of the solver for linear responses with a fixed set of contact points
+# Relative tolerance of the solver for linear responses with a fixed set of contact points.
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Upper bound on the pressure in linear responses to a mean pressure of 1.
-# The bound is high enough even for coarse grids.
+# Upper bound on the pressure in linear responses to a mean pressure of 1, high enough even for coarse grids.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
 MAX_CELL_ASPECT_RATIO = 1e6  # maximum ratio of the longer to the shorter side of a grid cell
 
@@ -90,9 +89,9 @@ class HalfSpaceProblem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
-    # mask of the points at which at least one height is missing; the surfaces cannot touch at these points
+    # Mask of the points at which a height of either surface is missing, so that the surfaces cannot touch.
     missing: NDArray[np.bool_] | None = None
-    # slopes by which the upper surface is rotated about its centre: along y and x, or only along x for profiles
+    # Slopes by which the upper surface is rotated about its centre: along y and x, or only along x for profiles.
     tilt: Floats | float = 0.0
     turns: bool = False  # True if the upper surface rotates until the resultant force acts at the centre
 
@@ -251,7 +250,7 @@ class ContactSolution:
         return self._compute_response(self._all_points)
 
     def _get_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the stored response of the points that the mask selects: those below the hardness, or all points."""
+        """Return the stored elastic response of the points that the mask selects: below the hardness, or all points."""
         return self._linear_response if free_mask is self.below_hardness else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
@@ -273,8 +272,8 @@ class ContactSolution:
             return np.nan
         if problem.periodic and problem.missing is None:
             return self._compute_stiffness(free_mask) / problem.area
-        # Both terms are per 1 GPa of nominal pressure. By reciprocity, the mean displacement due to these pressures is
-        # the mean of the displacement due to a uniform pressure, weighted with these pressures (sum: 1 GPa).
+        # Both the approach and the mean displacement are per 1 GPa of nominal pressure.
+        # By reciprocity, the mean displacement is that of a uniform pressure, weighted with the pressures (sum: 1 GPa).
         pressures_of_unit_sum, approach_of_unit_sum = self._get_response(free_mask)
         approach = approach_of_unit_sum * problem.area / problem.cell_area
         mean_displacement = float((pressures_of_unit_sum * problem.uniform_pressure_displacement).sum())
@@ -282,7 +281,7 @@ class ContactSolution:
         return 1 / closure if closure > 0 else np.inf
 
 
-# maximum ratio of the gap to the length; at this ratio, slopes are far too large for the model
+# Maximum ratio of the gap to the length, at which slopes are far too large for the model.
 MAX_GAP_TO_LENGTH_RATIO = 1e6
 
 
@@ -294,7 +293,7 @@ def make_problem(
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(f"upper and lower must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}")
     spacing = upper.spacings
-    cell_area = math.prod(spacing)  # may overflow without a warning
+    cell_area = math.prod(spacing)  # the product may overflow without a warning
     if not (np.finfo(np.float64).tiny <= cell_area < np.inf and max(spacing) <= MAX_CELL_ASPECT_RATIO * min(spacing)):
         raise ValueError(
             f"spacing must give grid cells of at least {np.finfo(np.float64).tiny:.0e} µm² with sides that differ by a "
@@ -376,9 +375,9 @@ def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
 class TiltResponse:
     """Responses of fixed contact points to a mean pressure of 1 GPa and to unit slopes of the upper surface."""
 
-    pressure: Floats  # pressure under the load, GPa
-    approach: float  # approach under the load, µm
-    moments: Floats  # (n,) moments of the pressure under the load, GPa µm
+    pressure: Floats  # pressure (GPa) due to the load
+    approach: float  # approach (µm) due to the load
+    moments: Floats  # (n,) moments (GPa µm) of the pressure due to the load
     slope_pressures: list[Floats]  # change of the pressure (GPa) per unit slope along each axis, at constant load
     moments_per_slope: (
         Floats  # (n, n) change of the moments per unit slope; negative definite unless only one point is free
@@ -442,8 +441,8 @@ class ContactSolver:
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Missing points receive a gap that never closes.
-            # The gap of missing points raises the standard deviation of all gaps, so the solver tolerance is rescaled.
+            # Set a gap at missing points that never closes.
+            # The large gaps raise the standard deviation of all gaps, so the solver tolerance is rescaled.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)

@@ -87,7 +87,7 @@ def yielded_area(elastic_area: ArrayLike, load: ArrayLike, hardness: ArrayLike, 
     array([ 2.  ,  2.88, 20.52])
     """
     area = np.asarray(elastic_area, dtype=np.float64)
-    pressure_ratio = np.asarray(load) / (area * np.asarray(hardness))  # mean elastic pressure / hardness
+    pressure_ratio = np.asarray(load) / (area * np.asarray(hardness))  # mean elastic pressure divided by the hardness
     power = np.asarray(exponent)
     # Exponentials of logarithms are several times faster than powers.
     log_ratio = np.log(np.maximum(pressure_ratio, ELASTIC_PRESSURE_FRACTION))

@@ -115,8 +115,8 @@ class JacksonGreen(ContactLaw):
     poisson_ratio: float = parameter_field("", least=0.0, most=0.5)
 
 
-CONTACT_LAWS: tuple[type[ContactLaw], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # all contact laws
-# contact laws without required parameters, which can therefore be specified by name
+CONTACT_LAWS: tuple[type[ContactLaw], ...] = (HertzSphere, HertzCylinder, JacksonGreen)
+# Contact laws without required parameters, which can therefore be specified by name.
 LawName = Literal["hertz-sphere", "hertz-cylinder"]
 CONTACT_LAWS_BY_NAME: dict[str, ContactLaw] = {
     law.name: law() for law in CONTACT_LAWS if all(item.default is not MISSING for item in fields(law))

@@ -25,13 +25,13 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 # Smallest sampled approach as a fraction of the range of the gap.
-# At smaller approaches, one contact bears the whole load.
+# At approaches below 1e-6 of the range of the gap, one contact bears the whole load.
 _MIN_APPROACH_RATIO = 1e-6
 # Ratio of successive sampled approaches.
-# If the curve crosses a load twice between two samples, the crossings may be missed.
+# Two crossings of a load between successive samples may be missed.
 _SUCCESSIVE_APPROACH_RATIO = 1.1
 # Number of approaches in a batch.
-# Sampling stops after the batch in which all loads are reached, because larger approaches take longer to sample.
+# Sampling stops after the batch in which all loads are reached, because larger approaches take longer.
 _APPROACHES_PER_BATCH = 16
 # Candidates are searched for up to this multiple of the requested depth.
 _SEARCH_DEPTH_FACTOR = 5.0
@@ -177,8 +177,8 @@ def find_approaches_at_loads(
     is_pending = ~is_exceeded
     lower_approach, upper_approach = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     has_touched = bool(contact_sums.contact_count.any())
-    # Successive approaches have equal ratios, up to the approach at which all points touch.
-    # Parallel surfaces have no such range of approaches.
+    # Sample approaches with equal ratios, up to the approach at which all points touch.
+    # The gap of parallel surfaces has no range, so no approach is sampled.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_SUCCESSIVE_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
     sampled_approaches = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)

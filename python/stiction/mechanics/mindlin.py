@@ -104,19 +104,18 @@ class AsperityTangentialProblem:
         self.normal_load = float(load.sum())
         self.sliding_load = float(law.force(load.sum(), area.sum()))
         self.stiffness = float(self.spring_stiffness.sum())
-        # displacement at which each contact slides completely
+        # Compute the displacement at which each contact slides completely.
         self.sliding_displacement = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring_stiffness
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
         """Return the state in which all contacts together support a tangential load."""
         from scipy.optimize import brentq
 
-        del near  # no initial guess is used, because this solution is not iterative
+        del near  # the solution is not iterative and needs no initial guess
         max_displacement = float(self.sliding_displacement.max())
         displacement = max_displacement
         if load < self.sliding_load:
-            # The load is a concave function of the displacement.
-            # The tangent at zero displacement therefore gives a lower bound on the displacement.
+            # Because the load is a concave function of the displacement, its initial tangent gives a lower bound.
             min_displacement = min(load / self.stiffness, max_displacement)
             displacement = brentq(
                 lambda value: self._tangential_loads(self._slip_depth(value)).sum() - load,
@@ -193,7 +192,7 @@ class HalfSpaceTangentialProblem:
             problem.has_finite_approach,
         )
         self.shape, self.size = problem.gap.shape, problem.gap.size
-        # on a profile, each traction acts on a line perpendicular to the motion
+        # On a profile, each traction acts on a line perpendicular to the motion.
         transverse_fraction = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, transverse_fraction))
         self.points: NDArray[Any] = contact_solution.points
@@ -243,7 +242,7 @@ class HalfSpaceTangentialProblem:
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
         traction = solution.pressure[self.points]
-        # Surfaces in full contact do not move before a point slips; the approach of the solver is then round-off.
+        # Surfaces in full contact do not move before a point slips, so the approach of the solver is round-off.
         is_at_rest = self.stiffness == np.inf and not (traction >= self.bound).any()
         return self._make_slip_state(load, traction, 0.0 if is_at_rest else solution.approach * self.ratio)
 
@@ -273,7 +272,7 @@ class HalfSpaceTangentialProblem:
     def _displacements(self, traction: Floats) -> Floats:
         """Return the displacements (µm) of the points in contact under given tractions."""
         if self.stiffness == np.inf and np.ptp(traction) <= UNIFORMITY_TOLERANCE * traction.max():
-            return np.zeros(traction.size)  # the exact displacement under a uniform traction in full contact
+            return np.zeros(traction.size)  # a uniform traction in full contact causes no displacement
         displacements = (
             self.grids.displacement(self._spread_over_grid(traction), threads=solver_thread_count()) * self.ratio
         )

@@ -25,7 +25,7 @@ CurvatureRequirement = Literal["convex", "signed"]
 ShearDirection = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
 SlidingRule = Literal["opposing", "all"]
-DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus used in the paper, GPa
+DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus (GPa) of the paper
 PROFILE_WIDTH = 1.0  # width of a profile, µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 # Two heights count as equal if they differ by at most this fraction of the height range.
@@ -206,7 +206,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
         return model
     if unknown_keywords := parameters.keys() - ContactModelArguments.__annotations__.keys():
         raise TypeError(f"unknown keyword argument {min(unknown_keywords)!r}")
-    # `shear` and `direction` cannot be combined, so setting one of them resets the other.
+    # Reset `direction` if `shear` is given, and vice versa, because both specify the direction of motion.
     if "shear" in parameters and parameters.get("direction") is None:
         parameters["direction"] = None
     elif parameters.get("direction") is not None and "shear" not in parameters:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 # Two loads have the same solution if they differ by less than this fraction of the sliding load.
 LOAD_TOLERANCE = 1e-9
-# Smallest tangential load and displacement, as fractions of those at sliding. Smaller ones are lost in round-off.
+# Smallest tangential load and displacement, as fractions of those at sliding, that exceed round-off.
 MIN_SLIDING_FRACTION = 1e-12
 # Tolerance of a requested displacement, as a fraction of the displacement at which the surfaces begin to slide.
 DISPLACEMENT_TOLERANCE = 1e-7

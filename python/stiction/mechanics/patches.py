@@ -35,7 +35,7 @@ def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
     n = heights.shape[axis]
     factor = 2j * np.pi * scipy.fft.rfftfreq(n, step)
     if n % 2 == 0:
-        factor[-1] = 0.0  # at grid points, the Nyquist component has zero slope
+        factor[-1] = 0.0  # the wave at the Nyquist wave number has zero slope at all grid points
     shape = [1] * heights.ndim
     shape[axis] = factor.size
     spectrum = scipy.fft.rfft(heights, axis=axis) * factor.reshape(shape)

@@ -73,7 +73,7 @@ class FourParameterIwan(TextReprMixin):
         displacements, sliding_displacement = _validate_displacement(displacement), self.displacement_at_sliding
         ratio = np.minimum(displacements / sliding_displacement, 1.0)
         slip_fraction = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
-        # Masing's rule: the loss is 8 · (area under the loading curve) - 4 · load · displacement.
+        # By Masing's rule, the loss is 8 · (area under the loading curve) - 4 · load · displacement.
         loss_before_sliding = (
             4
             * self.stiffness

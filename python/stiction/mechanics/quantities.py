@@ -65,20 +65,20 @@ class ResultQuantity:
     # Quantity that is divided: by `denominator` (validity indicator) or by the area (stiffness per area).
     numerator: str = ""
     denominator: tuple[str, ...] = ()  # names of the quantities whose sum is the denominator of a validity indicator
-    sum_under_load: str = ""  # name of the same sum under load, if this quantity is a sum at zero load
+    sum_under_load: str = ""  # name of the same sum under load, for a sum at zero load
     bounds: tuple[float, float] = (-math.inf, math.inf)  # limits for the ends of an interval
-    # limits of the values that a result may store; stored values may be infinite if a limit is infinite
+    # Limits of the numbers that a result may store. Stored numbers may be infinite if a limit is infinite.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
     interval_kind: EstimateKind = "mean"  # kind of the 95 % interval
     percent: bool = False  # True if tables and reports show the quantity in percent
     column_unit: str = ""  # unit in spreadsheets, if it differs from `unit`
     column_factor: float = 1.0
-    # True if the value is roughly proportional to the load.
-    # The ratio of the value to the load is interpolated linearly in the logarithm of the load.
+    # True if the quantity is roughly proportional to the load.
+    # The ratio of a proportional quantity to the load is interpolated linearly in the logarithm of the load.
     proportional: bool = False
-    proportional_with_adhesion: bool = True  # False if adhesive contacts have a value without a load, like a stiffness
+    proportional_with_adhesion: bool = True  # False if the quantity is not 0 for adhesive contacts without a load
     weighted: bool = False  # True if the mean over an ensemble is weighted by the load
-    # name of the quantity that is the fraction of members for which only a lower bound is known
+    # Name of the quantity with the fraction of members for which only a lower bound is known.
     bound_fraction: str = ""
     stored: frozenset[QuantitySource] = frozenset()
     is_optional: bool = False  # True if results of earlier versions lack the quantity, which is then NaN
@@ -109,11 +109,11 @@ _STEP_AXIS: tuple[QuantityAxis, ...] = ("step",)
 _MOTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "direction")
 _FRICTION_AXES: tuple[QuantityAxis, ...] = (*_MOTION_AXES, "step", "mu0", "tau0")
 _MEAN_FRICTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "step", "mu0", "tau0")
-_FRACTION_ROUND_OFF = 1e-6  # amount by which a stored fraction may exceed 1
+_FRACTION_ROUND_OFF = 1e-6  # a stored fraction may exceed 1 by this amount
 _STORED_FRACTION = (0.0, 1.0 + _FRACTION_ROUND_OFF)
 _ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
 _NOT_NEGATIVE = (0.0, MAX_STORED_VALUE)
-_STORED_STIFFNESS = (-MAX_STORED_VALUE, math.inf)  # The stiffness of a closed gap is infinite.
+_STORED_STIFFNESS = (-MAX_STORED_VALUE, math.inf)  # a closed gap has an infinite stiffness
 _FRACTION_QUANTITY_FIELDS: dict[str, Any] = {
     "unit": "1",
     "percent": True,

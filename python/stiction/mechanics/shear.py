@@ -49,15 +49,15 @@ MIN_OVERLAP_POINTS = 16
 MIN_STRIP_POINTS, MIN_STRIPS, MAX_STRIPS = 32, 4, 8
 """Minimum width of a strip in points, and limits of the number of strips into which faces are cut by default."""
 
-MIN_STRIP_AREA_FRACTION = 0.5  # smallest area of a strip, relative to the mean over the strips
+MIN_STRIP_AREA_FRACTION = 0.5  # smallest area of a strip, relative to the mean area of the strips
 
 NORMAL_LOAD_TOLERANCE = 1e-4
 """Accepted deviation of the normal load from its target, as a fraction of the initial load."""
 
-MAX_LOAD_TRIALS = 40  # maximum number of contacts that are solved for one step
+MAX_LOAD_TRIALS = 40  # maximum number of contact solutions for one step
 MAX_LOAD_FACTOR = 4.0  # maximum factor between the elastic loads of two consecutive trials
-MAX_ELASTIC_LOAD_RATIO = 100.0  # the faces lock above this ratio of the elastic load to the target of the normal load
-MIN_ELASTIC_LOAD_RATIO = 1e-4  # the faces are separated below this ratio of the elastic load to the initial load
+MAX_ELASTIC_LOAD_RATIO = 100.0  # ratio of the elastic load to the target of the normal load above which the faces lock
+MIN_ELASTIC_LOAD_RATIO = 1e-4  # ratio of the elastic load to the initial load below which the faces are separated
 
 MAX_ROUND_OFF_GAP = 1e-9
 """Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
@@ -312,7 +312,7 @@ class ShearBox:
         max_load = math.inf if self.hardness is None else self.hardness * overlap_area
         rows: list[StepResult] = []
         if self.stiffness and first is not None and not math.isfinite(float(first["height"])):
-            # Without the height at the start, the load is unknown.
+            # The load follows from the dilation, which is unknown if the contact at the start has no height.
             missing_values = dict.fromkeys((*_STEP_NUMBER_NAMES, "elastic_load"), math.nan)
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
@@ -408,7 +408,8 @@ class ShearBox:
 
         columns = {name: np.array([float(row[name]) for row in rows]) for name in _STEP_NUMBER_NAMES}
         normal, tangential = (self.law.load(load, columns) for load in ("normal", "tangential"))
-        tangential = np.where(np.abs(tangential) > self.tolerance * normal, tangential, 0.0)  # drop solver errors
+        # Tangential loads within the solver tolerance are 0.
+        tangential = np.where(np.abs(tangential) > self.tolerance * normal, tangential, 0.0)
         coefficient, status = tangential / normal, np.array([str(row["status"]) for row in rows], STATUS_DTYPE)
         status[coefficient < 0] = STATUS_DOWNHILL
         variables = {
@@ -475,7 +476,7 @@ def _find_root(
             return STATUS_NO_CONTACT
         if below > (1 - NORMAL_LOAD_TOLERANCE) * max_load:
             return STATUS_NOT_REACHED
-        # Without an earlier trial, the normal load is taken as proportional to the elastic load.
+        # The first step assumes a normal load that is proportional to the elastic load.
         slope = (excess + target) / trial if last is None else (excess - last[1]) / (trial - last[0])
         last = trial, excess
         step = trial - excess / slope if slope > 0 else (0.0 if excess > 0 else math.inf)
