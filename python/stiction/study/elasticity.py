@@ -21,7 +21,7 @@ from stiction.mechanics.materials import (
 )
 
 NUM_MATERIAL_DIGITS = 3  # number of digits of the properties of materials
-# Number of digits of the elastic constants of two materials. E* of all pairs of materials then has three exact digits.
+# Number of digits of elastic constants, with which E* of all pairs of materials has three exact digits.
 NUM_ELASTIC_CONSTANT_DIGITS = 6
 
 
@@ -30,14 +30,14 @@ class PairElasticity:
     """Elasticity of a pair of bodies, including the properties of the softer body."""
 
     effective_modulus: float  # effective modulus E* (GPa)
-    compliance_share: float = 0.5  # fraction of the compliance contributed by the lower body; 0.5 if only E* is given
+    compliance_share: float = 0.5  # fraction of the compliance due to the lower body; 0.5 if only E* is given
     poisson_ratio: float | None = None  # Poisson's ratio of the softer body
     hardness: MaterialValue | None = None  # hardness of the softer body, GPa
     source: str = ""  # description of the modulus, if materials are given
     hardness_source: str = ""
     materials: tuple[str, str] | None = None  # names of the materials of the upper and the lower body
     poisson_ratios: tuple[float, float] | None = None  # Poisson's ratios of the upper and the lower body
-    alias_note: str = ""  # note about alternative material names
+    alias_note: str = ""  # note about materials that were entered under an alternative name
 
 
 def determine_elasticity(

@@ -54,7 +54,7 @@ AmplitudeDefinition = Annotated[
 ]
 
 
-# largest product of the numbers of directions and frequencies; the run time is proportional to this product
+# Largest product of the numbers of directions and frequencies, to which the run time is proportional.
 MAX_HARMONICS = 1_000_000
 
 

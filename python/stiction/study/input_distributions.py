@@ -48,7 +48,7 @@ _VICKERS_BY_ROCKWELL = {
 }
 """Vickers hardness of steels as a function of Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-# Relative half width of the range of a hardness converted from HRC. This range represents an error of 10 to 20 HV.
+# Relative half width of the range of a hardness converted from HRC, for an error of 10 to 20 HV.
 ROCKWELL_CONVERSION_ERROR = 0.05
 _GPA_PER_VICKERS = 9.80665e-3 / 0.9272
 """Mean pressure (GPa) at 1 HV, which is 1 kgf per mm² of indentation surface.
@@ -58,24 +58,24 @@ The projected area is 0.9272 of this surface.
 
 _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
-# matches a central value, followed by its range in brackets
+# Pattern of a central value that is followed by its range in brackets.
 _CENTRAL_VALUE_PATTERN = re.compile(r"\s*([^()]+?)\s*\(\s*([^()]+?)\s*\)\s*")
-# matches an uncertainty in per cent; the unit of the value may follow
+# Pattern of an uncertainty in per cent, after which the unit of the value may follow.
 _PERCENT_PATTERN = re.compile(r"(.+?)\s*%\s*(.*)")
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
-# matches a Vickers scale with its test load, as in "HV10" or "HV 0.5"
+# Pattern of a Vickers scale with its test load, as in "HV10" or "HV 0.5".
 _VICKERS_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")
 InputKind = Literal["", "pressure", "modulus", "hardness"]
 MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body
 # Maximum junction-growth coefficient α; α is 27 for a von Mises body with H equal to three times its yield strength.
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 SLIP_LINE_TEXT = "slip-line"  # text of an input that selects yield by slip lines
-# smallest and largest accepted ratio of hardness to shear strength
+# Smallest and largest accepted ratio of hardness to shear strength.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
 # Limits of the exponent of the yielding area, from far below the exponent of fine asperities to above that of steps.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9  # largest fraction of the true area that contacts may lose under shear
-# Maximum creep exponent; at this exponent, the hardness falls to a third in each decade of time.
+# Maximum creep exponent, with which the hardness falls to a third in each decade of time.
 MAX_CREEP_EXPONENT = 0.5
 
 
@@ -89,7 +89,7 @@ class UncertainInput:
     distribution: InputDistribution
     text: str  # text of the input as written by the user
     maximum: float = math.inf  # upper bound of the samples
-    uses_slip_lines: bool = False  # True for the ratio of hardness to shear strength, instead of α of junction growth
+    uses_slip_lines: bool = False  # True for the ratio of hardness to shear strength, False for α of junction growth
 
     @property
     def is_exact(self) -> bool:
@@ -126,9 +126,7 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        probability_below_zero = ndtr(
-            -self.value / deviation
-        )  # probability of values below 0; such values are excluded
+        probability_below_zero = ndtr(-self.value / deviation)  # probability of the excluded samples below 0
         return np.asarray(
             np.maximum(
                 self.value + deviation * ndtri(probability_below_zero + probability * (1 - probability_below_zero)), 0.0
@@ -315,7 +313,7 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
 
         points = qmc.Sobol(dimensions, rng=generator).random_base2(num_bits)
     else:
-        # Matoušek's scrambling: a random lower triangular matrix over the bits, and a random shift.
+        # Scramble the points by Matoušek's method: a random lower triangular matrix over the bits, and a random shift.
         random_bits = partial(generator.spawn(1)[0].integers, 2, dtype=np.uint32)
         shift_bits = random_bits(size=(dimensions, SOBOL_BITS))
         matrices = np.tril(random_bits(size=(dimensions, SOBOL_BITS, SOBOL_BITS)), -1) + np.eye(

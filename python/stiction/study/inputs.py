@@ -22,7 +22,7 @@ from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
 from stiction.study.study import Study
 from stiction.surfaces.pairing import SIDES
 
-SAME_VALUE_TOLERANCE = 1e-3  # relative difference up to which a replaced value counts as the value of the study
+SAME_VALUE_TOLERANCE = 1e-3  # relative difference up to which a replaced number counts as the number of the study
 
 _LABELS = {
     "mu0": "μ0", "tau0": "τ0", "effective_modulus": "E*", "hardness": "the hardness",

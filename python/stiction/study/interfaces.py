@@ -80,10 +80,10 @@ class StrengthFit:
     """Joint distribution of mu0 and tau0 fitted with one sliding rule, and the quality of the fit."""
 
     sliding: SlidingRule
-    chi_squared: float  # chi-squared of the best fit; without given errors, it has no meaning
-    freedom: int  # number of tests with sliding minus number of fitted parameters
+    chi_squared: float  # chi-squared of the best fit, which has no meaning without given errors
+    freedom: int  # number of tests with sliding, minus number of fitted parameters
     probability: float  # probability of a larger chi_squared; NaN if there are no errors or no degrees of freedom
-    scale: float  # factor by which the errors were multiplied
+    scale: float  # factor by which the errors of the tests were multiplied
     trend: float  # p-value of the trend of the residuals with the load
     mu0: Floats  # samples of mu0
     tau0: Floats  # samples of tau0 (GPa), paired with `mu0`
@@ -490,7 +490,7 @@ class InterfaceSettings(SettingsSection):
             file = name_or_path if is_published else str(Path(name_or_path).resolve())
             strength = _read_cached_interface(file, 0 if is_published else Path(file).stat().st_mtime_ns)
         except OSError:
-            strength = InterfaceStrength.named(name_or_path)  # raises an error that lists the published interfaces
+            strength = InterfaceStrength.named(name_or_path)  # an error lists the published interfaces
         mu0, tau0 = (
             _format_strength(median, interval, scale, unit)
             for median, interval, scale, unit in zip(

@@ -234,7 +234,7 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def name(self) -> str:
-        """File name without its folder. If there are further scans, their number is appended."""
+        """File name without its directory. If there are further scans, their number is appended."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
     def _apply_to_scans(self, change: Callable[[MeasuredBodySettings], MeasuredBodySettings]) -> MeasuredBodySettings:

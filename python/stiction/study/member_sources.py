@@ -55,7 +55,7 @@ class SharedMemberProperties:
 
 
 BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
-    **{side: AttributeSpec(dtype=str) for side in SIDES},  # history of the body
+    **{side: AttributeSpec(dtype=str) for side in SIDES},  # history of each body
     "shape": AttributeSpec(dtype=int, sizes=(1, 2), bounds=(1, MAX_STORED_VALUE)),
     "spacing_um": AttributeSpec(sizes=(1, 2), bounds=POSITIVE_STORED_VALUE),
     "fraction_used": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE)),
@@ -64,13 +64,13 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
         for side in SIDES
         for name in ("spacing", "extent")
     },
-    # fraction of interpolated points, and area (µm²) or length (µm) of the largest gap
+    # Fraction of interpolated points, and area (µm²) or length (µm) of the largest gap in the data.
     **{f"{side}_filled": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
-    # fraction of the points that are missing between two measured points
+    # Fraction of the points that are missing between two measured points.
     **{f"{side}_pierced": AttributeSpec(sizes=(1,), bounds=(0, 1), is_required=False) for side in SIDES},
-    # ratio of the rms slopes of a map across and along its lay, if both maps have a lay
+    # Ratio of the rms slopes of a map across and along its lay, if both maps have a lay.
     **{f"{side}_lay": AttributeSpec(sizes=(1,), bounds=(1, MAX_STORED_VALUE), is_required=False) for side in SIDES},
-    # change of ln(rms slope) along a single scan, and fraction of the mean square slope of the gap that it contributes
+    # Change of ln(rms slope) along a single scan, and fraction of the mean square slope of the gap due to this scan.
     **{f"{side}_drift": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
 }
 """Attributes of a result that describe measured bodies. Values for several axes are in the order of array axes."""
@@ -81,7 +81,7 @@ class BodyAttributes:
     """Metadata that a result stores for measured bodies. All fields are empty for generated bodies."""
 
     nominal_area: float | None = None  # nominal area of each member (µm²)
-    attributes: dict[str, Any] = field(default_factory=dict)  # values by name, as in `BODY_ATTRIBUTE_SPECS`
+    attributes: dict[str, Any] = field(default_factory=dict)  # attribute values by name, as in `BODY_ATTRIBUTE_SPECS`
 
     @classmethod
     def from_values(cls, nominal_area: float, values: Mapping[str, Any]) -> BodyAttributes:
@@ -108,9 +108,9 @@ class LineMemberSource:
 
     pairs: LinePairs
     scans: tuple[MeasuredBody, MeasuredBody]
-    # number of relative positions of each pair of lines, if there are several pairs
+    # Number of relative positions of each pair of lines, if there are several pairs.
     offsets: int = 1
-    # relative positions (µm) of each pair, or None for a quasi-random sequence
+    # Relative positions (µm) of each pair, or None for a quasi-random sequence.
     positions: tuple[float, ...] | None = None
 
     def member(self, index: int) -> EnsembleMember:
@@ -138,7 +138,7 @@ class LineMemberSource:
         if is_unshifted or max_steps == 0:
             offset_steps = 0
         elif num_offsets == 1 and pairs.travel is not None and offset_index == 0:
-            offset_steps = max_steps  # a single relative position is placed at the end of the travel
+            offset_steps = max_steps  # use the end of the travel for a single relative position
         else:
             offset_steps = 1 + min(int(quasi_random_point(offset_index + 1, 1)[0] * max_steps), max_steps - 1)
         return self._member_at(slider, counterface, offset_steps, line)
@@ -194,7 +194,7 @@ class MapMemberSource:
 
     pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
     scans: tuple[MeasuredBody, MeasuredBody]
-    # number of pairs of surrogates (the first members); None if all members are surrogates
+    # Number of pairs of surrogates, which are the first members; None if all members are surrogates.
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:
@@ -215,7 +215,7 @@ class MapMemberSource:
         """Return the properties that all members have in common."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
-        if isinstance(pairs, SpectralSurfacePairs):  # a scan resolves wavelengths of at least two points
+        if isinstance(pairs, SpectralSurfacePairs):  # the shortest resolved wavelength is two points
             wavelengths = (max(body.shortest, pairs.finest_spacing) for body in (pairs.upper, pairs.lower))
             scans = [
                 SimpleNamespace(spacing=shortest_wavelength / 2, extent=pairs.side_length)

@@ -33,11 +33,11 @@ from stiction.surfaces.scan_defects import (
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
-# maximum total size (bytes) of the profiles of one body that are generated in a batch
+# Maximum total size (bytes) of the profiles of one body that are generated in a batch.
 MAX_BATCH_BYTES = 64_000_000
 MAX_CACHED_PAIRS = 16  # number of pairs of filtered and levelled scans in the cache
 NUM_AVERAGED_MEMBERS = 16  # number of members over which the fraction of measured points is averaged
-# assumed number of grid points of missing files, for profiles (False) and for maps (True)
+# Assumed number of grid points of missing files, for profiles (False) and for maps (True).
 TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
@@ -224,7 +224,7 @@ class PreparedBodies:
         """Return the member with a given index. Its scans are filtered at a cutoff (µm, 0 for no filter)."""
         surfaces = self._surfaces
         # Members are numbered from 0 for each pair of scans.
-        # Surrogates use the index in the study as their random seed.
+        # The random seed of a surrogate is the index of its member in the study.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)

@@ -37,7 +37,7 @@ def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]
     if "known" not in data and "poisson_ratio" not in contact:
         return data
     other_sections = {name: section for name, section in data.items() if name != "known"}
-    if surfaces.get("kind") != "measured":  # their inputs were exact
+    if surfaces.get("kind") != "measured":  # in old studies of generated surfaces, all inputs were exact
         return other_sections
     try:
         new_sections = _convert_contact_section(dict(contact), known), _convert_friction_section(friction, known)
@@ -99,7 +99,7 @@ def _replace_effective_modulus(
         for name, entries in bodies.items()
     }
     if modulus is None or any(entry is None for entries in values.values() for entry in entries):
-        return contact | dict(bodies)  # the validation reports the error
+        return contact | dict(bodies)  # the validation of the study reports the error
     pairs: dict[str, Any] = {
         name: (2 * entries)[:2] if len(entries) == 1 else entries for name, entries in values.items()
     }
@@ -147,7 +147,7 @@ def _convert_friction_section(friction: Mapping[str, Any], known: Mapping[str, A
         entry = None
     if entry is not None and [float(entry.mu0), float(entry.tau0)] == strengths:
         entry = str(source)
-    else:  # the file is missing or has changed
+    else:  # the file of the interface is missing or has changed
         entry = {"file": str(source)} | {
             name: None if value is None else value.text for name, value in zip(("mu0", "tau0"), strengths, strict=True)
         }

@@ -46,7 +46,7 @@ class VariableSpec:
     bounds: tuple[float, float] = ANY_STORED_VALUE
     may_be_nan: bool = False
     is_required: bool = True
-    ascending_dim: str = ""  # dimension along which the values increase strictly; empty if they need not increase
+    ascending_dim: str = ""  # dimension along which the values increase strictly, or empty
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +82,7 @@ def check_values(
     if has_nan and not may_be_nan:
         raise DamagedFileError(f"has {name} with a value that is not a number")
     if has_nan or math.isinf(smallest_value) or math.isinf(largest_value):
-        # Infinite values are permitted if the bounds are infinite. Finite values have finite bounds in any case.
+        # Infinite numbers are permitted if the bounds are infinite. Finite numbers have finite bounds in any case.
         is_permitted = np.isnan(values) | np.isin(values, [bound for bound in bounds if math.isinf(bound)])
         smallest_value, largest_value = (
             _find_extremes(values[~is_permitted]) if not is_permitted.all() else (math.inf, -math.inf)
