@@ -93,7 +93,7 @@ void subtract(const double* upper, const double* lower, Index size, double offse
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {
-  // Number of points that are tested together, because the gap is larger than `deepest` in most blocks.
+  // Number of points that are tested together, because most blocks have only gaps larger than `deepest`.
   constexpr Index block = 32;
   for (Index first = 1; first + 1 < size; first += block) {
     const Index end = std::min(first + block, size - 1);
@@ -288,8 +288,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     natural_bicubic(spline);
     for (const Minimum& minimum : minima_in_tile) {
       spline_minima.push_back({minimum, at_minimum(spline, minimum)});
-      // Slopes that may be due to round-off count as zero.
-      // Without this rule, round-off alone would determine whether a contact opposes the motion.
+      // Slopes within round-off count as zero, so that round-off does not decide whether a contact opposes the motion.
       for (double* slope : {&spline_minima.back().lower.x, &spline_minima.back().lower.y}) {
         *slope = std::abs(*slope) > level_limit ? *slope : 0.0;
       }

@@ -14,9 +14,8 @@ struct InsideFractions {
   double area;
 };
 
-// The four edges of the map in the coordinates of a contact.
-// In these coordinates, the contact ellipse at unit overlap is the unit circle.
-// The edges of the map are the sides of a parallelogram around this circle.
+// The four edges of the map, in coordinates in which the contact ellipse at unit overlap is the unit circle.
+// In these coordinates, the edges of the map are the sides of a parallelogram around the unit circle.
 class MapEdges {
  public:
   MapEdges(const ArealCandidates& candidates, const ArealCandidate& candidate);

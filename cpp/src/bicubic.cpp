@@ -20,8 +20,8 @@ namespace {
 // Elimination along a row would be sequential, so the inverse is applied instead.
 // The inverse is -6 a / ((1 - a s) (1 - a / s)), where s is a shift by one point, and a = sqrt(3) - 2.
 // The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on.
-// Each of these factors is applied in a pass in which no point depends on another point.
-// Beyond its ends, the row of heights is continued by point reflection. Its spline is continued in the same way.
+// Each factor is applied in a separate pass, in which no point depends on another point.
+// Beyond their ends, the row of heights and its spline are continued by point reflection.
 constexpr std::array<Index, 5> shifts{1, 2, 4, 8, 16};
 // Number of points after which the inverse is truncated. The error is 0.268^32 = 5e-19 of a height.
 constexpr Index reach = 32;

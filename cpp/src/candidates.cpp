@@ -16,8 +16,7 @@
 namespace stiction {
 namespace {
 
-// A profile, and the derivatives of its spline in an index range.
-// The spline interpolates the whole profile.
+// A profile, and the derivatives of the spline through the whole profile in an index range.
 class SplinedProfile {
  public:
   SplinedProfile(Values heights, double max_abs, double spacing, Side side)

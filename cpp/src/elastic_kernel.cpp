@@ -24,7 +24,7 @@ constexpr std::size_t columns_per_block = 8;
 // Smaller areas are not divided between threads, because the threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of all stencil weights, as a fraction of the weight of the centre.
-// The sum is the factor of long wavelengths. It must be small, because contact patches are many points wide.
+// The sum multiplies long wavelengths, so it must be small for contact patches that are many points wide.
 constexpr double stencil_sum = 0.04;
 // Number of points along each axis of the periodic area from which the stencil is computed.
 constexpr std::size_t stencil_points = 32;
@@ -69,7 +69,7 @@ void multiply_line(const double* coefficients, const double* direct_factors, con
 }
 
 // Multiply the columns k and m - k of a two-dimensional transform by their factors.
-// `first` increases along y, `second` decreases, because it belongs to the wavenumber of the opposite sign.
+// Along y, `second` is traversed backwards, because it belongs to the wavenumber of the opposite sign.
 // Each factor is repeated for the real and the imaginary part.
 template <class Real>
 STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict second, const Real* first_factors,
@@ -295,7 +295,7 @@ class Filter {
     const std::size_t count = shape_.coefficient_count();
     const std::size_t stride = padded_stride<Real>(count);
     Complex* area = scratch.coefficients.get<Real>(shape_.rows * stride);
-    // If the contact area is small, many rows contain only zeros. These rows need no transform along x.
+    // Rows that contain only zeros need no transform along x. Such rows are many if the contact area is small.
     std::vector<std::size_t> filled;
     for (std::size_t row = 0; row < shape_.rows; ++row) {
       const auto* from = values.data() + row * shape_.columns;
@@ -505,8 +505,8 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
                    [](double factor) { return factor > 0.0 ? 1.0 / factor : 0.0; });
     return factors;
   }
-  // The influence coefficients are even along both axes, and so are the padded sizes.
-  // Therefore one quadrant of the coefficients determines the transform.
+  // The influence coefficients are symmetric along both axes, and the padded sizes are even numbers.
+  // One quadrant of the influence coefficients therefore determines their transform.
   // Beyond the grid, the values at the last grid points are repeated. No result depends on the repeated values.
   const std::size_t width = shape.factors_along_x();
   const std::size_t height = shape.factors_along_y();
@@ -597,8 +597,7 @@ struct Workspace::Buffers {
 Workspace::Workspace() : buffers_(std::make_unique<Buffers>()) {}
 Workspace::~Workspace() = default;
 
-// Filters are computed on first use.
-// Coarse grids need no displacements in double precision, and areas with little contact need no preconditioner.
+// Filters are computed on first use, because most calculations need only some of them.
 struct ElasticKernel::Transforms {
   TransformShape shape;
   double effective_modulus;

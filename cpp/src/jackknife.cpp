@@ -11,7 +11,7 @@
 namespace stiction {
 namespace {
 
-// Number of repetitions that are processed together. Their intermediate values fit into the first-level cache.
+// Number of repetitions processed together, so small that intermediate values fit into the first-level cache.
 constexpr std::size_t repetitions_per_chunk = 256;
 // Number of partial sums, a multiple of the lanes of every SIMD register.
 // The order of additions therefore does not depend on the width of the registers.

@@ -136,8 +136,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
   P x_high = x_low;
   P y_low = net[1][0] - net[0][0];
   P y_high = y_low;
-  // The following differences are second differences.
-  // The second derivatives xx, xy and yy are 6, 9 and 6 times these differences.
+  // The second derivatives xx, xy and yy are 6, 9 and 6 times the second differences of the coefficients.
   P xx_low = net[0][2] - 2.0 * net[0][1] + net[0][0];
   P xx_high = xx_low;
   P xy_low = (net[1][1] - net[1][0]) - (net[0][1] - net[0][0]);

@@ -1,8 +1,7 @@
 // Function multiversioning: hot loops are compiled for several instruction sets.
 // The loader selects the widest instruction set that the machine supports.
 // STICTION_MULTIVERSION is for loops that the compiler vectorises automatically.
-// STICTION_KERNEL is for loops that use SIMD registers explicitly.
-// The speed of such loops depends on which values stay in registers.
+// STICTION_KERNEL is for loops that use SIMD registers explicitly, because speed depends on what registers contain.
 #pragma once
 
 #include <cstddef>

@@ -24,8 +24,8 @@ constexpr int max_failed_steps = 6;
 // Factor by which the step length is reduced after a failed step.
 constexpr double failure_factor = 0.25;
 // Upper limit of the load change at a free point, relative to the load on all free points.
-// Above this limit, round-off would affect the load.
-// Without this limit, the step length would grow indefinitely, because steps that reach a bound are always too short.
+// A larger change of the load would let round-off affect the total load.
+// Without the limit, the step length would grow indefinitely, because steps that reach a bound are always too short.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t lanes = 8;
@@ -392,8 +392,7 @@ double ProjectedCgSolver::approach_from_bounds() const {
 }
 
 // Call the visitor for each run of constrained points.
-// The visitor receives the indices into `free_points_` of the neighbouring free points, and the number of constrained
-// points.
+// The visitor receives the indices into `free_points_` of both neighbours, and the number of constrained points.
 // The visitor also receives the segments of the run before and after the edge of the grid.
 // A segment consists of its first point, its length, and its offset in the run.
 template <class Visit>
@@ -464,7 +463,7 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   restrict_to_free_points(preconditioned);
   conjugate_ = conjugate_ && !response.empty();
   struct Products {
-    // Load of the free points. Each step must conserve this load. Otherwise, its error would grow from step to step.
+    // Load of the free points, which each step must conserve, because its error would grow from step to step.
     double load = 0.0;
     double value = 0.0;
     double step = 0.0;

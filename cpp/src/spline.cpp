@@ -39,8 +39,7 @@ void right_sides(const double* heights, Index size, double scale, double* result
   }
 }
 
-// Compute the slope at a point as the mean of the slopes of the two adjacent cubics.
-// Both slopes are equal to within round-off.
+// Compute the slope at a point as the mean of the slopes of the two adjacent cubics, which differ by round-off.
 // The expression is symmetric in x. The slopes of a mirrored profile are therefore bit-identical except for their sign.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {

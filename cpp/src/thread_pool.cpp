@@ -16,8 +16,7 @@ namespace stiction {
 namespace {
 
 // Condition variable of a std::mutex.
-// `std::condition_variable` is not used: compiled by GCC 12 or newer, it requires the libstdc++ of GCC 12
-// (symbol version GLIBCXX_3.4.30), which the oldest supported Linux systems lack.
+// Compiled by GCC 12, `std::condition_variable` would require GLIBCXX_3.4.30, which old Linux systems lack.
 class Condition {
  public:
   Condition() = default;
@@ -82,8 +81,7 @@ struct ThreadPool::Workers {
   }
 
   // Start one thread. Return false if the system cannot create it, for example at a limit on the number of threads.
-  // An exception would have to join the threads that have already started, and would end a calculation that the
-  // calling thread can finish.
+  // An exception would end a calculation that the calling thread can finish without this thread.
   bool start_thread() {
     try {
       threads.emplace_back([this, thread = threads.size() + 1] { run(thread); });

@@ -55,7 +55,7 @@ struct Scaling {
 std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, Values heights,
                                     const HeightStatistics& statistics);
 
-/// Write (height - mean) * factor to `scaled`. Both arrays must have the same length.
+/// Write (height - mean) * factor to `scaled`, which must have as many elements as `heights`.
 void scale(Values heights, const Scaling& scaling, std::span<double> scaled);
 
 /// Scale `heights` to zero mean and to the amplitude `amplitude` [µm], and write the scaled heights to `scaled`.

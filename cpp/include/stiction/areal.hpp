@@ -4,17 +4,15 @@
 // The approach [µm] is the displacement of the upper surface towards the lower surface.
 // The approach is zero when the first grid points come into contact.
 // At a minimum of the gap, both surfaces have the same slope, so a contact has the same normal at every approach.
-// A rotation of the normal with increasing overlap is of second order in overlap/radius, and is neglected.
+// The normal is assumed not to rotate as the overlap grows, because the rotation is of second order in overlap/radius.
 //
-// If the edge of the map cuts a contact ellipse, only the part of the ellipse inside the map counts.
-// The Hertzian pressure is integrated over the part of the ellipse inside the map.
-// The force and the area of a contact therefore never decrease with the approach.
-// Only the part of a long valley that lies inside the map contributes.
+// If the edge of the map cuts a contact ellipse, the Hertzian pressure is integrated over the part inside the map.
+// The force and the area of a contact at the edge of the map therefore never decrease with the approach.
+// A valley longer than the map contributes only its part inside the map.
 //
-// In some cases, round-off alone would determine whether there is a contact.
-// The rules below decide these cases, so that rotating, mirroring, swapping or shifting a pair preserves the result.
-// Curvatures and slopes are expressed in units of the grid spacing.
-// Curvatures and slopes below 2^-26 of the range of the gap count as zero.
+// Without special rules, round-off would determine whether some nearly level points are contacts.
+// The rules below make the result independent of rotating, mirroring, swapping or shifting the pair of maps.
+// A slope or curvature counts as zero if it is below 2^-26 of the range of the gap per grid spacing.
 // - A minimum that is not curved upwards in every direction is a level valley or plateau.
 // A level valley or plateau is not a contact, because it has no lowest point.
 // The grid points of a level plateau count as grid minima without a spline minimum.
@@ -45,7 +43,7 @@ struct SurfacePair {
 };
 
 /// Contact normal and relative curvatures at a point where two surfaces have the same slope p.
-/// The gap has the Hessian `xx, xy, yy` [1/µm] at this point.
+/// `xx, xy, yy` [1/µm] is the Hessian matrix of the gap at this point.
 /// The relative curvatures are the eigenvalues of the Hessian, divided by q = sqrt(1 + p²).
 /// The eigenvalues are computed in the metric I + p pᵀ of the tangent plane.
 struct ContactGeometry {
@@ -81,7 +79,7 @@ struct ArealCandidates {
   std::vector<double> grid_minima;
   /// Gaps [µm] at grid minima for which the four adjacent cells contain no minimum of the spline.
   std::vector<double> unanswered;
-  double deepest;   ///< largest approach [µm]
+  double deepest;   ///< largest approach [µm] at which all contacts are candidates
   Vector2 spacing;  ///< distance between columns, and between rows, of the maps [µm]
   Index rows;       ///< number of rows of the maps
   Index columns;    ///< number of columns of the maps
@@ -113,7 +111,7 @@ struct ArealSums : Sums {
   double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
   /// Number of grid minima: points whose gap is within the approach and not larger than any neighbour's gap.
   Index grid_minimum_count = 0;
-  /// Number of these grid minima for which the adjacent cells contain no minimum of the spline.
+  /// Number of grid minima within the approach whose adjacent cells contain no minimum of the spline.
   Index unanswered_count = 0;
 };
 
@@ -147,7 +145,7 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
 
 /// Compute the contact sums for every direction and approach. The results are ordered by direction, then by approach.
 /// Approaches [µm] must be at least 0 and strictly increasing. Directions are horizontal unit vectors.
-/// HertzSphere is applied to the contact ellipse. Other laws for spheres are applied to a sphere of the mean radius.
+/// The law HertzSphere uses the contact ellipse. Other laws for spheres use a sphere of the mean radius.
 /// Throws std::invalid_argument for invalid arguments and for HertzCylinder.
 std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const Law& law,
                              std::span<const Vector2> directions, Sliding sliding,

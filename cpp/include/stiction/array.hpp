@@ -4,9 +4,8 @@
 // A profile lies along x, at y = 0.
 //
 // No compiled function takes, returns or contains an Eigen array that owns its memory.
-// Eigen's allocation and alignment of memory depend on compiler flags (-mavx, -fsanitize=address).
-// A program and this library may be compiled with different flags, but the linker keeps only one copy of a template
-// function.
+// How Eigen allocates and aligns memory depends on compiler flags (-mavx, -fsanitize=address).
+// If a program is compiled with other flags than this library, the linker keeps only one version of an Eigen function.
 #pragma once
 
 #include <Eigen/Core>

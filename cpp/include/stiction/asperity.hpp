@@ -21,7 +21,7 @@ struct Asperity {
   double radius;   ///< Radius R [µm], positive where the solid is convex and infinite where the curvature is zero.
 
   /// Return the sphere centre relative to the point on the profile [µm].
-  /// The centre is not finite if the radius is infinite.
+  /// The sphere centre is not finite where the curvature is zero.
   Vector3 centre_offset() const { return {-radius * normal.x(), 0.0, -radius * normal.z()}; }
 };
 

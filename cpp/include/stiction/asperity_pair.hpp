@@ -2,8 +2,8 @@
 // Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 and 5.
 //
 // Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`.
-// Code that works with all types of asperity pairs uses only these two members.
-// Positions are relative to a point of the lower surface. At this point, the two asperities face each other.
+// Code for all types of asperity pairs uses only `contact_at` and `is_separated`.
+// Positions are relative to the point of the lower surface at which the two asperities face each other.
 // The approach [µm] is the displacement of the upper surface towards the lower surface since first contact.
 // `gap` [µm] is the height difference between the two surface points at first contact of the surfaces.
 #pragma once
@@ -43,9 +43,9 @@ enum class Curvature { convex, signed_ };
 /// Two spheres, at most one of which is concave (Eq. 4).
 /// With the penetration p = δ - gap, the vector between the centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap is R_u + R_l minus the signed length of X.
-/// For a nearly flat surface, this difference of two large numbers would have no correct digits.
+/// For a nearly flat surface, R_u + R_l - |X| is a difference of two large numbers, without correct digits.
 /// The overlap is therefore evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
-/// To avoid the same cancellation, the contact centre is measured from the smaller sphere.
+/// The contact centre is measured from the smaller sphere, because large radii would cancel too.
 struct SpherePair {
   Vector3 separation;      ///< vector X at penetration p = 0 [µm]
   double gap;              ///< gap at first contact of the surfaces [µm]
@@ -59,7 +59,7 @@ struct SpherePair {
 
   /// Compute the contact point at a given approach [µm].
   ContactPoint contact_at(double approach) const;
-  /// Return whether contact_at(approach).overlap <= 0. This function needs no division and no square root.
+  /// Return whether contact_at(approach).overlap <= 0, without a division and a square root.
   bool is_separated(double approach) const;
   /// Return (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
   double overlap_numerator(double penetration) const {
@@ -127,8 +127,7 @@ inline bool SpherePair::is_separated(double approach) const { return !(overlap_n
 
 inline ContactPoint SphereOnFlat::contact_at(double approach) const {
   const double penetration = approach - gap;
-  // The overlap is the height of the sphere's pole above its surface point, plus the penetration of the surface points.
-  // Both lengths are measured along the normal.
+  // Along the normal, the overlap is the height of the sphere's pole above its surface point plus the penetration.
   const double overlap = radius + (sphere_is_lower ? 1.0 : -1.0) * centre.dot(normal) + penetration * normal.z();
   const double depth = radius - 0.5 * overlap;
   if (sphere_is_lower) {

@@ -6,7 +6,7 @@
 namespace stiction {
 
 /// Minimum number of rows, and minimum number of columns, of a map.
-/// A natural cubic spline has zero curvature at its end points. It requires at least two inner points.
+/// A natural cubic spline has zero curvature at its end points, so it requires at least two inner points.
 constexpr Index min_map_points = 4;
 
 /// Replace heights [µm] by the coefficients [µm] of the B-spline that interpolates the heights.

@@ -8,7 +8,7 @@ namespace stiction {
 /// Build information.
 struct Build {
   std::string compiler;  ///< name and version of the compiler
-  /// Instruction set of the hot loops: "AVX-512", "AVX2, FMA", "SSE2" or "NEON". The loader selects it.
+  /// Instruction set that the loader selected for hot loops: "AVX-512", "AVX2, FMA", "SSE2" or "NEON".
   std::string instruction_set;
   std::string gsl;  ///< version of the linked GNU Scientific Library
 };

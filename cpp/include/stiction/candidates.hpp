@@ -3,7 +3,7 @@
 // Both profiles have the same grid. The approach is the displacement of the upper surface towards the lower surface.
 // The approach is zero when the first grid points come into contact.
 // A profile counts as a flat of infinite radius if its points lie on a straight line to within round-off.
-// The normal of the flat is the normal of this line.
+// The normal of such a flat is the normal of the straight line.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -17,9 +17,9 @@
 
 namespace stiction {
 
-/// Method of contact detection. `cell` (Eq. 5) tests grid points.
-/// A point is in contact if the contact centre lies within half a spacing of the point.
-/// `gap_minimum` tests the local minima of the splined gap. Each minimum is one candidate for all approaches.
+/// Method of contact detection.
+/// With `cell`, a grid point is in contact if the contact centre lies within half a spacing of the point (Eq. 5).
+/// With `gap_minimum`, each local minimum of the splined gap is one candidate for all approaches.
 /// The result of `gap_minimum` does not depend on the grid if the grid resolves the surfaces.
 enum class Detection { cell, gap_minimum };
 
@@ -38,7 +38,7 @@ struct ProfilePair {
 /// Two asperities that face each other.
 /// The asperities touch if the approach is at least `gap` and the rules of `classify` are met.
 struct Candidate {
-  /// Index of the grid point. With `gap_minimum`, this is the grid point to the left of the minimum.
+  /// Index of the grid point or, with `gap_minimum`, of the grid point to the left of the minimum.
   Index index;
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;
@@ -68,7 +68,7 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
 /// Contact candidates of two profiles, valid for all approaches up to `deepest`.
 struct Candidates {
   std::vector<Candidate> all;
-  double deepest;  ///< largest approach [µm]
+  double deepest;  ///< largest approach [µm] at which all contacts are candidates
   double spacing;  ///< spacing of the grid [µm]
 };
 

@@ -1,7 +1,6 @@
 // Contact of two rough profiles: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 to 7.
 // The contacts at an approach are the candidates that touch at this approach.
 // A contact law gives the force and area of each contact.
-// The contact sums are sums over all contacts of the pair.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -50,7 +49,7 @@ std::vector<Contact> contacts(const Candidates& candidates, double approach, con
 /// Compute the contact sums at several approaches [µm].
 /// Approaches must be at least 0 and strictly increasing. Throws the same exceptions as `contacts`.
 /// The overload for candidates uses only the law, the direction and the sliding rule of the model.
-/// The candidates determine the detection and the curvature rule.
+/// The candidates have already determined the detection method and the curvature rule.
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,
                         const CancellationCheck& check_cancellation = {});
 std::vector<Sums> press(const ProfilePair& pair, const Prefilter& prefilter, Values approaches,

@@ -25,7 +25,7 @@ class DenseKernel {
   std::vector<Real> matrix() const;
 
   /// Compute the displacements of the points in double precision.
-  /// Both arrays have one value for each grid point. The values of other grid points are neither read nor changed.
+  /// Both arrays have one value for each grid point. Values at grid points outside `points` are not read or changed.
   void displacement(Values pressure, std::span<double> displacements) const;
 
   /// Compute the displacements of the points in single precision.

@@ -44,7 +44,7 @@ struct IndexRange {
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
 /// Return an upper bound [µm] on the amount by which the splined gap falls below the smallest gap on the grid.
-/// The bound is 3/8 of the largest second difference.
+/// The bound is 3/8 of the largest second difference of the gap.
 /// The second derivative f'' of a natural spline is at most 3/Δx² times the largest second difference.
 /// A cubic dips below its end points by at most Δx² / 8 times its largest |f''|.
 double max_dip(Values upper, Values lower);
@@ -63,7 +63,7 @@ struct Derivatives {
 
 /// Mark the points at which contact is possible for at least one approach up to `max_approach` [µm].
 /// Contact is possible where both profiles are convex and the contact centre passes through the cell.
-/// Every such point is marked. Some points at which contact is impossible may be marked too.
+/// Every point at which contact is possible is marked. Other points may be marked too.
 /// The contact centre moves in one direction during the approach, so testing both ends of its path is sufficient.
 /// `zero` is the gap at first contact [µm].
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
@@ -71,7 +71,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
 
 /// Mark intervals [x_i, x_(i+1)) in which the splined gap may have a minimum.
 /// The signs of the derivatives at both ends of an interval show whether a minimum is possible.
-/// The number of derivatives is therefore one more than the number of intervals.
+/// There is one derivative more than there are intervals, because both ends of an interval have a derivative.
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks);
 
 /// Return the position of the local minimum of the splined gap in an interval [0, spacing) [µm], if there is one.
@@ -95,10 +95,10 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
     return std::nullopt;
   }
   const double root = std::sqrt(discriminant);
-  // At this root, the quadratic increases. This formula for the root avoids cancellation.
+  // The minimum is the root at which the quadratic increases. The formula avoids cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
-    // The signs at the ends guarantee a root in the interval.
+    // The signs of the slope at both ends guarantee a root in the interval.
     // Only round-off can place the computed root outside the interval.
     return std::clamp(t, 0.0, spacing);
   }

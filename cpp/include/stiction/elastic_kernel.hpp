@@ -26,7 +26,7 @@ struct Grid {
   std::size_t size() const { return rows * columns; }
 };
 
-/// Return the smallest length >= `points` whose only prime factors are 2, 3 and 5. FFTs of such lengths are fast.
+/// Return the smallest length >= `points` with only the prime factors 2, 3 and 5, for which FFTs are fast.
 std::size_t fast_length(std::size_t points);
 
 /// Buffers that are reused by successive transforms of the same calculation.
@@ -49,8 +49,8 @@ class Workspace {
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
 /// On lines, the displacement depends logarithmically on the distance from the load.
-/// The approximate inverse E*|k|/2 is periodic even on a free grid. This halves the size of the transform.
-/// In a preconditioner, the interaction of opposite edges that results from this periodicity is harmless.
+/// The approximate inverse E*|k|/2 is periodic even on a free grid, which halves the size of the transform.
+/// A preconditioner may be periodic, because it affects the number of iterations but not the solution.
 class ElasticKernel {
  public:
   /// Compute the influence coefficients.

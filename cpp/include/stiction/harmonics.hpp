@@ -30,9 +30,8 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
 
 /// Write Σ_n weights(d, n) G_n(x_j) [µm] to row d, column j of `profiles` (rows of weights, points).
 /// The shape of phases [rad] is (directions M, frequencies N). The shape of weights [µm] is (any number of rows, N).
-/// The phase of a harmonic is stored as a 64-bit fraction of a turn.
-/// The fraction of a turn wraps exactly for any number of turns.
-/// Aliased harmonics are therefore as accurate as the product of a long double wavenumber and the position.
+/// Phases are stored as 64-bit fractions of a turn, which wrap exactly for any number of turns.
+/// An aliased harmonic is therefore as accurate as the product of its long double wavenumber and the position.
 /// Returns the height statistics of each row, so that the caller needs no further pass over the row.
 /// Throws std::invalid_argument if shapes do not match, values are out of range, or phases cannot be resolved.
 std::vector<HeightStatistics> harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid,

@@ -1,8 +1,8 @@
 // Power sums of jackknife values, from which the interval of an ensemble mean at a given mean load is computed.
 //
 // Let v and n be the value and the normal load of a repetition where the mean load of R repetitions reaches the load F.
-// Without this repetition, the mean value changes by dv = (mean(v) - v) / (R - 1).
-// The mean load changes by dn = (F - n) / (R - 1).
+// Without one repetition, the mean value changes by dv = (mean(v) - v) / (R - 1).
+// Without one repetition, the mean load changes by dn = (F - n) / (R - 1).
 // With the slope s = d mean(v) / d mean(n), the mean value at the load F changes by the difference dv - s dn.
 // The logarithm of the mean value changes by ln(1 + dv / mean(v)) - s F / mean(v) ln(1 + dn / F).
 #pragma once
@@ -34,7 +34,8 @@ struct CurvePoints {
 inline constexpr Index jackknife_sum_rows = 10;
 
 /// Write power sums and minima over the repetitions to `sums` (`jackknife_sum_rows`, points).
-/// Rows 0 to 3 contain the sums of the first four powers of the logarithms, and rows 4 to 7 those of the differences.
+/// Rows 0 to 3 contain the sums of the first four powers of the logarithms.
+/// Rows 4 to 7 contain the sums of the first four powers of the differences dv - s dn.
 /// Rows 8 and 9 contain the smallest relative changes of the mean value, dv / mean(v), and of the mean load, dn / F.
 /// Values and loads are interpolated between steps. `total_repetitions` is R, the number of repetitions in the mean.
 void jackknife_sums(const CurvePoints& points, const CurveView& loads, const CurveView& values, Index repetitions,

@@ -68,7 +68,7 @@ struct HertzCylinder {
 };
 
 /// An elastic, perfectly plastic sphere: Jackson & Green, J. Tribol. 127 (2005) 343.
-/// Hertz theory applies up to 1.9 times the critical interference. Above it, a fit to finite-element results applies.
+/// Hertz theory applies up to 1.9 times the critical interference, and a fit to finite-element results above.
 /// The fit covers contact radii up to 0.41 R. The load jumps by less than 1 % at the transition.
 struct JacksonGreen {
   double effective_modulus;  ///< E* [GPa] > 0
@@ -99,8 +99,7 @@ Law law(std::string_view name, const std::map<std::string, double>& parameters);
 /// Check the parameters of a law. Throws std::invalid_argument with the name of a parameter that is out of range.
 void check(const Law& law);
 
-// The call operator runs for every contact and approach.
-// The operator is inline, because an out-of-line call costs 6 % of the total time.
+// The call operator is inline, because an out-of-line call for every contact costs 6 % of the total time.
 inline ForceArea HertzSphere::operator()(double overlap, const Radii& radii) const {
   const double radius = radii.mean();
   return {4.0 / 3.0 * effective_modulus * std::sqrt(radius * overlap) * overlap, std::numbers::pi * radius * overlap};

@@ -22,8 +22,7 @@ using BatchFunction = std::function<std::vector<double>(Values)>;
 /// If the function jumps over the level, the result is the argument just after the jump.
 /// The method combines inverse quadratic interpolation and bisection.
 /// Chandrupatla, Advances in Engineering Software 28 (1997) 145.
-/// All levels are processed together, because a call with many arguments takes only slightly longer than a call with
-/// one argument.
+/// All levels are searched in the same calls, because many arguments take hardly longer than one argument.
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
                                    double tolerance);
 

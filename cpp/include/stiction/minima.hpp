@@ -33,7 +33,7 @@ struct CellRange {
 /// The result does not include minima above `max_value` [µm] and minima on the edge of the map.
 /// Valleys whose curvature is due to round-off are not included either.
 /// A minimum within 1e-6 of the boundary of two cells belongs to the right or the upper of these cells.
-/// The cell to which such a minimum belongs may lie outside the given range of cells.
+/// A minimum at the edge of the given range may therefore belong to a cell outside this range.
 ///
 /// The search is exhaustive. Each cell is subdivided until the signs of the Bernstein coefficients classify every part.
 /// The signs of the coefficients either exclude a minimum in a part or show that the spline is convex in this part.

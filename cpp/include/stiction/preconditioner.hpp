@@ -18,10 +18,10 @@ namespace stiction {
 /// A 3 x 3 stencil S on the free points describes the short-range interaction of neighbouring points.
 /// At long range, distant points cause a slowly varying displacement.
 /// A kernel K' on blocks of points describes this displacement. Bilinear weights P relate the blocks to the points.
-/// So K is approximately S⁻¹ + P'K'P, and the inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS.
+/// K is approximately S⁻¹ + P'K'P, and the inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS.
 /// On periodic blocks, K'⁻¹ is E*|k|/2.
-/// The system in brackets describes a half-space on an elastic foundation whose stiffness on each block is PS1.
-/// A few conjugate-gradient steps solve this system.
+/// The bracketed matrix describes a half-space on an elastic foundation whose stiffness on each block is PS1.
+/// A few conjugate-gradient steps solve the system of the bracketed matrix.
 /// With this preconditioner, the number of solver iterations is almost independent of the grid size.
 class Preconditioner {
  public:

@@ -27,14 +27,14 @@ namespace stiction {
 ///
 /// Let the residual r be extended from the free points to the constrained points.
 /// On the free points, r·(inverse of K)r is the minimum of r·Mr over all extensions of r.
-/// On areas, extension by zero comes close to this minimum.
-/// On lines with short contacts, extension by zero is far from this minimum.
+/// On areas, extending r by zero comes close to this minimum.
+/// On lines with short contacts, extending r by zero is far from this minimum.
 /// On lines, the residual is therefore interpolated linearly between free points.
 /// The transpose of the interpolation is applied to M r.
 /// The interpolation continues across the edges of the grid, because M is periodic.
 ///
 /// Each step leads from one feasible distribution of pressures to another.
-/// Only pressures at free points change. Restoring the sum therefore never causes a small pressure at other points.
+/// Only pressures at free points change, so restoring the sum never causes a small pressure at other points.
 /// The method is described by Polonsky & Keer, Wear 231 (1999) 206. The energy never increases.
 class ProjectedCgSolver {
  public:

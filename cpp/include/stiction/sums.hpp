@@ -1,5 +1,4 @@
-// Sums over contacts. The normal and tangential loads are linear functions of mu0 and tau0.
-// Their coefficients are sums.
+// Sums over contacts, from which the normal and tangential loads follow as linear functions of mu0 and tau0.
 // Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 6 and 7 and section 2.5.
 //
 // The upper surface is about to move along a horizontal unit vector s.
@@ -120,7 +119,7 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
   const double along = normal.head<2>().dot(direction);
   const double across = normal.y() * direction.x() - normal.x() * direction.y();
   if (across == 0.0) {
-    // If the normal lies in the plane of s and z, no normalisation is required. This is the case for all profiles.
+    // A normal in the plane of s and z, like every normal of a profile, requires no normalisation.
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
   // Components of the tangent along s, across s and upwards.

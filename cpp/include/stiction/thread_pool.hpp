@@ -1,6 +1,5 @@
 // Thread pool for the tasks of one calculation.
-// OpenMP is not used, because tasks may throw exceptions.
-// In addition, the calling thread checks for cancellation between tasks.
+// OpenMP is not used, because tasks may throw, and because the calling thread checks for cancellation between tasks.
 #pragma once
 
 #include "stiction/cancellation.hpp"
@@ -13,7 +12,7 @@
 namespace stiction {
 
 /// Pool of at most `threads` threads, including the caller's thread. If `threads` is 1, no thread is started.
-/// If the system cannot create all of them, the pool has fewer threads, at least the caller's thread.
+/// If the system cannot create all threads, the pool is smaller, but contains at least the caller's thread.
 /// Results must not depend on the thread that runs a task, so that they are bit-identical for any number of threads.
 /// Only one calculation may use a pool at a time.
 class ThreadPool {
