@@ -110,8 +110,7 @@ void fuzz_contact(Source& source) {
             "no more contacts than points");
     require(!(sums[k].contact_area < 0.0), "no negative area");
     const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], model);
-    // `contacts` searches only up to this approach.
-    // A limit of the search may change the index ranges, but must not change the contacts.
+    // The functions `contacts` and `press` search up to different approaches, but must find the same contacts.
     require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
       require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");
@@ -186,8 +185,7 @@ void fuzz_areal(Source& source) {
                 candidate.column + 1 < maps.upper.cols(),
             "minima lie in the map");
   }
-  // The projected ellipse of a contact on a steep wall is extremely narrow.
-  // Round-off can then change the computed part of the ellipse that lies inside the map.
+  // On a steep wall, the projected contact ellipse is so narrow that round-off can change its part inside the map.
   const bool steep =
       std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {
         return candidate.normal.z() < 1e-5 || candidate.radii.major > 1e12 * candidate.radii.minor;

@@ -12,7 +12,7 @@
 namespace stiction {
 namespace {
 
-// ---- Tridiagonal system along one direction -------------------------------------------------------------------------
+// ---- Spline coefficients along one axis, from a tridiagonal system --------------------------------------------------
 //
 // At inner points, c_(i-1) + 4 c_i + c_(i+1) = 6 z_i. At the end points, c = z, because the second derivative is zero.
 // The coefficient beyond an end is twice the coefficient at the end minus the coefficient of the inner neighbour.
@@ -130,7 +130,7 @@ void scaled_differences(const double* before, const double* after, Index size, d
 // Number of columns that stay in the processor cache during elimination and back substitution.
 constexpr Index columns_per_strip = 64;
 
-// ---- One cell -------------------------------------------------------------------------------------------------------
+// ---- Evaluation of a spline in a single cell ------------------------------------------------------------------------
 
 struct Basis {
   std::array<double, 4> value;

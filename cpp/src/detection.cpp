@@ -182,11 +182,11 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
   }
 }
 
-// A minimum is possible in four cases:
-// - The slope increases through zero between the ends.
-// - The slope falls to zero and increases again.
-// - The slope increases through zero and falls again.
-// - The slope is zero at the left end and increases.
+// A minimum of the gap is possible in four cases:
+// - The slope of the gap increases through zero in the interval.
+// - The slope of the gap falls to zero and increases again.
+// - The slope of the gap increases through zero and falls again.
+// - The slope of the gap is zero at the left end and increases.
 STICTION_MULTIVERSION
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks) {
   for (std::size_t i = 0; i < size; ++i) {

@@ -294,7 +294,7 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
   }
 }
 
-// ---- Surfaces -------------------------------------------------------------------------------------------------------
+// ---- Fractal surfaces -----------------------------------------------------------------------------------------------
 
 // Number of points in a run of points along an axis. Each run is computed from the phase at its first point.
 constexpr Index points_per_run = 64;

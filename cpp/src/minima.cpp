@@ -292,7 +292,7 @@ Net extract(const Nets<lanes>& nets, std::size_t lane) {
   return net;
 }
 
-// ---- One cell -------------------------------------------------------------------------------------------------------
+// ---- Minima of a single cell ----------------------------------------------------------------------------------------
 
 class Cell {
  public:
@@ -373,7 +373,7 @@ class Cell {
   double max_value_;
 };
 
-// ---- Duplicates and edges -------------------------------------------------------------------------------------------
+// ---- Removal of minima that were found twice ------------------------------------------------------------------------
 
 // Move a minimum close to the right or upper side of its cell to the neighbouring cell.
 void move_to_owner(double& fraction, Index& cell, Index cells) {

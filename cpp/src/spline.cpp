@@ -61,7 +61,7 @@ double last_slope(Values heights, double curvature_before, double spacing) {
   return (heights[size - 1] - heights[size - 2]) / spacing + spacing * curvature_before / 6.0;
 }
 
-// ---- Superposition --------------------------------------------------------------------------------------------------
+// ---- Superposition of unit splines ----------------------------------------------------------------------------------
 
 // Distance in points beyond which the curvature due to a unit load is negligible (0.268^28 = 1e-16).
 constexpr Index reach = 28;

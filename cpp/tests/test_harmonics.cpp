@@ -86,7 +86,7 @@ TEST_CASE("harmonic_profiles: invalid arguments and unresolvable phases throw") 
   refuses(phases, weights, {0.01, 0});
   refuses(phases, weights, {0.01, 10, -1.0});
   refuses(phases, weights, {0.01, 10, 1.0, 1.0});
-  // No long double resolves 1e40 turns. Even the 113-bit type on aarch64 does not.
+  // No long double resolves 1e40 turns, not even the 113-bit type on aarch64.
   refuses(phases, weights, {0.01, 10, 1.0, 1e8});
   CHECK_NOTHROW(stiction::harmonic_profiles(phases, weights, {0.01, 10, 1.0, 1e8, true}));
 }

@@ -55,7 +55,7 @@ TEST_CASE("jackknife_sums: match sums of single repetitions in extended precisio
   for (const Index repetitions : {2, 5, 100, 300}) {
     const Matrix loads = random_values(repetitions, 1);
     const Matrix values = random_values(repetitions, 2);
-    // If the curves share their values, the values are those of the first curve.
+    // If `is_shared` is true, all curves have the values of the first curve.
     for (const bool is_shared : {false, true}) {
       std::vector<double> load;
       std::vector<double> mean;

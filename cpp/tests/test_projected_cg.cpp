@@ -68,7 +68,7 @@ TEST_CASE("ProjectedCgSolver: independent springs under pressure have equal pote
 }
 
 TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry the remaining load") {
-  // The first spring carries its maximum load of 4, so (δ - 1 + δ - 2) 2 = 6. This gives δ = 3.
+  // The first spring carries its maximum load of 4, so (δ - 1 + δ - 2) 2 = 6 and δ = 3.
   const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, {4.0}, false);
   const std::array<double, 4> expected{4.0, 4.0, 2.0, 0.0};
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -77,8 +77,8 @@ TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry
 }
 
 TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
-  // The second spring carries no load, and the third spring carries its maximum load of 1, so (δ + δ - 4) 2 = 9.
-  // This gives δ = 4.25, and both of these springs overlap.
+  // The bounds of 0 and 1 limit the second and the third spring, so (δ + δ - 4) 2 = 9 and δ = 4.25.
+  // At this approach, the second and the third spring overlap.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 4.0}, 2.0}.solve(10.0, {100.0, 0.0, 1.0, 9.0}, line);
     const std::array<double, 4> expected{8.5, 0.0, 1.0, 0.5};
@@ -103,8 +103,7 @@ TEST_CASE("ProjectedCgSolver: with the whole load at the bounds, the approach li
 
 TEST_CASE("ProjectedCgSolver: steps in which all points reach their bounds preserve the load") {
   ProjectedCgSolver solver(std::vector<double>{0.5, 0.9, 0.1}, 1.5, std::vector<double>{1.0}, false);
-  // The difference of the gaps drives the load from one point to the other point, and the compliance is small.
-  // Therefore the optimal step length grows with each step.
+  // The gaps move the load between two points of small compliance, so the optimal step length grows with each step.
   for (int count = 0; count < 100; ++count) {
     const bool odd = count % 2 == 1;
     solver.restart(std::vector<double>{odd ? 1.0 : 0.0, odd ? 0.0 : 1.0, 3.0});

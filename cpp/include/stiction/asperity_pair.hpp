@@ -108,7 +108,7 @@ inline ContactClass classify(const ContactPoint& contact_point, double half_cell
   return contact_point.normal.z() > 0.0 ? ContactClass::contact : ContactClass::crossed;
 }
 
-// ---- Kernels (inline, because they take most of the time per contact) -----------------------------------------------
+// ---- Inline functions, which take most of the time per contact ------------------------------------------------------
 
 inline ContactPoint SpherePair::contact_at(double approach) const {
   const double penetration = approach - gap;

@@ -113,7 +113,7 @@ Status status(const Sums& sums, double mu0, double tau0 = 0.0);
 /// Return F_T / F_N, or NaN unless the status is `ok`.
 double friction_coefficient(const Sums& sums, double mu0, double tau0 = 0.0);
 
-// ---- Kernel (inline, because it takes most of the time per contact) -------------------------------------------------
+// ---- Inline functions, which take most of the time per contact ------------------------------------------------------
 
 inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
   const double along = normal.head<2>().dot(direction);
@@ -122,7 +122,7 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
     // A normal in the plane of s and z, like every normal of a profile, requires no normalisation.
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
-  // Components of the tangent along s, across s and upwards.
+  // Components of the friction tangent along the motion s, across s and upwards.
   // At a steep wall, the vector form (s·n) n - s would subtract nearly equal vectors.
   const double length = std::sqrt(normal.z() * normal.z() + across * across);
   const double lateral = along * (across / length);
