@@ -50,7 +50,7 @@ MODULES_WITH_THE_FRICTION_LAW = {"mechanics/friction.py", "calibration/fit.py"}
 def multiplies_strength(node):
     if not (isinstance(node, ast.BinOp) and isinstance(node.op, (ast.Mult, ast.Div))):
         return False
-    # A ratio to mu0 or tau0 compares a value with it.
+    # Divisions by mu0 or tau0 are accepted, because they compare a value with mu0 or tau0.
     operands = (node.left, node.right) if isinstance(node.op, ast.Mult) else (node.left,)
     names = {getattr(operand, "id", getattr(operand, "attr", None)) for operand in operands}
     is_conversion_of_units = isinstance(node.left, ast.Constant) or isinstance(node.right, ast.Constant)

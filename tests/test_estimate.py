@@ -100,4 +100,4 @@ def test_estimate_is_immutable():
 )
 def test_estimate_from_its_json_object_has_the_same_interval(estimate):
     read = Estimate.from_record(json.loads(to_json(estimate.to_record())))
-    assert repr(read) == repr(estimate)  # NaN limits are not equal
+    assert repr(read) == repr(estimate)  # two NaN limits are not equal

@@ -309,7 +309,8 @@ def test_reading_options_that_an_unreadable_scan_opens_are_closed_by_a_readable_
     choose_scan(empty_page, "lower", map_files[1])
     wait_until(lambda: read_scan_texts(empty_page, "lower")["hint"], lambda hint: "Sq" in hint)
     assert not empty_page.execute_script(is_open)
-    empty_page.find_element("css selector", "#lower-drop summary").click()  # A section that the user opened stays open.
+    # A section of the form that the user opened stays open.
+    empty_page.find_element("css selector", "#lower-drop summary").click()
     choose_scan(empty_page, "lower", text_file)
     choose_scan(empty_page, "lower", map_files[1])
     wait_until(lambda: read_scan_texts(empty_page, "lower")["hint"], lambda hint: "Sq" in hint)
@@ -409,8 +410,8 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
         rtol=MAX_ROUNDING_ERROR,
     )
 
-    # A change of mu0 by the slider or by the field also changes the sentence and the command line. The slider changes
-    # the field, and the field changes the slider if the report has the value.
+    # The sentence and the command line show the mu0 that the slider or the field has set. Both controls show the same
+    # mu0 if the report has values for it.
     move_slider = "const field = inside.getElementById('mu0'); field.value = 1;" + DISPATCH_INPUT_EVENT_SCRIPT
     for change_mu0, field_value, report_value in (
         (lambda: run_script_in_report(empty_page, move_slider), "0.1", 0.1),
@@ -604,7 +605,7 @@ def test_error_message_of_the_command_is_shown_at_the_form_field_that_caused_the
     wait_until(lambda: read_scan_texts(empty_page, "upper")["hint"], lambda hint: "2.4 µm" in hint)
     empty_page.find_element("css selector", "#pair .go").send_keys("\n")
     assert "the lower scan is missing" in empty_page.find_element("id", "pair-wrong").text
-    # The file of the second map has another grid and contains its units.
+    # The file of the second map has a different grid and contains its units.
     csv_file = tmp_path / "coarse.csv"
     write_surface(Surface(0.01 * np.random.default_rng(3).standard_normal((20, 30)), spacing=(0.15, 0.12)), csv_file)
     choose_scan(empty_page, "lower", csv_file)

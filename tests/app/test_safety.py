@@ -343,7 +343,7 @@ def test_unfinished_uploads_are_included_in_the_storage_limit(app):
         f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
     )
     (private_folder,) = app.find_private_folders()
-    for _ in range(2):  # The second round can only succeed if the first round has released its storage.
+    for _ in range(2):  # The second round of uploads can only succeed if the first round has released its storage.
         with ExitStack() as stack:
             for _ in range(6):
                 client = stack.enter_context(socket.create_connection(("127.0.0.1", int(app.port))))
@@ -436,9 +436,9 @@ def fake_pair_command(monkeypatch):
     answers = [{"reported": False, "caveats": []}, {"reported": True, "caveats": [{"text": "use --tip"}]}]
 
     async def run_module(arguments, on_record=None, **_):
-        if '"preview"' in arguments[1]:  # a preview that is slower than the command
+        if '"preview"' in arguments[1]:  # this preview takes longer than the command itself
             await asyncio.Event().wait()
-        if arguments[0] != "stiction":  # the process that reads the finished part of a stopped job
+        if arguments[0] != "stiction":  # this process reads the finished part of a stopped job
             return '{"answer": "finished part", "finished": 1, "total": 2}'
         assert arguments[1] == "pair"
         folder = Path(arguments[-1].removeprefix("--output="))
@@ -714,7 +714,7 @@ def test_job_of_a_killed_command_fails_with_the_name_of_the_signal(tmp_path):
 def _child_process_ids(parent_id):
     process_ids = []
     for status_file in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError):  # the process may have ended
+        with suppress(OSError):  # the process may have ended in the meantime
             if int(status_file.read_text(encoding="utf-8").rpartition(")")[2].split()[1]) == parent_id:
                 process_ids.append(int(status_file.parent.name))
     return process_ids

@@ -119,7 +119,7 @@ def test_calibration_advice_predicts_the_errors_that_remain_after_ball_tests_wit
     ball_ratios = pair_ratio * np.array([BALL.area_per_load(load) for load in loads]) / BALL.area_per_load(10.0)
     ratios = np.array([*([pair_ratio] * len(tests)), *ball_ratios])
     design = np.stack([np.ones_like(ratios), ratios], axis=1)
-    expected = 0.009 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))  # Every coefficient has the same error.
+    expected = 0.009 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))  # All coefficients have the same error.
     assert (mu0_error, tau0_error) == pytest.approx(expected, rel=0.25)
 
 
@@ -191,9 +191,9 @@ def test_uncertainty_of_a_shared_hardness_cancels_in_the_prediction(tmp_path) ->
     assert upper - lower < 0.03
     unrelated_pair = pair(
         *rough_surface_pair(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS
-    )  # The hardness is given as another text, so it is independent of the hardness of the calibrated pair.
+    )  # Two different texts define independent values, so this hardness is independent of the calibrated pair.
     assert np.ptp(strength.predict(unrelated_pair, "50 MPa")[1:]) > 3 * (upper - lower)
-    # The combined interval of a pair shares the hardness with an interface file, too.
+    # A pair with the hardness text of an interface file shares its error of the hardness.
     write_interface(strength, tmp_path / "film.csv")
     arguments = {name: value for name, value in PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
     shared_result, unrelated_result = (
@@ -255,7 +255,8 @@ def test_calibration_over_a_range_of_moduli_agrees_with_a_brute_force_calculatio
     best, covariance = fit_least_squares(tests)
     random = np.random.default_rng(0)
     samples_at_mean_modulus = random.multivariate_normal(best, covariance, 400_000)
-    # A/F is proportional to E*^(-2/3), and the prior is flat in tau0 A/F, so tau0 is proportional to E*^(2/3).
+    # Contact area per load, A/F, is proportional to E*^(-2/3). The prior is flat in tau0 A/F, so tau0 is proportional
+    # to E*^(2/3).
     relative_moduli = np.exp(random.standard_normal(400_000) / 1.96 * 0.5 * math.log(high / low))
     tau0 = samples_at_mean_modulus[:, 1] * relative_moduli ** (2 / 3)
     for result, draws in ((interface.mu0, samples_at_mean_modulus[:, 0]), (interface.tau0, tau0)):
@@ -312,7 +313,7 @@ def test_prediction_interval_includes_samples_with_mu0_at_the_lower_bound(tmp_pa
     interface = calibrate(tests, common=0.0, sliding="all")
     assert interface.mu0[1] == 0.0
     (tau0_at_bound,) = [tau0 for mu0, tau0 in interface.samples_at_bounds if not mu0.any()]
-    # If mu0 is 0, only tau0 is unknown; its estimate is a weighted mean with a normal error.
+    # If mu0 is 0, only tau0 is unknown, and its estimate is a weighted mean with a normal error.
     ratio = np.array([BALL.area_per_load(float(test.load)) / test.uncertainty for test in tests])
     scaled_coefficients = np.array([test.coefficient / test.uncertainty for test in tests])
     estimate, error = ratio @ scaled_coefficients / (ratio @ ratio), 1 / math.sqrt(ratio @ ratio)
@@ -615,7 +616,7 @@ def ball_and_load(ratio: float) -> tuple[Ball, float]:
 
 
 ROUGH_FINISH, SMOOTH_FINISH, SOFT_FINISH = (0.003, None), (0.001, None), (0.003, 0.1)
-FRICTION_TEST_SERIES: dict[str, Any] = {  # bodies and settings of simulated test series
+FRICTION_TEST_SERIES: dict[str, Any] = {  # bodies and settings of each simulated test series
     "ball": ((None,), {}),
     "no adhesion": ((None,), {"tau0": 0.0}),
     "no mu0": ((None,), {"mu0": 0.0}),
@@ -711,7 +712,7 @@ def test_calibration_text_states_an_interval_of_area_per_load_if_the_modulus_is_
     ratios = [ball.area_per_load(float(load)) for load in LOADS]
     assert [float(word) for word in range_text.split(" to ")] == pytest.approx([min(ratios), max(ratios)], rel=0.01)
     assert len(numbers) == (3 if has_interval else 1)
-    if has_interval:  # A/F is proportional to E* to the power of -2/3
+    if has_interval:  # contact area per load is proportional to E* to the power of -2/3
         assert numbers[2] / numbers[1] == pytest.approx(2 ** (2 / 3), rel=0.05)
 
 

@@ -83,7 +83,7 @@ def test_calibrate_command_recovers_and_stores_mu0_and_tau0_of_ball_tests(tmp_pa
     assert first_line.startswith("μ0 + τ0 A/F = ")
     assert other_lines[0].startswith("μ0 = 0.1")
     assert float(other_lines[1].removeprefix("τ0 = ").split()[0]) == pytest.approx(12, rel=0.01)
-    # The area of a smooth ball is equal for both sliding rules, so the result has only one χ².
+    # Both sliding rules give a smooth ball the same area, so the result has only one χ².
     assert completed.stdout.count("χ²") == 1
     stored_interface = read_interface(tmp_path / "film")
     assert stored_interface.separated

@@ -148,7 +148,7 @@ def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans
 
 def test_table_command_replaces_a_table_that_an_equal_command_wrote_at_the_same_time(tmp_path, monkeypatch):
     def write_and_export(dataset, path, **options):
-        export(dataset, path)  # by the other command
+        export(dataset, path)  # this table is written by the other command
         export(dataset, path, **options)
 
     export = store.export

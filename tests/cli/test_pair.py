@@ -131,7 +131,8 @@ REPETITIONS_KEY = "ensemble.repetitions"
         (PROFILE_FILES, ["--mechanics", "half-space", "--hardness", "3 GPa"], {"contact.hardness": 3.0}),
         (PROFILE_FILES, ["--mu0", "0.4,0.3,0.4"], {"friction.mu0": (0.3, 0.4)}),
         (PROFILE_FILES, ["--tau0", "50 MPa,0 MPa,0.05 GPa"], {"friction.tau0": (0.0, 0.05)}),
-        (PROFILE_FILES, ["--load", "2 MPa", "--load", "0.01 mN"], {"friction.load": (0.01, 0.02)}),  # area 10 µm²
+        # The nominal area is 10 µm².
+        (PROFILE_FILES, ["--load", "2 MPa", "--load", "0.01 mN"], {"friction.load": (0.01, 0.02)}),
         (
             PROFILE_FILES,
             ["--lay", "isotropic", "--level", "line"],
@@ -436,8 +437,8 @@ def test_pair_command_interrupted_after_its_result_keeps_the_printed_result(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(f"stiction.{function}", interrupt)
-    monkeypatch.setattr("stiction.cli.application.signal.signal", lambda *_: None)  # do not ignore Ctrl-C afterwards
-    monkeypatch.setattr("os._exit", sys.exit)  # an interrupted command ends its process
+    monkeypatch.setattr("stiction.cli.application.signal.signal", lambda *_: None)  # Ctrl-C must not be ignored
+    monkeypatch.setattr("os._exit", sys.exit)  # os._exit would end the test run
     arguments = ["pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, "--load", "7 MPa", "--shifts", 2, "--onset", 0]
     arguments += ["-o", tmp_path / "out"]
     interrupted = call_stiction(*arguments, cwd=scans_folder, without_report=True)
@@ -635,7 +636,7 @@ RUBBER_ON_GLASS_OPTIONS = [
 def test_pair_command_output_fits_in_24_lines(scans_folder, arguments, tmp_path):
     options = {"cwd": scans_folder, "columns": 80, "without_figures": True, "without_report": True}
     completed = check_stiction("pair", *arguments, "-o", tmp_path / "out", **options)
-    # Paths are not counted, because they are longer in this test than in the current directory.
+    # Characters of paths are not counted, because paths in this test are longer than in the current directory.
     output = (completed.stderr + completed.stdout).replace(str(tmp_path / "out"), "out")
     text_before_paths, _, paths = output.partition("wrote ")
     assert "report.html" in paths
@@ -996,7 +997,7 @@ def test_pair_with_a_noisy_scan_is_solved_without_filter_and_with_filter(tmp_pat
     (fault,) = [
         value for value in find_input_caveats(noisy_profile, noisy_profile, studies["cut"]) if value.severity == "fault"
     ]
-    assert fault.cut_off < 0.3  # A result filtered at 0.3 µm would have no such caveat.
+    assert fault.cut_off < 0.3  # A result filtered at 0.3 µm would have no caveat about noise.
 
 
 def create_noisy_and_clean_profiles():

@@ -149,7 +149,7 @@ def test_commands_at_and_report_accept_the_result_of_a_pair_of_spectra(spectra_f
     check_stiction("at", "pair", "--load", "30 MPa", cwd=spectra_folder)
     check_stiction("report", "pair", cwd=spectra_folder, without_figures=True)
     dataset = evaluate_at_cutoffs(open_stored_result(spectra_folder / "pair")).isel(load=0, mu0=0, tau0=0)
-    # The figure of results against the cutoff shows this estimate.
+    # The figure of results against the cutoff shows the spectral estimate.
     spectral_estimate = find_resolution_limits(dataset, study).spectral
     assert float(spectral_estimate.mean_pressure.max()) == pytest.approx(4.0)
     assert float(spectral_estimate.wavelength.max()) > 1.0

@@ -57,7 +57,7 @@ def test_shear_command_prints_peak_and_table_and_writes_four_files(folder):
     report = (folder / "shear/report.html").read_text()
     assert "upper.npy on lower.npy" in report
     assert lines[0].removeprefix("peak: ") in report
-    assert report.count("<tr>") == 7  # titles and six displacements
+    assert report.count("<tr>") == 7  # one row of titles and six rows of displacements
 
 
 def test_shear_command_prints_json_with_peak_and_curve(folder):
@@ -149,7 +149,8 @@ def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical
     with pytest.raises(KeyboardInterrupt):
         shear_test(*faces, directory=tmp_path / "test", progress=interruption, **options)
     whole = shear_test(*faces, progress=(counts := Interruption(-1)), **options)
-    assert sorted(set(counts.calls)) == list(range(3 * 7 + 1))  # the test, two limits of the hardness, four strips
+    # Seven curves: the test, two hardness limits and four strips.
+    assert sorted(set(counts.calls)) == list(range(3 * 7 + 1))
     calls = count_solved_contacts(monkeypatch)
     resumed = shear_test(*faces, directory=tmp_path / "test", **options)
     assert 0 < len(calls) < 20

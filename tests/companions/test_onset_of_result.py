@@ -173,7 +173,7 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     page = report_page(open_stored_result(tmp_path))
     for heading in ("Onset of sliding", "Order of slip", "light points slip first"):
         assert heading in page
-    assert page.count('<div class="figure"><svg role="img"') == 3  # The third figure shows single positions.
+    assert page.count('<div class="figure"><svg role="img"') == 3  # the third figure shows single positions
     export(onset.drop_vars(["slip", "lower_height"]), tmp_path / ONSET_FILE, replace=True)
     assert "slip" not in open_result(tmp_path).figures()
     with disable_drawing():
@@ -226,7 +226,7 @@ def test_sliding_load_of_the_onset_is_the_coefficient_times_the_load(tmp_path):
     stored = load_stored_onset(open_stored_result(tmp_path / "pair"))
     stored_load = float(stored["sliding_load"].sel(statistic="mean"))
     factor = limits[0] / stored_load
-    assert factor > 1.02  # Junction growth increases the friction.
+    assert factor > 1.02  # junction growth increases friction
     for name, power in (("energy_lost", 2), ("tangential_load", 1), ("displacement", 1), ("slipped_area", 0)):
         scaled, expected = (each[name].sel(statistic="mean").values for each in (result.onset, stored))
         np.testing.assert_allclose(scaled, expected * factor**power, rtol=1e-12, err_msg=name)
@@ -257,7 +257,7 @@ def test_repeated_pair_function_replaces_an_old_onset_table(tmp_path):
 def test_forces_of_fitted_friction_models_are_scaled_like_the_tangential_load(onset):
     coefficient = Estimate(0.5, 0.4, 0.7, kind="combined")
     scaled = scale_onset(onset, coefficient)
-    factor = 1.0 / float(onset["sliding_load"].sel(statistic="mean"))  # The load is 2 mN.
+    factor = 1.0 / float(onset["sliding_load"].sel(statistic="mean"))  # the load is 2 mN
     assert scaled.attrs["iwan_sliding_load_mN"] == pytest.approx(
         factor * onset.attrs["iwan_sliding_load_mN"], rel=1e-12
     )

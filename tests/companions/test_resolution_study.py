@@ -66,7 +66,7 @@ def test_resolution_study_is_none_if_there_are_no_cutoffs_to_compare(study, tmp_
     )
     small_study = create_study_from_files(
         tmp_path, spacing=write_maps(tmp_path)
-    )  # 48 points are too few for a second cutoff.
+    )  # maps of 48 points per side are too small for a second cutoff
     assert build_cutoff_study(small_study) is None
 
 
@@ -137,7 +137,7 @@ def test_longest_yielding_wavelength_is_listed_for_each_hardness(tmp_path):
     assert [estimate.friction for estimate in table] == pytest.approx([0.3 + 0.05 / row.hardness for row in table])
     for estimate in table:
         if estimate.hardness < 0.9 * pressure:
-            assert estimate.wavelength.value > 0.2  # above the shortest wavelength of the scan
+            assert estimate.wavelength.value > 0.2  # longer than the shortest wavelength of the scan
         elif estimate.hardness > 1.1 * pressure:
             assert not estimate.wavelength.value > 0.5
     limits = find_resolution_limits(point.expand_dims("cut_off"), elastic_study)

@@ -59,7 +59,8 @@ def test_flipped_bit_in_stored_data_is_detected_before_the_file_is_opened(comple
         export(complete_result.dataset(), path)
     content = path.read_bytes()
     assert content[-len(CHECKSUM_PREFIX) - 8 : -8] == CHECKSUM_PREFIX
-    monkeypatch.setattr(h5py, "File", None)  # Opening a damaged file might never end, so the file must not be opened.
+    # The file must not be opened, because opening a damaged file might never end.
+    monkeypatch.setattr(h5py, "File", None)
     num_checked_bits = 8 * (len(content) - len(CHECKSUM_PREFIX) - 8)
     for bit_index in [
         0,

@@ -192,7 +192,7 @@ def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
     assert "with μ0 = 0.2." in " ".join(text_of_two_mu0.split())
     with pytest.raises(ValueError, match="load must be above 0, got 0"):
         run_pair(load=0)
-    # Each result has the same pull-off force; the area at zero load needs a solution at a negligible load.
+    # All results have the same pull-off force. The area at zero load needs a solution at a negligible load.
     for result, has_area in ((unloaded_result, True), (two_load_result, True), (adhesive_result, False)):
         table = at_load(result.source, [0.0]).isel(cut_off=0)
         assert np.isfinite(table["contact_area"].sel(statistic="mean")).all() == has_area
@@ -272,7 +272,7 @@ def test_work_of_adhesion_given_as_zero_leaves_values_unchanged_and_adds_no_cave
         for result in (default_result, zero_adhesion_result, adhesive_result)
     ]
     assert has_caveat == [True, False, False]
-    # The estimate is not a lower bound, unless it is more than the load itself.
+    # The estimate is a lower bound only if it exceeds the load itself.
     (text,) = (caveat.text for caveat in default_result.caveats if caveat_text in caveat.text)
     assert re.search(r"by (about [\d.]+|more than 100) %$", text)
     steep_result = pair(rough_surface("upper", 0.03), rough_surface("lower", 0.03), **PAIR_OPTIONS | {"load": "20 MPa"})

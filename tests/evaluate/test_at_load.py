@@ -156,7 +156,7 @@ GENERATED_STUDIES = {
     "yielding": ("half-space", f'{LOADS}\nhardness = "0.5 GPa"'),
     "adhesive": ("half-space", f'{LOADS}\nwork_of_adhesion = "50 mJ/m^2"'),
 }
-LOADS_ON_CONTACTS = {"normal_load", "tangential_load"}  # at a mean load, they follow from the load and the coefficient
+LOADS_ON_CONTACTS = {"normal_load", "tangential_load"}  # both follow from the mean load and the coefficient
 RATIOS_OF_THE_NOMINAL_AREA = {"contact_area_fraction", "nominal_pressure", *STIFFNESS_PER_AREA_QUANTITIES}
 
 
@@ -173,7 +173,7 @@ def test_data_frame_and_csv_file_of_an_ensemble_contain_every_quantity(name):
         str(each) for each in result.at(load_definition="elastic").data_vars if QUANTITIES[str(each)].shown
     }
     expected = quantities_of_members - LOADS_ON_CONTACTS - {"share_opposing"}
-    expected -= {"approach"} if name == "asperities" else set()  # the approach is prescribed
+    expected -= {"approach"} if name == "asperities" else set()  # asperity studies prescribe the approach
     summary = result.summary()
     frame, table = values_frame(summary.at), summary_table(summary)
     assert expected <= {*frame["name"]}
@@ -193,7 +193,7 @@ def test_measured_and_generated_surfaces_both_have_all_ratios_of_quantities(
     }  # fmt: skip
     generated = {str(each) for name in GENERATED_STUDIES for each in run_generated_study(name).at().data_vars}
     shown_ratios = {name for name in RATIO_QUANTITIES if QUANTITIES[name].shown}
-    assert shown_ratios - measured == {"share_overlapping"}  # maps were pressed with the half-space
+    assert shown_ratios - measured == {"share_overlapping"}  # the half-space model has no overlapping contacts
     assert shown_ratios - generated == RATIOS_OF_THE_NOMINAL_AREA
 
 
@@ -236,7 +236,7 @@ def test_selected_quantities_at_a_load_equal_those_of_a_complete_evaluation(area
 def test_stiffnesses_per_area_have_the_same_unit(areal_study_and_dataset):
     _, dataset = areal_study_and_dataset
     values = at_load(dataset, dataset["load"].values[:2]).squeeze()
-    stiffness_per_area = values["normal_stiffness"] / values["nominal_area"] * 1e6  # GPa/µm to MPa/mm
+    stiffness_per_area = values["normal_stiffness"] / values["nominal_area"] * 1e6  # conversion from GPa/µm to MPa/mm
     np.testing.assert_allclose(values["stiffness_per_area"], stiffness_per_area, rtol=1e-12)
     names = ("stiffness_per_area", "unloading_stiffness_per_area", "closure_stiffness")
     assert {values[name].attrs["units"] for name in names if name in values} == {"MPa/mm"}
@@ -493,7 +493,7 @@ def test_interval_between_computed_loads_contains_the_solution_for_few_contacts(
         )
     ]
     difference, error = (np.array([row[index] for row in rows]) for index in (1, 2))
-    assert np.abs(difference).max() > 0.1  # jumps of single contacts
+    assert np.abs(difference).max() > 0.1  # single contacts cause jumps of the friction
     assert np.mean(np.abs(difference) <= error) > MIN_COVERAGE
 
 

@@ -30,7 +30,7 @@ MAX_SAMPLING_ERROR = 0.02  # largest error of an interval end due to random samp
 # Largest relative errors of friction that is interpolated between solutions, for a narrow and a wide range of E*.
 MAX_INTERPOLATION_ERROR, MAX_WIDE_INTERPOLATION_ERROR = 0.005, 0.008
 PAIR_OPTIONS = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
-THREE_POSITION_OPTIONS = PAIR_OPTIONS | {"shifts": 3}  # few positions, enough to compare solutions at equal positions
+THREE_POSITION_OPTIONS = PAIR_OPTIONS | {"shifts": 3}  # few positions suffice to compare solutions at equal positions
 
 
 LARGE_MAP_POINTS = 64  # number of points along a side of the maps in tests of interpolation between solutions
@@ -127,7 +127,7 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
     dims = ("cut_off", "sliding", "load", "mu0", "tau0")
     first, samples = next(_iterate_intervals(result, table, dims, {(0.2, 0.05): (inputs, [])}, {}, {}))
     assert table["sliding"].values[first[1]] == "all"
-    # The samples must not contain errors of the mean over positions.
+    # The samples contain only errors of inputs, not the error of the mean over positions.
     samples.names, samples.standard_errors = tuple(inputs), {}
     for probability in (0.03, 0.7):
         hardness = float(inputs["hardness"].estimate.quantile(probability))
@@ -231,7 +231,7 @@ def test_range_of_creep_exponent_widens_only_intervals_after_a_dwell() -> None:
     )
     assert exact_point.after_dwell[0].value == pytest.approx(
         ranged_point.after_dwell[0].value, rel=1e-3
-    )  # The two ranges are solved at different hardnesses.
+    )  # The solutions for the two ranges have different hardnesses.
     assert (exact_point.lower, exact_point.upper) == pytest.approx((ranged_point.lower, ranged_point.upper), rel=1e-9)
     low, high = (0.2 + 0.05 / 0.3 * 86400**m for m in (0.02, 0.04))
     assert ranged_point.after_dwell[0].upper - ranged_point.after_dwell[0].lower > 0.9 * (high - low)
@@ -380,7 +380,7 @@ def test_interval_contains_the_friction_coefficient_for_truncated_distributions_
 
 
 def test_combined_interval_contains_the_interval_of_the_mean_for_random_statistics(monkeypatch) -> None:
-    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # no budgets, to save time
+    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # skip the budgets to save time
     # Replace values by random statistics. Some have a bracket wider than the interval of the inputs.
     random = np.random.default_rng(5)
     result = pair(

@@ -20,7 +20,7 @@ from stiction.evaluate.response import ContactResponse, InputValues
 from stiction.study.inputs import Inputs
 from support.synthetic_results import measured_study
 
-LOAD, ELASTIC_AREA, NOMINAL_AREA = 10.0, 20.0, 10_000.0  # mN, µm², µm²
+LOAD, ELASTIC_AREA, NOMINAL_AREA = 10.0, 20.0, 10_000.0  # load (mN), contact area (µm²), nominal area (µm²)
 QUANTILE_ERROR = 0.01  # relative error of the logarithm of a quantile of the samples
 
 

@@ -60,7 +60,7 @@ def test_friction_table_equals_direct_computation(dataset, table):
 
 
 def test_stiffness_law_is_undefined_if_the_approach_decreases_as_the_load_increases(dataset, table):
-    # With one approach negated, the approach no longer increases with the load.
+    # If one approach is negated, the approach no longer increases with the load.
     changed_dataset = dataset.copy(deep=True)
     changed_dataset["approach"].values[0, 0, 1] *= -1
     result = friction_table(changed_dataset)
@@ -73,7 +73,7 @@ def test_tabulated_area_decreases_with_slope_and_friction_increases_with_tau0(ta
     mean = table.sel(statistic="mean")
     for name in ("contact_area_fraction", "normal_stiffness", "approach"):
         assert (mean[name].diff("pressure") > 0).all(), name
-    # A larger rms slope reduces the contact area; a larger tau0 increases friction.
+    # A larger rms slope reduces the contact area, and a larger tau0 increases friction.
     assert (mean["contact_area_fraction"].diff("rms") < 0).all()
     assert (mean["contact_area_fraction"].diff("hurst_exponent") > 0).all()
     assert (mean["friction_coefficient"].diff("tau0") > 0).all()
@@ -105,10 +105,10 @@ def test_fit_of_laws_recovers_exact_power_laws(dataset):
     result = friction_table(exact_dataset)
     assert result["area_factor"].values == pytest.approx(1.5)
     assert result["area_deviation"].values == pytest.approx(0, abs=1e-12)
-    assert result["stiffness_factor"].values == pytest.approx(50e6)  # 50 GPa/µm at 1 GPa
+    assert result["stiffness_factor"].values == pytest.approx(50e6)  # stiffness of 50 GPa/µm at a pressure of 1 GPa
     assert result["normal_stiffness"].attrs["units"] == "MPa/mm"
     assert "stiffness over area (MPa/mm)" in friction_table_csv(result)
-    assert re.search(r"\b50\b", friction_table_text(result))  # b (GPa/µm)
+    assert re.search(r"\b50\b", friction_table_text(result))  # factor b of the stiffness law (GPa/µm)
     assert result["stiffness_exponent"].values == pytest.approx(1)
 
 

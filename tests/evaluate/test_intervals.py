@@ -141,7 +141,7 @@ def test_interval_of_a_sample_mean_is_symmetric_if_values_have_both_signs():
 def test_interval_of_a_mean_of_exponential_samples_is_positive_and_contains_the_true_mean(count):
     mean, lower, upper = average_independent_values(np.random.default_rng(3).exponential(size=(count, 20_000)))
     assert (lower > 0).all()
-    symmetric_upper = mean + (mean - lower)  # the interval is skewed towards large values
+    symmetric_upper = mean + (mean - lower)  # the interval extends further towards large values
     assert (upper > symmetric_upper).all()
     assert ((lower <= 1) & (upper >= 1)).mean() > 0.925
 
@@ -178,7 +178,7 @@ def test_mean_of_a_column_over_positions_is_independent_of_other_columns(lines):
     assert np.array_equal(all_columns, np.array(single_columns).T)
 
 
-# Round-off of the logarithms of ratios near 1, relative to their differences.
+# Round-off of logarithms of ratios near 1, relative to the differences of the logarithms.
 JACKKNIFE_TOLERANCE = 1e-10
 
 
@@ -210,7 +210,7 @@ def test_interval_of_a_mean_at_a_load_is_missing_if_one_repetition_carries_the_l
 
 
 def test_interval_of_a_mean_of_zero_is_zero_if_the_loads_differ_only_by_round_off():
-    # The values increase after the crossing, so the slope is not zero.
+    # The values increase after the curve crosses the load, so the slope is not zero.
     round_off = np.array([-1.0, 0.0, 1.0]) * np.finfo(float).eps
     normal = np.geomspace(0.01, 0.3, 5)[np.newaxis, :, np.newaxis] * (1 + round_off)
     values = np.where(normal > 0.05, normal, 0.0)

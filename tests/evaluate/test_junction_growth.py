@@ -169,7 +169,7 @@ def test_normal_load_of_a_member_counts_the_grown_area(growth_result):
 
 def test_member_that_loses_its_normal_load_as_contacts_grow_is_self_locked(growth_result):
     area_ratio, growth = find_area_ratios(growth_result)
-    # The normal load is above 0 before contacts grow, and below 0 afterwards.
+    # The growth of the contacts changes the sign of the normal load from positive to negative.
     ratio = -1 / (area_ratio * INTERFACE_STRENGTH["tau0"] * math.sqrt(growth))
     result = with_sums(growth_result, normal_adhesive=ratio, normal_frictional=0.0)
     values = result.at(per_member=True)
@@ -287,7 +287,7 @@ def test_interval_with_slip_lines_agrees_with_a_brute_force_calculation_if_all_c
     ratio, strength = random.uniform(5.14, 6.05, count), random.uniform(*limits, count)
     hardness = 0.5 * (1 + 0.05 * random.standard_normal(count))
     coefficient = 0.2 + strength / solve_slip_lines(hardness, 0.2, strength, ratio)
-    is_stronger = coefficient > 2 / ratio / 0.95  # a reduction of the friction by 5 % is neglected
+    is_stronger = coefficient > 2 / ratio / 0.95  # the model neglects reductions of friction below 5 %
     coefficient = np.where(is_stronger, 2 / ratio, coefficient)
     lower = np.quantile(coefficient, 0.025)
     upper = np.quantile(np.where(is_stronger, np.inf, coefficient), 0.975, method="inverted_cdf")

@@ -136,7 +136,7 @@ def test_friction_is_interpolated_linearly_across_jumps_of_the_load(
 
 def test_positions_are_rounded_to_the_nearest_grid_point(profile_pair):
     upper, lower = profile_pair
-    assert 0.29 / 0.01 < 29  # 0.29/0.01 must be rounded, not truncated
+    assert 0.29 / 0.01 < 29  # 0.29/0.01 is slightly below 29 and must be rounded, not truncated
     member = read_member_values(run_pair(upper, lower, [0.01], positions=[0.29], **INTERFACE_OPTIONS)).sel(
         direction=0.0
     )
@@ -231,7 +231,7 @@ def test_positions_without_friction_have_a_status_and_are_omitted_from_the_mean(
     assert (separated_result.at(per_member=True)["status"] == "no-contact").all()
     # Two arcs on a slope of 3: the upper body is pushed up the slope in direction 0, and down in direction 180.
     upper, lower = (Profile(3 * x + curvature * x**2, spacing=0.01) for curvature in (0.05, -0.05))
-    for mu0, status in ((0.3, "ok"), (0.34, "self-locked")):  # The contact is self-locking if mu0 exceeds 1/3.
+    for mu0, status in ((0.3, "ok"), (0.34, "self-locked")):  # the contact is self-locking if mu0 exceeds 1/3
         members = read_member_values(run_pair(upper, lower, [1e-3], mu0=mu0))
         assert members["status"].isel(x=0).values.ravel().tolist() == [status, "ok"]
     grazing_result = run_pair(flat, Profile(-0.05 * (x - 0.005) ** 2, spacing=0.01), [1e-12], mu0=0.3)
@@ -414,7 +414,7 @@ def test_load_fraction_of_opposing_contacts_equals_the_sum_over_contacts():
         fraction = load[contact_list.opposing].sum() / load.sum()
         assert 0.05 < fraction < 0.95
         assert np.isclose(float(member["share_opposing"]), fraction, rtol=1e-6)
-    # The sum is exactly 1 for small slopes only.
+    # The load fractions of both directions add up to exactly 1 for small slopes only.
     assert float(result["share_opposing"].sum()) == pytest.approx(1.0, abs=0.02)
 
 
@@ -454,9 +454,8 @@ def test_results_of_the_half_plane_model_at_each_position_equal_half_space_solut
             )
             np.testing.assert_array_equal(member["contact_count"], curve.contact_count[load_indices])
     total_fraction = values["share_opposing"].sum("direction").values
-    np.testing.assert_allclose(
-        total_fraction, 1, atol=0.02
-    )  # Every contact opposes one of the two directions. The sum is exactly 1 for small slopes only.
+    # Every contact opposes one of the two directions. The load fractions add up to exactly 1 for small slopes only.
+    np.testing.assert_allclose(total_fraction, 1, atol=0.02)
     for name in ("approach", "normal_stiffness"):
         assert values[name].isnull().all()
 

@@ -90,8 +90,8 @@ def test_friction_map_returns_a_status_instead_of_extrapolating():
             0.5,
             np.nan,
         ),  # only one of five repetitions carries a load
-        ([[1.0, 2.0]] * 5, [[0.5, 1.0]] * 5, 1.5, 0.5, 0.0),  # equal repetitions
-        ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),  # no friction
+        ([[1.0, 2.0]] * 5, [[0.5, 1.0]] * 5, 1.5, 0.5, 0.0),  # all repetitions are equal
+        ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),  # all tangential loads are zero
     ],
 )
 def test_friction_map_interval_is_nan_for_few_members_and_zero_for_identical_members(
@@ -168,7 +168,7 @@ NUM_ENSEMBLES = 2000
 MIN_COVERAGE = {
     (0.3, 0.3): {5: 0.93, 10: 0.935, 24: 0.94, 100: 0.94},
     (0.8, 0.5): {5: 0.88, 10: 0.91, 24: 0.925, 100: 0.935},
-    (1.0, 1.0): {5: 0.81, 10: 0.845, 24: 0.885, 100: 0.915},  # 1 % of the repetitions dominate the mean
+    (1.0, 1.0): {5: 0.81, 10: 0.845, 24: 0.885, 100: 0.915},  # 1 % of the repetitions determine most of the mean
 }
 MAX_COVERAGE = 0.975
 
@@ -223,7 +223,7 @@ def test_friction_map_intervals_have_nominal_coverage_if_half_of_the_members_lac
 
 
 def test_stiffness_map_equals_the_derivative_of_the_mean_load():
-    # F = k δ² is a parabola, for which central differences give the exact derivative.
+    # Central differences give the exact derivative of the parabola F = k δ².
     approach = np.arange(1, 8) * 1e-3
     stiffness = np.array([[1000.0], [3000.0]])
     result = create_result(stiffness * approach**2, np.zeros((2, 7)))

@@ -26,7 +26,8 @@ def test_faces_that_fit_perfectly_are_in_complete_contact(hardness):
     point = result.at()
     assert (point["rms_gradient"].sel(statistic="mean") == 0).all()
     assert (point["contact_status"] == "complete").all()
-    assert result.value == pytest.approx(0.6 + 1.0 / 1.0, rel=1e-3)  # mu0 plus tau0 over the nominal pressure
+    # The coefficient is mu0 plus the ratio of tau0 to the nominal pressure.
+    assert result.value == pytest.approx(0.6 + 1.0 / 1.0, rel=1e-3)
 
 
 def test_motion_that_needs_a_negative_tangential_load_has_no_coefficient(mated_faces):

@@ -20,7 +20,7 @@ from support.rough_surfaces import rough_maps
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
-HARDNESS, MODULUS, LOAD = 1.0, 80.0, 20.0  # GPa, GPa, mN
+HARDNESS, MODULUS, LOAD = 1.0, 80.0, 20.0  # hardness (GPa), effective modulus (GPa), load (mN)
 OPTIONS = {
     "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": MODULUS, "shifts": 4, "cutoff": "none", "onset": 0,
     "direction": [0.0, 180.0],
@@ -140,7 +140,7 @@ def test_area_at_other_inputs_equals_the_area_of_a_direct_solution(result, chang
         yield_exponent=changes.get("yield_exponent", 1.25),
     ) / area(load)  # fmt: skip
     expected = mean_value(direct_result, "contact_area") / mean_value(result, "contact_area")
-    assert float(ratio) == pytest.approx(expected, rel=0.01)  # few contacts
+    assert float(ratio) == pytest.approx(expected, rel=0.01)  # this pair has few contacts
 
 
 def test_area_function_is_bounded_by_the_nominal_area():

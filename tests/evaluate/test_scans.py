@@ -180,7 +180,7 @@ def test_pair_function_rejects_a_directory_of_scans_that_contains_a_pipe(tmp_pat
     (tmp_path / "part").mkdir()
     for index in range(2):
         write_surface(rough_scan(index, "upper"), tmp_path / "part" / f"a{index}.npy")
-    os.mkfifo(tmp_path / "part/pipe.npy")  # reading it would block
+    os.mkfifo(tmp_path / "part/pipe.npy")  # a reader of a pipe would block
     with pytest.raises(ValueError, match=r"pipe\.npy: is not a file"):
         pair(tmp_path / "part", rough_scan(9, "lower"), mechanics="asperities", onset=0, shifts=4, **PAIR_OPTIONS)
 
@@ -272,7 +272,7 @@ def test_drift_of_a_single_scan_widens_the_interval_and_is_named_in_budget_and_c
     budget = result.budget.set_index("input")
     assert budget.index[0] == "which piece of the upper part"
     assert "which piece of the lower part" not in budget.index
-    # The remaining interval reflects only the positions.
+    # The interval that remains contains only the scatter between positions.
     assert budget.loc["which piece of the upper part", ["lower", "upper"]].tolist() == pytest.approx(
         list(result.interval_of_mean), rel=0.01
     )

@@ -177,11 +177,11 @@ def test_dugdale_contact_of_a_sphere_agrees_with_maugis_solution_on_any_grid(tab
 def test_contact_of_an_adhesive_cylinder_equals_barquins_solution():
     """Check F = π E* a²/(4R) - (2π E* w a)^(1/2) per µm of length (Barquins, The Journal of Adhesion 26 (1988) 1)."""
     work, length = 1e-6, 1024
-    radius = (2 * work / np.pi) ** (1 / 3)  # at pull-off
+    radius = (2 * work / np.pi) ** (1 / 3)  # contact radius at pull-off
     spacing = 12 * radius / length
     x = (np.arange(length) - length // 2) * spacing
     bodies = Profile(np.zeros(length), spacing=spacing), Profile(-(x**2) / 2, spacing=spacing)
-    adhesion_range = work ** (2 / 3) / 5  # Tabor's parameter is then 5.
+    adhesion_range = work ** (2 / 3) / 5  # With these values, Tabor's parameter is 5.
     curve = half_space(*bodies, [0.0], effective_modulus=1.0, work_of_adhesion=work, adhesion_range=adhesion_range)
     assert curve.adhesion_range == adhesion_range
     assert curve.pull_off == pytest.approx(0.75 * np.pi * radius**2, rel=CLOSED_FORM_TOLERANCE)
@@ -199,7 +199,8 @@ def test_adhesive_contact_of_a_sinusoid_equals_johnson_solution_and_jumps_to_ful
     x, full_contact_pressure = np.arange(points) / points, np.pi * height
     bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
     work = (alpha * full_contact_pressure) ** 2 / 2
-    adhesive = {"work_of_adhesion": work, "adhesion_range": (4 * work / points) ** 0.5}  # 4 points
+    # The adhesion range extends over 4 points.
+    adhesive = {"work_of_adhesion": work, "adhesion_range": (4 * work / points) ** 0.5}
     loads = np.array([0.0, 0.05]) * full_contact_pressure
     curve = half_space(*bodies, loads, effective_modulus=1.0, boundary="periodic", **adhesive)
     if alpha > 0.57:
@@ -278,7 +279,7 @@ def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tensio
         )
     loads = np.array([state.load for state in states])
     first_local_minimum = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
-    # The energy has a local minimum here, which is not its global minimum.
+    # At this load, the energy has a local minimum that is not its global minimum.
     assert first_local_minimum > 0.9 * loads.min()
     largest_tension = adhesion_solver.mean_pressure_to_force(-loads.min())
     assert curve.pull_off == pytest.approx(largest_tension, rel=PULL_OFF_TOLERANCE)

@@ -237,7 +237,7 @@ class TestSurfacesAgainstExactSolutions:
         line_candidates = candidates(upper, lower, deepest=0.2, curvature="signed")
         areal_candidates = candidates(bowed_upper, extruded_lower, deepest=0.2)
         min_gap = (upper.heights - lower.heights).min()
-        # First contact depends on the lowest grid point of the bow.
+        # The approach at first contact depends on the lowest grid point of the bow.
         shift = (bowed_upper.heights - extruded_lower.heights).min() - min_gap
         assert len(areal_candidates) == len(line_candidates) >= 10
         assert np.allclose(areal_candidates.position[:, 0], line_candidates.position[:, 0], atol=1e-9)
@@ -255,8 +255,8 @@ class TestSurfacesAgainstExactSolutions:
         assert np.allclose(areal_contacts.normal[areal_index], line_contacts.normal[line_index], atol=1e-8)
 
     def test_level_contacts_contribute_friction_only_if_friction_acts_at_all_contacts(self):
-        # Level contacts do not oppose the motion.
-        # A rough body on a flat therefore has no friction under the opposing rule.
+        # A rough body on a flat has no friction under the opposing rule, because level contacts do not oppose the
+        # motion.
         upper, _ = create_rough_surfaces()
         flat = Surface(np.zeros_like(upper.heights), spacing=upper.spacing)
         for bodies in ((upper, flat), (flat, upper)):
@@ -307,7 +307,8 @@ class TestSurfaceScalingAndSymmetry:
             for rule in ("opposing", "all")
         }
         opposing_curve, curve_with_all_contacts = curves["opposing"], curves["all"]
-        # Each contact is counted in one direction. Elastic loads change sign with the direction, and friction does not.
+        # Each contact opposes only one of two opposite directions. Elastic loads change sign with the direction, and
+        # friction does not.
         assert_close(
             opposing_curve.tangential_elastic[0] - opposing_curve.tangential_elastic[1],
             curve_with_all_contacts.tangential_elastic[0],

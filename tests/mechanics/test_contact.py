@@ -163,7 +163,7 @@ class TestProfilesAgainstExactSolutions:
         assert_close(coefficient, np.tan(theta + np.arctan(coefficient_with_adhesion)), ROUND_OFF)
         pressure = table.force / table.area
         assert_close(coefficient, slope_friction(theta, mu0=mu0, tau0=tau0, mean_pressure=pressure), ROUND_OFF)
-        # No contact opposes the motion in the reverse direction.
+        # In the reverse direction, no contact opposes the motion.
         assert press(upper, lower, [1e-3], shear="-x").friction_coefficient(mu0=0.4).tolist() == [0]
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
@@ -441,7 +441,7 @@ class TestProfileContactArguments:
     @pytest.mark.parametrize(
         ("effective_modulus", "tau0", "words"),
         [
-            (1.5e-3, 0.3e-3, None),  # rubber on glass: 0.3 MPa and E* = 1.5 MPa
+            (1.5e-3, 0.3e-3, None),  # values of rubber on glass: 0.3 MPa and E* = 1.5 MPa
             (1.5e-3, 1.4e-3, None),
             (1.5e-3, 0.3, "tau0 = 300 MPa is above the effective modulus 1.5 MPa; was it meant in kPa?"),
             (100.0, 9.0, None),

@@ -385,7 +385,7 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
     load = pressed * EFFECTIVE_MODULUS * 0.1
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
     model.E, model.nu = EFFECTIVE_MODULUS, 0.0
-    # with a tolerance below 1e-12 the iteration might never end
+    # the iteration might never end with a tolerance below 1e-12
     solver = tamaas.PolonskyKeerRey(model, lower.heights.copy(), 1e-11)
     if boundary == "free":
         tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
@@ -394,7 +394,7 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
     assert solver.solve(load) < 1e-11
     result = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-9).contact(0).pressure
     exact = np.array(model.traction).reshape(n, n)
-    # Both error measures are energies. Errors of pressures are larger.
+    # Both solvers limit an error of the energy. Errors of pressures are larger.
     assert np.abs(result - exact).max() < 1e-7 * exact.max()
 
 
@@ -483,7 +483,7 @@ def test_pressure_with_hardness_agrees_with_tamaas():
     exact = np.array(model.traction).reshape(n, n)
     curve = half_space(flat_like(lower), lower, [load], boundary="periodic", hardness=hardness, tolerance=1e-9)
     assert 0 < curve.load_share_at_hardness[0] < 1
-    # the tolerance includes the error of the reference
+    # the tolerance includes the error of the reference solution
     assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness
 
 
@@ -644,7 +644,7 @@ def test_half_space_solution_of_an_extruded_profile_equals_the_solution_of_the_p
     np.testing.assert_array_equal(surface_curve.contact_count, line_curve.contact_count)
     assert surface_curve.friction_coefficient(mu0=0.4).shape == (2, 1)
     assert (surface_curve.status(mu0=0.4) == "ok").all()
-    # There are no slopes along the grooves, so no contact opposes the motion.
+    # Along the grooves, all slopes are zero, so no contact opposes the motion.
     np.testing.assert_allclose(surface_curve.tangential_load(mu0=0.4)[1], 0.0, atol=1e-9)
 
 
@@ -867,7 +867,7 @@ def test_half_space_solver_stops_soon_after_ctrl_c():
         signal.raise_signal(signal.SIGINT)
 
     def solve():
-        timer.start()  # The timer starts inside the block, which therefore handles an early signal, too.
+        timer.start()  # The timer starts inside the block, so that the block also handles an early signal.
         half_space(flat_like(body), body, np.geomspace(0.001, 0.5, 200))
 
     timer = threading.Timer(0.3, send_interrupt)

@@ -177,7 +177,7 @@ def test_lower_limit_in_bulk_shear_agrees_with_the_sum_over_the_points_of_the_co
     expected = limited / traction.sum()
     if expected < 0.95:
         assert 0.93 * expected < onset.friction_fraction < 1.03 * expected
-    else:  # a small reduction is neglected
+    else:  # the model neglects small reductions of friction
         assert onset.friction_fraction == 1
 
 

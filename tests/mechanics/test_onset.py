@@ -285,7 +285,8 @@ def test_onset_quantities_increase_with_tangential_load(half_space_curve):
     onset = half_space_curve.onset(0, mu0=0.3, tau0=0.02, steps=40)
     for name in ("tangential_load", "displacement", "slipped_area", "slipped_load"):
         assert (np.diff(getattr(onset, name)) >= 0).all(), name
-    assert (np.diff(onset.displacement / onset.tangential_load) > 0).all()  # The tangential stiffness decreases.
+    # The tangential stiffness decreases as the load increases.
+    assert (np.diff(onset.displacement / onset.tangential_load) > 0).all()
     assert (np.diff(onset.energy_lost(onset.tangential_load)) >= 0).all()
     bound = onset.traction(-1)
     for i in range(40):

@@ -26,7 +26,7 @@ from support.studies_of_files import pair_study
 
 LOADS = ["20 MPa", "40 MPa"]
 PAIR_OPTIONS = {"effective_modulus": "10 GPa", "mu0": 0.2, "tau0": "50 MPa", "onset": 1, "load": LOADS}
-NON_QUANTITY_DIMENSIONS = {"statistic", "offset", "shear"}  # these names are dimensions, not quantities
+NON_QUANTITY_DIMENSIONS = {"statistic", "offset", "shear"}  # these names are dimensions of datasets, not quantities
 
 
 def rough_heights(shape, seed, rms=0.1):
@@ -127,7 +127,7 @@ def test_stored_variables_have_the_dimensions_and_dtypes_listed_in_the_table_of_
 def test_variables_at_a_load_have_the_dimensions_listed_in_the_table_of_quantities(results_at_loads):
     for title, dataset in results_at_loads.items():
         for name in map(str, dataset.data_vars):
-            if name == "status":  # The status belongs to the coefficient, not to the contact.
+            if name == "status":  # The status describes the coefficient of friction, not the contact.
                 assert normalized_dims(name, dataset) == normalized_dims("friction_coefficient", dataset)
             else:
                 # The mean load of an ensemble depends on the sliding rule, mu0 and tau0.

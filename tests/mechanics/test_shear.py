@@ -14,7 +14,7 @@ FULL_FIT = {"load": "1 MPa", "effective_modulus": "30 GPa"}
 
 def create_sawtooth(points_per_tooth, teeth=2):
     x = np.arange(teeth * points_per_tooth) / points_per_tooth
-    height = np.tan(ANGLE) * 100 * (0.5 - np.abs(x % 1 - 0.5))  # teeth of 100 µm
+    height = np.tan(ANGLE) * 100 * (0.5 - np.abs(x % 1 - 0.5))  # each tooth is 100 µm long
     return Profile(height, spacing=100 / points_per_tooth)
 
 
@@ -79,7 +79,7 @@ def test_sawtooth_slides_by_itself_after_its_tips_have_passed():
 
 def test_sawtooth_faces_with_steep_teeth_lock():
     x = np.arange(512) / 512
-    steep = Profile(100 * np.abs(x % 0.25 - 0.125), spacing=100 / 512)  # 45 degrees
+    steep = Profile(100 * np.abs(x % 0.25 - 0.125), spacing=100 / 512)  # teeth of 45 degrees
     test = shear(steep, path="5 um", steps=2, mu0=1.5, boundary="periodic")
     assert list(test.status.values) == ["ok", "self-locked", "self-locked"]
     assert test.attrs["peak_status"] == "self-locked"
@@ -119,7 +119,8 @@ def test_work_balance_includes_an_edge_that_rides_up_the_other_face():
 def test_faces_that_fit_perfectly_start_in_complete_contact():
     test = shear(create_rough_map(), path="100 um", steps=2, mu0=0.6, tau0="1 MPa", boundary="periodic")
     assert test.contact_area_fraction[0] == pytest.approx(1.0)
-    assert test.friction_coefficient[0] == pytest.approx(0.6 + 1.0, rel=0.01)  # mu0 plus tau0 over the nominal pressure
+    # The coefficient is mu0 plus the ratio of tau0 to the nominal pressure.
+    assert test.friction_coefficient[0] == pytest.approx(0.6 + 1.0, rel=0.01)
     assert test.dilation[0] == 0
     assert test.contact_area_fraction[1] < 0.2
 
@@ -177,7 +178,7 @@ def test_normal_load_vanishes_if_the_stiffness_unloads_contracting_faces():
 
 def test_shear_test_of_faces_that_lock_at_the_start_solves_later_displacements():
     x = np.arange(201.0)
-    ramp = Profile(np.clip(1.2 * (x - 60), 0, 120), spacing=1.0)  # locks for mu0 above 0.83
+    ramp = Profile(np.clip(1.2 * (x - 60), 0, 120), spacing=1.0)  # this ramp locks if mu0 exceeds 0.83
     pin = Profile(80 * np.exp(-(((x - 100) / 20) ** 2)), spacing=1.0)
     options = {"path": "100 um", "steps": 5, "mu0": 1.5, "level": "none", "load": "1 kPa", "effective_modulus": 30.0}
     test = shear_test(pin, ramp, **options)
@@ -358,7 +359,8 @@ def test_strips_of_a_shear_test_lie_along_the_motion():
     ridges = Surface(np.tile(5 * np.cos(2 * x) + np.cos(9 * x + 1), (128, 1)), spacing=1000 / 128)
     options = {"path": "100 um", "steps": 2, "mu0": 0.6, "hardness": "500 MPa"}
     along = shear(ridges, **options)
-    assert along.attrs["peak_upper"] - along.attrs["peak_lower"] < 0.05 * along.attrs["peak"]  # all strips are equal
+    # All strips are equal, so there is no scatter.
+    assert along.attrs["peak_upper"] - along.attrs["peak_lower"] < 0.05 * along.attrs["peak"]
     turned = shear(Surface(ridges.heights.T.copy(), spacing=ridges.spacing), direction=90, **options)
     assert turned.attrs["peak_upper"] - turned.attrs["peak_lower"] < 0.05 * along.attrs["peak"]
 

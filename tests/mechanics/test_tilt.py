@@ -148,7 +148,8 @@ def test_free_tilt_balances_low_loads(relative_pressure, hardness):
         contact = curve.contact(0)
         assert contact.pressure.sum() * 0.1**2 == pytest.approx(load)
         assert np.abs(resultant_offset(curve, 0)).max() < MAX_FORCE_OFFSET
-        assert contact.gap.min() > (-1e-6 * 0.02 if hardness is None else -1)  # points at the hardness yield
+        # Points whose pressure equals the hardness yield.
+        assert contact.gap.min() > (-1e-6 * 0.02 if hardness is None else -1)
 
 
 @pytest.mark.parametrize(

@@ -118,8 +118,8 @@ class PeriodicAsperities:
         distance = self.period / np.pi * np.abs(np.sin(np.pi * (x[:, None] - x) / self.period))
 
         def interaction_matrix(half_width, min_distance_factor):
-            # Limit the distance of two contacts from below by a multiple of their half-widths.
-            # This avoids the singularity of a contact's own effect and of merged contacts.
+            # Keep the distance of two contacts above a multiple of their half-widths, to avoid the singularity of
+            # merged contacts and of the effect of a contact on itself.
             min_distance = 0.5 * min_distance_factor * (half_width[:, None] + half_width)
             return -2 / modulus * np.log(2 * np.pi / self.period * np.maximum(distance, min_distance))
 

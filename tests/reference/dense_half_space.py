@@ -33,7 +33,7 @@ def influence_table(shape, spacing, modulus, *, periodic):
         else:
             (y, x), (b, a) = np.multiply(offset, spacing), np.divide(spacing, 2)
 
-            # The integral of 1/(π E* r) has a closed form along x; along y it is computed numerically.
+            # The integral of 1/(π E* r) along x has a closed form, and the integral along y is computed numerically.
             def strip_integral(s, x=x, y=y, a=a):
                 return np.diff(np.arcsinh(np.array([x - a, x + a]) / abs(y - s)))[0] / np.pi / modulus
 

@@ -34,7 +34,8 @@ def solve_traction(compliance, bound, total):
         is_violated |= is_zero & (displacements < displacement - displacement_tolerance)
         if not is_violated.any():
             return np.clip(q, 0, bound), displacement
-        # Change all violated points. If the active set occurred before, change only the first, to end the loop (Murty).
+        # Change all violated points or, if the same active set occurred before, only the first one, so that the loop
+        # ends (Murty).
         state = is_zero.tobytes() + is_slipping.tobytes()
         if state in visited_states:
             is_violated[np.flatnonzero(is_violated)[0] + 1 :] = False

@@ -27,8 +27,8 @@ from stiction.solve import member_solution, store
 from stiction.solve.store import decode_members
 
 DEFAULT_NUM_KILLS = 200
-KILLS_PER_FOLDER = 20  # so few that many kills happen while a folder is new
-MAX_CHECKED_REPETITIONS = 300  # maximum number of repetitions of a folder that are computed again for comparison
+KILLS_PER_FOLDER = 20  # small, so that many kills happen while a directory is new
+MAX_CHECKED_REPETITIONS = 300  # maximum number of repetitions of a directory that are computed again for comparison
 EXECUTORS_BY_KIND = {"writers": ("threads", "scheduler"), "parts": ("parts",)}
 MAX_WAITING_SECONDS = 600.0
 
@@ -160,7 +160,7 @@ class WriterKillTest:
                 if self.random.random() < 0.5:
                     self.kill("a worker of Dask", self.dask_processes.pop())
                     self.add_worker()
-                    time.sleep(self.random.uniform(0, 3))  # Another worker may start in this time.
+                    time.sleep(self.random.uniform(0, 3))  # another worker may start during this pause
                 self.kill("--scheduler", process)
             case "parts":
                 part_processes = {i: self.start_command("--part", f"{i}/4", "--workers", "1") for i in range(1, 5)}

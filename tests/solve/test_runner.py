@@ -253,9 +253,9 @@ def test_remaining_time_is_estimated_from_the_time_of_the_first_block():
     assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
     assert (
         runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 480.0, 2, 300.0) == ""
-    )  # The new estimate is close to the first one.
-    assert runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 8.0, 2, 1.0) == ""  # Little time remains.
-    assert runner._format_revised_time_estimate(TINY_STUDY, missing, 4, 480.0, 4, 8.5) == ""  # No repetitions remain.
+    )  # the second estimate is close to the first one
+    assert runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 8.0, 2, 1.0) == ""  # little time remains
+    assert runner._format_revised_time_estimate(TINY_STUDY, missing, 4, 480.0, 4, 8.5) == ""  # no repetitions remain
 
 
 def test_run_continues_with_the_threads_that_can_start(monkeypatch):
@@ -318,7 +318,8 @@ def test_run_refreshes_its_claim_of_a_directory_while_it_computes(tmp_path, monk
 
     executor = AgeingExecutor(tmp_path, wait_until_recent)
     run(with_repetitions(2), store=tmp_path / "result", executor=executor)
-    # The first task only tests whether the folder can be accessed. All tasks find the claims of folder and blocks.
+    # The first task only tests whether the directory can be accessed. All tasks find the claims of the directory and of
+    # its blocks.
     assert len(executor.ages) > 1
     assert all(is_recent == [True, True] for is_recent in executor.ages)
     assert list(tmp_path.rglob("*.partial")) == []

@@ -141,7 +141,7 @@ def test_values_at_loads_where_the_solver_failed_are_preserved_bit_for_bit():
     arrays = {}
     for name, spec in layout.variable_specs(study).items():
         arrays[name] = np.ones(spec.shape, spec.dtype)
-        arrays[name][..., 0] = 0 if spec.dtype.kind == "i" else np.nan  # the first load
+        arrays[name][..., 0] = 0 if spec.dtype.kind == "i" else np.nan  # the first load step
     stored_arrays = store.decode_members(store.encode_members(study, [0], arrays)).arrays
     for name, values in arrays.items():
         assert stored_arrays[name].tobytes() == values.tobytes(), name
@@ -602,7 +602,7 @@ def test_partial_files_of_ended_processes_are_removed(folder_copy):
     machine, _, process_token = _files.PARTIAL_FILE_NAME_PATTERN.fullmatch(_files.new_partial_file_name()).groups()
     is_kept = {
         f".stiction-{machine}-{ended_process.pid}-00000000-00000000.partial": False,
-        # An earlier process had the same process id.
+        # This file belongs to an earlier process that had the same process id.
         f".stiction-{machine}-{os.getpid()}-00000000-00000000.partial": False,
         f".stiction-{machine}-{os.getpid()}-{process_token}-00000000.partial": True,
         f".stiction-{machine}-{os.getppid()}-00000000-00000000.partial": True,
@@ -738,7 +738,8 @@ def test_run_of_another_study_is_rejected_while_a_run_uses_the_directory(tmp_pat
             with pytest.raises(StoreError, match=rf"is in use by another run.* remove {re.escape(str(claim_file))}"):
                 run(other_study, store=tmp_path)
             assert (tmp_path / STUDY_FILE).read_text() == study_text
-            assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)  # the same study may share
+            # A run of the same study may share the directory.
+            assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
         finally:
             executor.proceed.set()
         assert_same_bits(first_run.result().dataset, uninterrupted_dataset)

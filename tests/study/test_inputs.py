@@ -121,7 +121,7 @@ def test_pair_of_materials_stores_their_ranges_in_the_study():
     assert growth.label == "the ratio of hardness to shear strength"
     assert inputs.entries["hardness"].label == "the hardness of the brass"
     assert inputs.entries["young_upper"].label == "Young's modulus of the mild steel"
-    assert "poisson_lower" not in inputs.uncertain  # the source has a single value
+    assert "poisson_lower" not in inputs.uncertain  # the source of this material states a single value
 
 
 def test_material_of_one_body_and_given_modulus_of_the_other_have_separate_ranges():

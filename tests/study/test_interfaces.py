@@ -37,7 +37,8 @@ INTERFACE_KINDS = ("measured", "lumped", "bound")
 MAX_SAMPLING_ERROR = 0.04
 """Largest error of an interval end due to 4000 random samples, as a fraction of the interval width."""
 
-INTERVAL_NAMES = ("friction_combined", "mean_friction")  # coefficients with combined intervals, and those of the mean
+# Coefficients with combined intervals, and with intervals of the mean.
+INTERVAL_NAMES = ("friction_combined", "mean_friction")
 PAIR_OPTIONS = {"load": "20 MPa", "effective_modulus": "3 GPa", "shifts": 4, "onset": 0}
 
 
@@ -104,7 +105,7 @@ def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, r
     )
     (mu0,), (tau0,) = result.study.friction.mu0, result.study.friction.tau0
     uncorrelated_result = pair(*rough_surfaces(), mu0=mu0.text, tau0=tau0.text, **PAIR_OPTIONS)
-    assert np.ptp(uncorrelated_result.interval) > 1.2 * np.ptp(result.interval)  # the correlation is lost
+    assert np.ptp(uncorrelated_result.interval) > 1.2 * np.ptp(result.interval)  # mu0 and tau0 are no longer correlated
     assert "interface film (measured)" in result.sentence
 
 

@@ -61,7 +61,7 @@ def test_old_study_with_material_names_has_the_ranges_of_these_materials():
     ('hardness = "1.269 GPa"', 'hardness = "120 HV ± 10 %"', "120 HV ± 10 %"),
     ('hardness = "2 GPa"', 'hardness = "2 GPa"', "2 GPa"), ('hardness = "2 GPa"', "", "2 GPa"),
     ('hardness = "1.1 GPa"', 'hardness = "1 GPa ± 10 %"', "1.1 GPa (1 GPa ± 10 %)"),
-    ('hardness = "1 GPa"\nmaterials = ["steel", "brass"]', "", "1 GPa"),  # a value of the user
+    ('hardness = "1 GPa"\nmaterials = ["steel", "brass"]', "", "1 GPa"),  # a value that the user has specified
 ])  # fmt: skip
 def test_hardness_of_an_old_study_has_its_range(contact, known, text):
     assert parse_old(known, contact).contact.hardness.text == text

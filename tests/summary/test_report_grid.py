@@ -21,7 +21,7 @@ def test_parameter_axes_of_a_report_contain_mu0_and_tau0_of_the_study():
         SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]})
     )
     assert {0.0, 0.37, 1.0} <= set(mu0.values)
-    # A study of generated surfaces limits tau0.
+    # In a report of generated surfaces, tau0 is limited.
     assert tau0.values.tolist() == [0.0, 0.003, 0.005, 0.01, 0.015, 0.02, 0.021]
     assert not any(axis.has_range.any() for axis in (mu0, tau0))
 

@@ -167,7 +167,7 @@ def test_result_without_contact_caches_the_error_that_states_the_reason():
         errors.append(error_info.value)
         traceback_lengths.add(len(traceback.extract_tb(error_info.tb)))
     assert errors[0] is errors[1] is errors[2]
-    assert len(traceback_lengths) == 1  # the error keeps no frames of earlier calls
+    assert len(traceback_lengths) == 1  # the traceback of the error contains no frames of earlier calls
 
 
 def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_folder, call_counts):

@@ -89,7 +89,7 @@ def fuzz_study_file(random, folder):
     if study is not None and (
         study.surfaces.points * study.surfaces.fractal_dimensions().size * 80 > 1e6 or study.ensemble.repetitions > 100
     ):
-        return None  # the study would take too long
+        return None  # skip a study that would take too long
     output = folder / "output"
     completed = call_stiction("run", path, "--output", output, "--workers", "1", cwd=folder)
     assert completed.returncode in (0, 2), (text, completed)
@@ -194,7 +194,8 @@ def fuzz_measurement_file(random, name, original, folder):
     outcome = "refused"
     for read_body in (stiction.read_profile, stiction.read_surface):
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", stiction.FormatWarning)  # every warning except FormatWarning is an error
+            # FormatWarning is ignored, but every other warning is an error.
+            warnings.simplefilter("ignore", stiction.FormatWarning)
             try:
                 body = read_body(path, **reader_options)
             except stiction.FormatError as error:

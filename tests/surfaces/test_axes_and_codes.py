@@ -147,13 +147,13 @@ def test_several_codes_for_missing_points_are_reported_with_their_numbers(tmp_pa
 @pytest.mark.parametrize(
     ("codes", "reported"),
     [
-        ([2.2, 2.2, -2.2, -2.2], [-2.2, 2.2]),  # repeated
+        ([2.2, 2.2, -2.2, -2.2], [-2.2, 2.2]),  # a number that is repeated
         ([-2.2, -2.2], [-2.2]),
-        ([-9999], [-9999]),  # known, although it occurs once
+        ([-9999], [-9999]),  # a known code, although it occurs only once
         ([32767, -32768], [-32768, 32767]),
-        ([2.2], []),  # an outlier
+        ([2.2], []),  # a single outlier, which is not a code
         ([2.2, 2.3], []),
-        ([1.1, 1.1], []),  # close to the other heights
+        ([1.1, 1.1], []),  # a repeated number close to the other heights
     ],
 )
 def test_repeated_or_known_number_beyond_the_range_of_the_heights_is_reported(tmp_path, codes, reported):

@@ -22,7 +22,7 @@ def total_height(body):
 class TestGaussianFilter:
     @pytest.mark.parametrize("cutoff", [0.15, 0.6, 2.0])
     def test_s_filter_equals_weighted_least_squares_at_each_point(self, cutoff):
-        profile = rough_profile(points=200)  # 2 µm long
+        profile = rough_profile(points=200)  # a profile that is 2 µm long
         expected = mean_line(profile.heights, profile.spacing, cutoff)
         result = filtered(profile, cutoff=cutoff).heights
         assert np.abs(result - expected).max() < SAMPLING_TOLERANCE * total_height(profile)
@@ -105,7 +105,8 @@ class TestRobustFilter:
         scratched_heights[:, 20:22] -= 1.0
         result = filtered(Surface(scratched_heights, spacing=0.1), cutoff=2.0, robust=True).heights
         linear = filtered(Surface(scratched_heights, spacing=0.1), cutoff=2.0).heights
-        assert np.abs(result - form).max() < 3e-3  # three deviations of the noise; corners have the largest errors
+        # The limit is three standard deviations of the noise. The largest errors occur in corners.
+        assert np.abs(result - form).max() < 3e-3
         assert np.abs(linear - form).max() > 0.05
 
     def test_robust_filter_of_a_surface_with_normally_distributed_heights_agrees_with_a_quadratic_fit(self):

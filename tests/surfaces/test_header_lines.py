@@ -7,7 +7,7 @@ from stiction.surfaces.measured.reading import read_with_interpretation
 
 RNG = np.random.default_rng(7)
 PROFILE = np.round(np.cumsum(RNG.normal(size=120)) / 50, 4)
-ROWS = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))  # x (mm) and heights (µm)
+ROWS = "".join(f"{at / 2000:.4f};{z}\n" for at, z in enumerate(PROFILE))  # columns of x (mm) and heights (µm)
 MAP = np.round(np.cumsum(np.cumsum(RNG.normal(size=(40, 40)), axis=0), axis=1)[::3, ::2] / 100, 4)
 PROFILE_TEXT = "".join(f"{z:.4f}\n" for z in PROFILE)
 MAP_TEXT = "".join("\t".join(f"{z:.4f}" for z in row) + "\n" for row in MAP)

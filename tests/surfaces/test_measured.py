@@ -374,7 +374,7 @@ def test_spacing_is_computed_from_the_size_in_a_gwyddion_header(write_file):
     assert surface.spacing == pytest.approx((0.12, 0.15), rel=1e-15)
     assert surface.heights[0].tolist() == [0.001, 0.002, 0.003, 0]
     assert surface.history[1] == "its size is 0.6 µm along x and 480 nm along y (header)"
-    # The position 0.600 may stand for 0.6004. A specified spacing is not rounded.
+    # The position 0.600 may stand for 0.6004, but a specified spacing is not rounded.
     assert read_surface(path, spacing=("0.12 um", "0.1501 um")).spacing == (0.12, 0.1501)
     assert "a size that implies a spacing of 0.15 µm, but the given spacing is 0.16 um" in error_message(
         path, read_surface, spacing=("0.12 um", "0.16 um")
@@ -442,7 +442,7 @@ def test_index_column_written_by_pandas_is_ignored(write_file, separator):
     surface = read_surface(write_file(pandas.DataFrame(heights).to_csv(sep=separator)), unit="um", spacing="1 um")
     assert np.array_equal(surface.heights, heights)
     assert surface.history[1] == "the first row and column, which number columns and rows, removed"
-    # If the first column does not contain row numbers, it contains data.
+    # A first column without row numbers contains data.
     assert "has 3 columns" in error_message(
         write_file(columns_text(POSITIONS, POSITIONS, HEIGHTS, header="index,x (um),z (um)\n"))
     )
@@ -457,7 +457,7 @@ def test_array_of_two_columns_is_read_as_positions_and_heights(write_file):
     assert read_profile(path, unit="um", columns=1, spacing="1 um").heights.tolist() == HEIGHTS
     uneven_file = write_file(
         npy_bytes(np.c_[[0, 0.1, 0.25, 0.3, 0.4], HEIGHTS]), "b.npy"
-    )  # Without columns, the array may be a map with two columns.
+    )  # Unless columns are chosen, the array may be a map with two columns.
     assert read_measurement(uneven_file, unit="um", spacing="1 um").heights.shape == (5, 2)
     assert "is not uniform: point 2, counted from 0" in error_message(uneven_file, unit="um", columns=(0, 1))
 
@@ -704,7 +704,7 @@ def test_scan_files_with_content_that_is_not_a_scan_are_rejected(write_file, con
 def test_directories_and_pipes_and_missing_files_are_rejected_as_scans(tmp_path):
     assert "No such file" in error_message(tmp_path / "none.csv")
     assert "is a directory" in error_message(tmp_path)
-    os.mkfifo(tmp_path / "pipe.csv")  # reading it would block
+    os.mkfifo(tmp_path / "pipe.csv")  # a reader of a pipe would block
     assert "is not a file" in error_message(tmp_path / "pipe.csv")
 
 

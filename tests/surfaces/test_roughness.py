@@ -253,7 +253,7 @@ def test_reduced_peak_height_is_the_height_of_a_triangle_of_equal_area():
     surface = gaussian_surface(seed=5)
     result = surface_parameters(surface)
     z = np.sort(surface.heights.ravel() - surface.heights.mean())[::-1]
-    upper = z[round(result.Smr1 * z.size) - 1]  # lower limit of the peaks above the core
+    upper = z[round(result.Smr1 * z.size) - 1]  # height above which points belong to the peaks
     peaks = z[: round(result.Smr1 * z.size)]
     assert peaks.min() >= upper
     area = result.Spk * result.Smr1 / 2

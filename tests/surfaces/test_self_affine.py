@@ -167,7 +167,8 @@ def test_self_affine_surface_is_reproducible_and_depends_on_seed():
 
 
 def test_phases_of_a_generated_profile_match_the_documented_random_numbers():
-    # The strip contains a single wave (1, 0) along x. The second random word has no effect, because the rms is given.
+    # The strip contains a single harmonic (1, 0) along x. The second random word has no effect, because the rms is
+    # given.
     sinusoidal_surface = self_affine_surface(
         5, hurst_exponent=0.5, rms=1.0, shape=(4, 64), spacing=(0.01, 0.125), shortest_wavelength=7.0, repetition=2
     )

@@ -221,7 +221,7 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
     number, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
     load = float(number) * {"mN": 1, "µN": 1e-3, "nN": 1e-6}[unit]
     friction = friction_map(dataset, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)
-    assert ((friction["status"] == "ok").sum("fractal_dimension") >= 3).all()  # of 4 fractal dimensions
+    assert ((friction["status"] == "ok").sum("fractal_dimension") >= 3).all()  # at least 3 of 4 fractal dimensions
     dotted_lines = [line.get_ydata() for line in curves.lines if line.get_linestyle() == ":"]
     for line_values, tau0 in zip(dotted_lines, (0, -1), strict=True):
         np.testing.assert_array_equal(line_values, friction["friction_coefficient"].isel(tau0=tau0).values)
@@ -337,7 +337,7 @@ def test_positions_figure_shows_values_of_maps_in_increasing_order_and_values_of
     maps_at_two_cutoffs, profiles_dataset
 ):
     line_of_maps = draw_figure(maps_at_two_cutoffs, "positions").axes[0].lines[0]
-    assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # There are 4 members in 4 directions.
+    assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # The result has 4 members in 4 directions.
     assert (np.diff(line_of_maps.get_ydata()) >= 0).all()
     line_of_profiles = draw_figure(profiles_dataset, "positions").axes[0].lines[0]
     assert set(line_of_profiles.get_xdata()) == set(profiles_dataset["x"].values)

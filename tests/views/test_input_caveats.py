@@ -226,7 +226,7 @@ def test_wavelengths_that_the_tip_does_not_resolve_add_a_caveat():
     assert "does not resolve: the surface is steeper" in caveat.text
     assert "interval does not include" in caveat.interval_note
     assert instrument_limit(scan, tip_radius=20.0).slope_fraction > 0.1
-    assert caveat.severity == "fault"  # The elastic result has no limit at short wavelengths.
+    assert caveat.severity == "fault"  # An elastic result does not converge at short wavelengths.
     plastic_study = study.with_changes({"contact.mechanics": "half-space", "contact.hardness": "2 GPa"})
     (plastic_caveat,) = find_input_caveats(scan, scan, plastic_study)
     assert plastic_caveat.severity == "caution"

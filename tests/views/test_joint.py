@@ -20,7 +20,8 @@ pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 ROOT = Path(__file__).parents[2]
 SCANS = ROOT / "examples/scans"
-UNIT_SYSTEMS = {"mm,N,MPa": (1e3, 1e-3), "m,N,Pa": (1e6, 1e-9), "um,mN,GPa": (1.0, 1.0)}  # µm and GPa per unit
+# Micrometres and gigapascals per unit of length and stress.
+UNIT_SYSTEMS = {"mm,N,MPa": (1e3, 1e-3), "m,N,Pa": (1e6, 1e-9), "um,mN,GPa": (1.0, 1.0)}
 NUM_POSITIONS = 8
 NUMBER_PATTERN = r"[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?"
 

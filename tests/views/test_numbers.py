@@ -23,7 +23,7 @@ pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
 
 from support.report_numbers import ReportEvaluator
 
-MAX_PACKING_ERROR = 1e-6  # relative
+MAX_PACKING_ERROR = 1e-6  # relative error
 
 
 def create_arbitrary_sums(tangential_factor):
@@ -37,8 +37,8 @@ def create_arbitrary_sums(tangential_factor):
     load_growth = np.arange(1, shape[-1] + 1) ** 1.5
     random_loads = random.lognormal(0, 0.6, shape[:3])[..., np.newaxis] * load_growth * random.lognormal(0, 0.3, shape)
     random_loads[:, :, 5:8, :4] = 0
-    random_loads[1, 0, 1:] = 0  # Only one repetition carries a load.
-    random_loads[2, 0] = 0  # No repetition carries a load.
+    random_loads[1, 0, 1:] = 0  # only one repetition carries a load
+    random_loads[2, 0] = 0  # no repetition carries a load
     has_contact = random_loads > 0
     for name in ("normal_elastic", "tangential_frictional", "contact_area", "overlap_load", "normal_adhesive"):
         data[name].values[:] = random_loads * random.uniform(0.1, 0.9, shape)
@@ -340,7 +340,7 @@ def test_friction_in_reports_of_measured_surfaces_equals_library_values(dataset_
         errors.append(find_relative_error(values, expected.values))
         if (mu0, tau0) == study_setting[4:]:
             assert point["text"] == str(Estimate(*expected.values.tolist()))
-        if not is_whole:  # A single direction has no interval.
+        if not is_whole:  # The coefficient in a single direction has no interval.
             point_over_directions = report_evaluator.evaluate_quantity("friction", mu0, tau0, **indices)
             assert np.isnan(point_over_directions["lower"])
             assert "[" not in point_over_directions["text"]

@@ -181,7 +181,7 @@ def test_plot_can_be_zoomed_and_panned_by_mouse_or_keyboard_or_touch(driver, pag
     span = initial_limits[:, 1] - initial_limits[:, 0]
     zoom_by_wheel(driver, plot)
     zoomed_limits = scaled_axis_limits(driver, plot)
-    # Both axes are scaled by the same factor, and the point under the pointer does not move.
+    # Both axes are scaled by the same factor, and the point under the pointer stays in place.
     ratio = (zoomed_limits[:, 1] - zoomed_limits[:, 0]) / span
     assert ratio == pytest.approx(np.exp(-200 / 300), rel=1e-6)
     assert zoomed_limits[:, 0] + (zoomed_limits[:, 1] - zoomed_limits[:, 0]) / 4 == pytest.approx(
@@ -503,7 +503,7 @@ def test_report_is_accessible_and_sends_no_requests(driver, pages, scheme):
 
 
 def test_printed_report_contains_complete_figures_and_parameters(driver, pages):
-    paper_width = 720  # pixels, between the margins of A4
+    paper_width = 720  # width in pixels between the margins of A4
     for path in (pages["study"], pages["maps"]):
         browser.open_page(driver, path, width=1280)
         driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
