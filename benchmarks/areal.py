@@ -14,7 +14,7 @@ from scipy.fft import rfft2
 from stiction import candidates, press, self_affine_surface
 
 MAP_LENGTH = 16.0  # µm
-MAX_APPROACH = 0.15  # in µm; twice the rms height of the gap
+MAX_APPROACH = 0.15  # approach in µm, twice the rms height of the gap
 APPROACHES = np.linspace(0, MAX_APPROACH, 41)[1:]
 DIRECTIONS = np.arange(0, 360, 10)
 SLIDING_RULES = ("opposing", "all")

@@ -92,7 +92,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
         for name in STUDY_NAMES:
             study = Study.named(name).with_changes({"ensemble.repetitions": 1_000_000})
-            is_half_plane = name == "figure6-half-plane"  # Each run of this study takes 90 s.
+            is_half_plane = name == "figure6-half-plane"  # one run of this study takes 90 s
             reduced_study = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if is_half_plane else study
             num_dimensions = study.surfaces.fractal_dimensions().size if is_half_plane else 1
             sums = compute_member_arrays(reduced_study, 0)

@@ -52,7 +52,7 @@ nb_execution_in_temp = True
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_merge_streams = True
-nb_output_stderr = "remove"  # The standard error of commands contains progress and times.
+nb_output_stderr = "remove"  # Standard error is discarded, because it contains progress and times.
 # IPython passes on the output of `%%sh` cells in pieces of 100 bytes; join them, so that lines are not broken.
 direct.single_nb_execution = functools.partial(direct.single_nb_execution, coalesce_streams=True)
 # Cells run the commands of the environment that builds the pages, without progress bars.

@@ -8,7 +8,7 @@ from stiction import Surface, levelled, nondimensional, pair
 from stiction.views.characterisation import characterisation_text
 from stiction.views.figures.roughness import characterisation_figure
 
-METRES_PER_DEGREE = 111_200  # of latitude
+METRES_PER_DEGREE = 111_200  # metres per degree of latitude
 
 # The file has elevations in whole metres on a grid of 1/1200 degree, with the first row in the north.
 elevation_model = get_sample_data("jacksboro_fault_dem.npz")

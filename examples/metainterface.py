@@ -15,11 +15,11 @@ plt.rcParams.update(MATPLOTLIB_STYLE)
 
 # ---- Your measured values --------------------------------------------------------------------------------------------
 
-RADIUS = 500.0  # µm, of all caps
-PITCH = 1500.0  # µm, distance between neighbouring caps
+RADIUS = 500.0  # radius of all caps in µm
+PITCH = 1500.0  # distance between neighbouring caps in µm
 MODULUS = effective_modulus(young_upper=70.0, poisson_upper=0.22, young_lower=2e-3, poisson_lower=0.5)  # GPa
 SHEAR_STRENGTH = 0.3e-3  # GPa, from the friction of one smooth cap divided by its contact area
-LOADS = np.geomspace(20.0, 1000.0, 13)  # mN, on all caps together
+LOADS = np.geomspace(20.0, 1000.0, 13)  # load on all caps together in mN
 
 random_order = np.random.default_rng(1).permutation(64)
 HEIGHTS = {  # µm; yours: np.loadtxt("heights.csv", delimiter=","), an array of 8 rows and 8 columns
@@ -58,7 +58,7 @@ def compute_interacting_area(heights):
 
 def compute_independent_area(heights):
     """Return the contact area (µm²) at each load as the sum over independent Hertz contacts."""
-    approach = np.linspace(0.1, 300.0, 3000)[:, None]  # µm, since the first contact
+    approach = np.linspace(0.1, 300.0, 3000)[:, None]  # approach in µm since the first contact
     overlap = approach - (heights.max() - heights.ravel())
     force, area = np.where(overlap > 0, hertz_sphere(np.maximum(overlap, 1e-9), RADIUS, MODULUS), 0.0)
     return np.interp(LOADS, force.sum(axis=1), area.sum(axis=1))

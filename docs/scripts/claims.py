@@ -307,7 +307,8 @@ class ResampledMeans:
                 values = resampled_sums.contact_area
             case "stiffness":
                 values = np.gradient(normal_load, self._loading_steps, axis=-1, edge_order=2)
-                if self._step_quantity == "load":  # The half-space is solved at given loads.
+                # The half-space model is solved at given loads instead of approaches.
+                if self._step_quantity == "load":
                     approach = self.mean_sums("approach", amplitude or self.amplitude)
                     values = values / np.gradient(approach, self._loading_steps, axis=-1, edge_order=2)
         loads = np.broadcast_to(np.asarray(load, dtype=np.float64), self.dimensions.shape)
@@ -398,7 +399,7 @@ def _slope_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop
     return np.asarray((values[:, is_used] * x).sum(axis=1) / (x * x).sum())
 
 
-# Ranges of fractal dimensions.
+# Ranges of fractal dimensions in the claims.
 _LOW_DIMENSION_RANGE, _MIDDLE_DIMENSION_RANGE, _UPPER_DIMENSION_RANGE, _HIGH_DIMENSION_RANGE = (
     (1.0, 1.2),
     (1.3, 1.5),

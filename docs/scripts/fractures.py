@@ -97,7 +97,7 @@ def estimate_spectrum(gap):
     return (
         -slope / 2 - 1,
         lambda wave_number: np.exp(log_factor + np.euler_gamma) * wave_number**slope,
-    )  # corrects the mean of the logarithm of a power
+    )  # this factor corrects the bias of the mean logarithm of a power
 
 
 def random_roughness_heights(shape, spacing, density, longest, seed):

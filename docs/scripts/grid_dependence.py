@@ -27,7 +27,7 @@ MU0 = 0.4
 
 CLAIM_POINT_COUNTS = (75_000, 150_000, 300_000)
 """Half the default number of points, the default, and its double."""
-CLAIM_LOAD = 33e-6  # mN, the middle load of the other claims
+CLAIM_LOAD = 33e-6  # load in mN, the middle load of the other claims
 
 
 def compute_grid_results(detection: str) -> dict[str, np.ndarray]:

@@ -6,10 +6,10 @@ import numpy as np
 from stiction import Surface, half_space, isotropic_surface, levelled, self_affine_surface
 
 TABLE_FILE = Path(__file__).parent.parent / "generated/isotropic.md"
-MAP_SIDE_POINTS, PIECE_SIDE_POINTS, SPACING = 1024, 256, 0.1  # points, µm
+MAP_SIDE_POINTS, PIECE_SIDE_POINTS, SPACING = 1024, 256, 0.1  # numbers of points, and spacing in µm
 NUM_PAIRS = 6
 """Number of pairs of profiles, and of pairs of pieces."""
-MU0, TAU0 = 0.4, 0.1  # GPa, 1 % of E*
+MU0, TAU0 = 0.4, 0.1  # tau0 in GPa, 1 % of E*
 PRESSURE = 0.02  # GPa
 
 

@@ -49,7 +49,7 @@ def main():
         )
         sampled_result = Result(
             result.dataset.isel(repetition=slice(2 * SAMPLE_SIZE))
-        )  # all surrogates, and an equal number of shifts
+        )  # this selection contains all surrogates and an equal number of shifts
         for member_kind, interval_results in intervals.items():
             interval_results.append(select_area_and_friction(at_load(sampled_result, loads, member_kind=member_kind)))
         if pair:

@@ -151,7 +151,7 @@ def _sticking_contact_stiffness(is_contact: np.ndarray, *, is_fixed_along_y: boo
     k = 2 * np.pi * np.stack(np.meshgrid(scipy.fft.fftfreq(n, 1 / n), scipy.fft.rfftfreq(n, 1 / n), indexing="ij"))
     wave_number = np.hypot(*k)
     wave_number[0, 0] = np.inf
-    # With G of both bodies in series, E* = 2 G'/(1 - ν): u = 2/(E* (1 - ν) |k|) (1 - ν kx²/k²) q.
+    # With the shear moduli of both bodies in series, E* = 2 G'/(1 - ν): u = 2/(E* (1 - ν) |k|) (1 - ν kx²/k²) q.
     mean_kernel = 2 / (EFFECTIVE_MODULUS * (1 - POISSON_RATIO) * wave_number)
     direct_compliances = [mean_kernel * (1 - POISSON_RATIO * (k[axis] / wave_number) ** 2) for axis in (1, 0)]
     cross_compliance = -mean_kernel * POISSON_RATIO * k[0] * k[1] / wave_number**2

@@ -26,8 +26,8 @@ from stiction.views.style import (
 
 IMAGE_FILE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
 TABLE_LOADS = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
-MIN_FITTED_LOAD = 50.0  # mN, lowest load of both fits
-MAX_LOAD = 700.0  # mN; values jump above this load, as after a change of range
+MIN_FITTED_LOAD = 50.0  # lowest load of both fits in mN
+MAX_LOAD = 700.0  # load in mN above which values jump, as after a change of range
 COMMON_RELATIVE_ERROR = 0.02  # relative standard error of the force cell
 
 

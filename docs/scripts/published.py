@@ -7,7 +7,8 @@ import numpy as np
 from stiction import Surface, half_space, self_affine_surface
 
 NUM_POINTS, SHORTEST_WAVELENGTH, NUM_SEEDS = 512, 8, 3
-RELATIVE_MEAN_PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)  # mean pressure in units of E* h'
+# Contact areas are given at these mean pressures, in units of E* h'.
+RELATIVE_MEAN_PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)
 
 
 def compute_contact_statistics(hurst, seed, *, wavelength_ratio=16, pressures=RELATIVE_MEAN_PRESSURES):
