@@ -65,6 +65,18 @@ const char* convert_number(std::string_view text, [[maybe_unused]] char separato
 
 }  // namespace
 
+TextRows find_rows(std::string_view text, char separator) {
+  TextRows rows;
+  std::size_t start = 0;
+  for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n', start)) {
+    // The line feed ends the last cell of the row.
+    rows.widths.push_back(static_cast<std::int64_t>(count_cell_ends(text.data() + start, end + 1 - start, separator)));
+    start = end + 1;
+    rows.starts.push_back(static_cast<std::int64_t>(start));
+  }
+  return rows;
+}
+
 std::vector<std::size_t> convert_cells(std::string_view text, char separator, std::span<double> values,
                                        std::size_t threads, const CancellationCheck& check_cancellation) {
   const auto is_cell_end = [&](char character) { return character == separator || character == '\n'; };

@@ -17,6 +17,22 @@ namespace {
 
 using Indices = std::vector<std::size_t>;
 
+TEST_CASE("rows end at line feeds, and an empty row has one cell") {
+  const stiction::TextRows rows = stiction::find_rows("1;2;3\n\n;\n4", ';');
+  CHECK(rows.starts == std::vector<std::int64_t>{0, 6, 7, 9});
+  CHECK(rows.widths == std::vector<std::int64_t>{3, 1, 2});
+}
+
+TEST_CASE("a text without line feeds has no rows") {
+  CHECK(stiction::find_rows("", ';').starts == std::vector<std::int64_t>{0});
+  CHECK(stiction::find_rows("1;2", ';').widths.empty());
+}
+
+TEST_CASE("a row can have more cells than a byte can count") {
+  const std::string text = std::string(70'000, '\t') + "\n1\t2\n";
+  CHECK(stiction::find_rows(text, '\t').widths == std::vector<std::int64_t>{70'001, 2});
+}
+
 TEST_CASE("cells end at separators and line feeds, and empty cells are NaN") {
   std::vector<double> values(6);
   CHECK(stiction::convert_cells("1;-2.5\n+3e2;\n;nan\n", ';', values).empty());

@@ -3,9 +3,19 @@
 #include "arrays.hpp"
 #include "cancellation.hpp"
 
+#include <utility>
+
 namespace stiction::python {
 
 void bind_number_cells(py::module_& module) {
+  module.def(
+      "find_rows",
+      [](const py::bytes& text, char separator) {
+        TextRows rows = find_rows(static_cast<std::string_view>(text), separator);
+        return std::pair(to_array(std::move(rows.starts)), to_array(std::move(rows.widths)));
+      },
+      py::arg("text"), py::arg("separator"),
+      "Return the offsets at which the rows of a text start and the last row ends, and the number of cells per row.");
   module.def(
       "convert_cells",
       [](const py::bytes& text, char separator, Array& values, std::size_t threads) {

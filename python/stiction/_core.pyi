@@ -194,6 +194,9 @@ def contacts(
 def convert_cells(text: bytes, separator: str, values: NDArray[float64], *, threads: int = 1) -> list[int]:
     """Write the numbers in the cells of a text to `values`. Returns the indices of the cells that are not numbers."""
 
+def find_rows(text: bytes, separator: str) -> tuple[NDArray[numpy.int64], NDArray[numpy.int64]]:
+    """Return the offsets at which the rows of a text start and the last row ends, and the number of cells per row."""
+
 def force_and_area(
     law: str, parameters: collections.abc.Mapping[str, float], *, overlap: float, radius: float
 ) -> tuple[float, float]:

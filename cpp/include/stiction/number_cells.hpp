@@ -1,14 +1,24 @@
-// Conversion of text to numbers.
+// Rows, cells and numbers of a text.
 #pragma once
 
 #include "stiction/cancellation.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>
 
 namespace stiction {
+
+/// Rows of a text. Each row ends with a line feed.
+struct TextRows {
+  std::vector<std::int64_t> starts{0};  ///< offsets of the first character of each row, and of the end of the last row
+  std::vector<std::int64_t> widths;     ///< number of cells in each row
+};
+
+/// Find the rows of a text, and count the cells of each row. Characters after the last line feed are ignored.
+TextRows find_rows(std::string_view text, char separator);
 
 /// Convert the cells of a text to the nearest floating-point numbers, and return the indices of the cells that fail.
 /// Each cell ends at `separator`, at a line feed, or at the end of the text.

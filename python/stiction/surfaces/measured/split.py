@@ -29,7 +29,7 @@ from stiction.surfaces.measured.raw import FormatError
 _MAX_SAMPLE_LINES = 60  # maximum number of lines from which the separator and the decimal mark are detected
 # Maximum number of characters from which the separator and the decimal mark are detected.
 _MAX_SAMPLE_CHARACTERS = 10_000
-_MIN_LONG_LINE_LENGTH = 200  # mean line length above which cells are counted line by line
+_MIN_SAMPLED_LINE_LENGTH = 200  # Of a long line, at least this number of characters is examined.
 MAX_SAMPLED_ROWS = 20_000  # maximum number of rows from which the printed digits of a column are determined
 MAX_COUNT_LINE_CELLS = 2  # maximum number of cells in a line of counts or sizes that precedes the numbers
 _QUOTED_SEPARATOR = "\x1f"  # separator of cells, used after quotation marks have been removed
@@ -177,7 +177,7 @@ def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
         np.concatenate([np.arange(max(first, last + 1 - _MAX_SAMPLE_LINES), last + 1), np.arange(first, first + 40)])
     )
     sample_lines = sample_lines[sample_lines <= last]
-    max_sample_length = max(_MIN_LONG_LINE_LENGTH, _MAX_SAMPLE_CHARACTERS // sample_lines.size)
+    max_sample_length = max(_MIN_SAMPLED_LINE_LENGTH, _MAX_SAMPLE_CHARACTERS // sample_lines.size)
     sample = [_truncate_line(text.line(item), max_sample_length) for item in sample_lines.tolist()]
     sample = [line for line in sample if line.strip("\t")]
     has_quotes = any('"' in line for line in sample)
@@ -312,7 +312,7 @@ def parse_number_block(
     if not lines.size:
         raise FormatError("has no lines of numbers where its heights should be")
     blob, cell_separator = _to_plain_rows(text, lines, dialect)
-    starts, row_widths = _row_offsets_and_widths(blob, cell_separator)
+    starts, row_widths = stiction._core.find_rows(blob, cell_separator.decode())
     usual_width = Counter(row_widths.tolist()).most_common(1)[0][0]
     if usual_width == 1 and row_widths.max() == 2 and (row_widths == 2).sum() > 1:
         usual_width = 2  # the table has two columns, but most rows lack the height
@@ -340,7 +340,7 @@ def parse_number_block(
         blob = b"".join(
             row + cell_separator * max(0, usual_width - 1 - row.count(cell_separator)) + b"\n" for row in rows
         )
-        _, row_widths = _row_offsets_and_widths(blob, cell_separator)
+        _, row_widths = stiction._core.find_rows(blob, cell_separator.decode())
     if (has_wrong_width := row_widths != usual_width).any():
         is_tail = ragged and bool(has_wrong_width[np.argmax(has_wrong_width) :].all())
         is_rejected = (row_widths > usual_width) | ((row_widths < usual_width) & (usual_width != 2) & (not is_tail))
@@ -445,18 +445,6 @@ def _reject_blanks_in_numbers(text: DecodedText, lines: LineNumbers) -> None:
             raise FormatError(
                 f"{text.describe_line(line)} has blanks between digits; separate all cells in the same way"
             )
-
-
-def _row_offsets_and_widths(blob: bytes, cell_separator: bytes) -> tuple[LineNumbers, LineNumbers]:
-    """Return the byte offsets at which the rows start and the text ends, and the number of cells in each row."""
-    codes = np.frombuffer(blob, np.uint8)
-    starts = np.concatenate([[0], np.flatnonzero(codes == ord("\n")) + 1])
-    if starts.size * _MIN_LONG_LINE_LENGTH < len(blob):
-        bounds = zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True)
-        row_widths = [np.count_nonzero(codes[start:end] == ord(cell_separator)) + 1 for start, end in bounds]
-        return starts, np.array(row_widths)
-    separator_positions = np.flatnonzero(codes == ord(cell_separator))
-    return starts, np.diff(np.searchsorted(separator_positions, starts)) + 1
 
 
 def _parse_cells(text: DecodedText, lines: LineNumbers, width: int, rows: bytes, cell_separator: bytes) -> Floats:
