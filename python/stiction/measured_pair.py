@@ -112,7 +112,7 @@ def pair(
     Parameters
     ----------
     first : str, path, Profile, Surface, JoinedSpectrum or array, or several
-        The slider: a measured profile or surface. Several scans of one part are given as a list, a folder, or names
+        The slider: a measured profile or surface. Several scans of one part are given as a list, a directory, or names
         separated by commas.
     second : str, path, Profile, Surface, JoinedSpectrum or array, or several
         The counterface; both may be the same file.
@@ -272,7 +272,7 @@ def pair(
     for name, value in (("replace", replace), ("progress", progress)):
         check_bool(name, value)
     folder = Path(tempfile.mkdtemp(prefix="stiction-")) if directory is None else parse_path("directory", directory)
-    if directory is None:  # the temporary directory is removed when Python exits
+    if directory is None:  # a temporary directory is removed when Python exits
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
     try:
         with convert_validation_errors():

@@ -454,8 +454,8 @@ class SurfaceOptions(OptionGroup):
     title: ClassVar[str] = "Surfaces"
 
     upper: Annotated[BodyScans | None, PairOption(
-        "UPPER", "The slider: a measured profile or surface. Several scans of one part are given as a list, a folder, "
-        "or names separated by commas.", flag="UPPER", argument="first",
+        "UPPER", "The slider: a measured profile or surface. Several scans of one part are given as a list, "
+        "a directory, or names separated by commas.", flag="UPPER", argument="first",
     )] = None  # fmt: skip
     lower: Annotated[BodyScans | None, PairOption(
         "LOWER", "The counterface; both may be the same file.", flag="LOWER", argument="second",

@@ -917,7 +917,7 @@ def _split_at_commas(value: Any) -> Any:
 
 
 def _list_scans(side: str, given: Any) -> list[Any]:
-    """Return the scans of a body, which are given as a list, a folder, comma-separated file names, or a single scan."""
+    """Return the scans of a body, given as a list, a directory, comma-separated file names, or a single scan."""
     if isinstance(given, (str, Path)) and "\0" in str(given):
         raise ArgumentError(f"{{{side}}} must be a path of printable characters, got {{got}}", got=repr(str(given)))
     if isinstance(given, (list, tuple)):
