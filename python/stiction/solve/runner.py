@@ -55,15 +55,15 @@ from stiction.study.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Target computing time (s) of a block. It is short, so that little work is lost if the program crashes.
-# Writing a block takes a few per cent of this time.
+# Target computing time (s) of a block, so short that a crash of the program loses little work.
+# Writing a block takes a few per cent of the target time.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
 MIN_BLOCKS = 16  # minimum number of blocks; with several blocks, the wait for the last block is short
 MIN_BLOCK_TIME = 0.2  # minimum computing time (s) of a block; the first file of each size takes a tenth of a second
 MAX_SUBMITTED_TASKS = 1000  # maximum number of submitted tasks if the workers write the block files
-# maximum number of submitted tasks if this process writes the block files
+# Maximum number of submitted tasks if the main process writes the block files.
 MAX_RETURNED_TASKS = 256
 PROGRESS_INTERVAL = 0.5  # time (s) between two updates of the displayed progress
 SHUTDOWN_TIMEOUT = 3.0  # time (s) for which an interrupted run waits for unfinished blocks
@@ -85,7 +85,7 @@ def choose_block_size(study: Study) -> int:
 def compute_member_sums(
     study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
 ) -> MemberSums:
-    """Compute the contact sums of all members of a study, in memory or in a folder. Parameters as for `run`."""
+    """Compute the contact sums of all members of a study, in memory or in a directory. Parameters as for `run`."""
     check_instance("study", study, Study, "a Study")
     check_bool("progress", progress)
     size = study.ensemble.repetitions * compute_bytes_per_member(study)
@@ -106,13 +106,13 @@ def compute_missing_blocks(
     study: Study, folder: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None,
 ) -> int:  # fmt: skip
-    """Compute all blocks of a study that its folder does not contain yet.
+    """Compute all blocks of a study that its directory does not contain yet.
 
     The part (3, 16) is every 16th block, starting with the third.
 
-    Several processes can compute different parts in one folder; a process without a part computes all missing blocks.
-    `announce` receives a line about the work ahead. Returns the number of finished repetitions of the study, or of the
-    part. Raises the errors of `run`.
+    Several processes can compute different parts in one directory; a process without a part computes all missing
+    blocks. `announce` receives a line about the work ahead. Returns the number of finished repetitions of the study, or
+    of the part. Raises the errors of `run`.
     """
     with FolderClaim(folder) as claim:
         stored_result = complete_blocks(
@@ -129,7 +129,7 @@ def compute_missing_blocks(
 def prepare_result_folder(
     study: Study, folder: str | Path, claim: FolderClaim, part: tuple[int, int] | None = None
 ) -> StoredResult:
-    """Create the folder in which a study is stored, or open the existing folder, and acquire the claim of the run.
+    """Create or open the directory in which a study is stored, and acquire the claim of the run.
 
     Raises the errors of `compute_missing_blocks`.
     """
@@ -157,7 +157,7 @@ def complete_blocks(
     was too low. Raises the errors of `compute_missing_blocks`.
     """
     unfinished_members = _UnfinishedMembers(stored_result, part)
-    # A run that was killed may have stored the block of a member without removing the member's steps.
+    # A run that was killed may have stored the block of a member without removing the steps of the member.
     remove_stored_steps(stored_result.path, stored_result.finished_members)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
@@ -193,9 +193,9 @@ def _compute_blocks(
 ) -> None:  # fmt: skip
     """Compute the blocks that are missing in a stored result, and write them to files.
 
-    Workers that can access the folder write the block files.
+    Workers that can access the directory write the block files.
     """
-    # number of workers; None for a cluster, whose number of workers varies
+    # Number of workers, or None for a cluster, whose number of workers varies.
     num_workers = getattr(pool, "_max_workers", None)
     start_time, is_first = time.monotonic(), update is not None and num_workers is not None
 
@@ -242,7 +242,7 @@ def _compute_blocks(
 def _create_run_token(path: Path) -> Iterator[SharedResultFolder]:
     """Create a token file that exists as long as the run is active.
 
-    If a worker finds the token file, the worker can access the folder, and the run is still active.
+    If a worker finds the token file, the worker can access the directory, and the run is still active.
     """
     with FolderClaim(path.resolve() / BLOCKS_FOLDER) as token:
         try:
@@ -262,7 +262,7 @@ def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]
         raise StoreError(
             f"{reason}\n{stored_result.reload().num_finished} of "
             f"{stored_result.study.member_names.with_count(stored_result.study.ensemble.repetitions)} are finished and "
-            "kept; run the study in the same folder again to resume"
+            "kept; run the study in the same directory again to resume"
         ) from None
 
 
@@ -301,7 +301,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(unfinished_members.total), arrays, find_body_attributes(study))
 
 
-# if the estimated time (s) on all threads exceeds this limit, advice on shortening the run is printed
+# If the estimated time (s) on all threads exceeds this limit, advice on shortening the run is printed.
 LONG_RUN_TIME = 600.0
 
 
@@ -314,7 +314,7 @@ def _describe_remaining_work(
     num_files = sum(1 for _ in unfinished_members)
     size = unfinished_members.count * compute_bytes_per_member(study)
     space_text = f", with {format_bytes(free_bytes)} free" if size > free_bytes / 2 else ""
-    writer_text = "" if is_visible else "; the workers cannot reach the folder, so this process writes the files"
+    writer_text = "" if is_visible else "; the workers cannot reach the directory, so this process writes the files"
     seconds = unfinished_members.count * estimate_member_time(study)
     elapsed_time = seconds / min(workers, unfinished_members.count)
     time_text = f"about {format_duration(seconds)} of one core"
@@ -334,7 +334,7 @@ def _describe_remaining_work(
     )
 
 
-MIN_REPORTED_TIME = 60.0  # if the remaining time (s) exceeds this limit, a new estimate of the run time is printed
+MIN_REPORTED_TIME = 60.0  # remaining time (s) above which a new estimate of the run time is printed
 
 
 def _format_revised_time_estimate(
@@ -373,7 +373,7 @@ class _UnfinishedMembers:
         for block in self._blocks:
             first = block * self.block_size
             is_finished = self._is_finished[first : first + self.block_size]
-            # start and end (exclusive) of each range of missing members
+            # Find the start and the exclusive end of each range of missing members.
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():
                 yield range(first + start, first + end)
@@ -392,7 +392,7 @@ def _submit_member_ranges(
     ranges = iter(unfinished_members)
     task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in unfinished_members), count_grid_points(arguments[1]))
     pending_members: dict[Future[Any], range] = {}
-    # `concurrent.futures.wait` would lock all futures. If it were interrupted, some futures would remain locked.
+    # `concurrent.futures.wait` would lock all futures. After an interruption, some futures would remain locked.
     finished_futures: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
     def submit_tasks(count: int) -> None:
@@ -426,13 +426,13 @@ def _submit_member_ranges(
 
 @dataclass(frozen=True)
 class SharedResultFolder:
-    """Result folder. Workers on other machines write their blocks into the folder if they can access it."""
+    """Result directory. Workers on other machines write their blocks into the directory if they can access it."""
 
     path: Path
-    token: str  # name of the token file; the token file exists in the blocks folder during a run
+    token: str  # name of the token file, which exists in the blocks directory during a run
 
     def is_accessible(self) -> bool:
-        """Return whether this process can access the folder."""
+        """Return whether this process can access the directory."""
         return (self.path / BLOCKS_FOLDER / self.token).exists()
 
 
@@ -440,11 +440,11 @@ def compute_block(
     version: str, study: Study, folder: SharedResultFolder | None, members: range,
     members_in_progress: MembersInProgress | None = None,
 ) -> bytes | None:  # fmt: skip
-    """Compute a block of members and write its file. If the folder is not accessible, return the file content."""
+    """Compute a block of members and write its file. If the directory is not accessible, return the file content."""
     if folder is not None and folder.is_accessible():
         members_in_progress = _create_members_in_progress(study, folder.path)
     content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))
-    # If the run has ended in the meantime, a run of another study may use the folder.
+    # If the run has ended in the meantime, a run of another study may use the directory.
     if folder is None or not folder.is_accessible():
         return content
     write_block(folder.path, members[0], content, len(members))
