@@ -1,6 +1,6 @@
 """Alternative preparations of the scans of a measured pair, whose results the combined interval includes.
 
-Each alternative preparation is a separate study with the members and loads of the pair, stored in the folder of its
+Each alternative preparation is a separate study with the members and loads of the pair, stored in the directory of its
 result: *spikes* masks outliers, and *tip* estimates the roughness that a blunt tip did not reach.
 """
 
@@ -15,7 +15,7 @@ from stiction.solve.store import StoredResult
 from stiction.study.study import Study
 
 ALTERNATIVES_FOLDER = "alternatives"
-"""Name of the subfolder of a result folder that contains a study for each alternative preparation."""
+"""Name of the subdirectory of a result directory that contains a study for each alternative preparation."""
 
 AlternativeName = Literal["spikes", "tip"]
 SPIKES_ALTERNATIVE, TIP_ALTERNATIVE = get_args(AlternativeName)
@@ -63,7 +63,7 @@ def build_alternative_study(study: Study, name: AlternativeName) -> Study:
 
 
 def find_alternative_study(study: Study, path: Path, name: AlternativeName) -> CompanionStudy:
-    """Return the study of an alternative preparation of the scans, with its subfolder of a result folder."""
+    """Return the study of an alternative preparation of the scans, with its subdirectory of a result directory."""
     return CompanionStudy(build_alternative_study(study, name), path / ALTERNATIVES_FOLDER / name)
 
 

@@ -1,4 +1,4 @@
-"""Companion study: a study derived from a measured pair, and stored in a subfolder of the pair's result.
+"""Companion study: a study derived from a measured pair, and stored in a subdirectory of the pair's result.
 
 Examples are the cutoff study, alternative preparations of the scans, and studies with scaled heights.
 """
@@ -23,7 +23,7 @@ TimeAnnouncer = Callable[[float], Any]  # function that receives the estimated t
 
 @dataclass(frozen=True)
 class CompanionStudy:
-    """A study derived from the study of a measured pair, and the folder that contains its members."""
+    """A study derived from the study of a measured pair, and the directory that contains its members."""
 
     study: Study
     folder: Path
@@ -31,14 +31,14 @@ class CompanionStudy:
     def open(self, *, allow_unfinished: bool = False) -> MemberSums | None:
         """Open the stored members, with the friction parameters of the study.
 
-        Returns None if the folder is missing or damaged, if its members are those of another pair, or if members are
+        Returns None if the directory is missing or damaged, if its members are those of another pair, or if members are
         missing. With `allow_unfinished`, one finished member suffices.
         """
         if not (self.folder / STUDY_FILE).exists():
             return None
         try:
             stored_result = open_stored_result(self.folder)
-        except ValueError:  # the folder is damaged
+        except ValueError:  # the directory is damaged
             return None
         if find_member_differences(stored_result.study, self.study):
             return None
@@ -51,7 +51,7 @@ class CompanionStudy:
     def complete(
         self, executor: Executor, *, progress: bool = False, announce_time: TimeAnnouncer = lambda _: None
     ) -> MemberSums:
-        """Compute the members that the folder does not contain yet, and return all members.
+        """Compute the members that the directory does not contain yet, and return all members.
 
         Members of another study, for example of another pair, are removed first. Raises the errors of
         `compute_missing_blocks`.

@@ -23,7 +23,7 @@ STEEP_POINT_FRACTION = 0.1  # fraction of the grid points of a body that are cla
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Probabilities of the stored quantiles of contact area, and of pressure weighted by true contact area."""
 
-MAX_CELLS_OF_SMALL_CONTACT = 4  # Contacts with at most this number of grid cells count as barely resolved.
+MAX_CELLS_OF_SMALL_CONTACT = 4  # contacts with at most this number of grid cells count as barely resolved
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,13 +79,13 @@ class ContactList:
     y: Floats  # centre of each contact along y, weighted by the pressure; always 0 for profiles
     force: Floats  # normal load on each contact (mN)
     area: Floats  # projected area of each contact (µm²)
-    # mean slope of each contact along x; in a direction of positive slope, the contact opposes the motion
+    # Mean slope of each contact along x. The contact opposes motion in a direction of positive slope.
     slope_x: Floats
     slope_y: Floats  # mean slope of each contact along y; always 0 for profiles
     cells: Floats  # number of grid cells that each contact covers
     at_edge: NDArray[np.bool_]  # True if the contact reaches the edge of the grid
-    pressure: Floats  # values of the contact pressure (p,), GPa
-    weight: Floats  # weight of each pressure (p,), proportional to the contact area with this pressure
+    pressure: Floats  # (p,) values of the contact pressure, GPa
+    weight: Floats  # (p,) weight of each pressure, proportional to the contact area with this pressure
 
     def compute_statistics(self) -> dict[str, Any]:
         """Compute the stored contact statistics: load fractions, and quantiles of contact area and contact pressure."""

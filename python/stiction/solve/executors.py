@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from multiprocessing.context import ForkProcess
 
-# minimum number of grid points for which several threads make a Fourier transform faster
+# Minimum number of grid points for which several threads make a Fourier transform faster.
 MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
@@ -117,7 +117,7 @@ def _start_without_interrupts(process: ForkProcess) -> None:
     """Start a copy of this process, which receives Ctrl-C only when it is ready for it."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        # Python 3.12 and later warn about threads of any library. OpenBLAS stops its threads in a copy.
+        # Ignore a warning of Python 3.12 about threads of any library. OpenBLAS stops its threads in a copy.
         with warnings.catch_warnings(action="ignore", category=DeprecationWarning):
             process.start()
     finally:
@@ -196,7 +196,7 @@ def progress_bar(
         progress.TextColumn("left {task.fields[left]}"),
     )  # fmt: skip
     is_notebook = Console().is_jupyter
-    # Without ipywidgets, rich shows no progress bar in a notebook, but prints one line of text at the end.
+    # In a notebook without ipywidgets, rich prints one line of text at the end instead of a progress bar.
     console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
     is_hidden = not (console.is_terminal or is_notebook)
     with progress.Progress(
@@ -210,7 +210,7 @@ def progress_bar(
             nonlocal num_finished, last_time
             num_finished += count
             completed, now = num_finished + estimate_progress(), time.monotonic()
-            # The time per task is the mean of this run.
+            # Estimate the remaining time from the mean time per task of the current run.
             left = (now - start_time) * (total - completed) / (completed - finished) if completed > finished else 0.0
             left_text = format_duration(left) if completed > finished else "-"
             progress_display.update(task, completed=completed, left=left_text)

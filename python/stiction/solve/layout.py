@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     import xarray
 
 RESULT_TITLE = "stiction study"  # value of the attribute `title` in every result
-# Maximum size (bytes) of a piece. A piece is a group of members that are loaded into memory together.
+# Maximum size (bytes) of a piece, which is a group of members that are loaded into memory together.
 MAX_PIECE_BYTES = 2**26
 
 MEMBER_COORDINATE_TYPES: dict[str, np.dtype[Any]] = {
@@ -280,7 +280,7 @@ def nondimensional(
     return xarray.Dataset(
         {str(name): divide_by_units(str(name), array.variable) for name, array in result.data_vars.items()},
         {str(name): divide_by_units(str(name), array.variable) for name, array in result.coords.items()},
-        # The attribute `study` is omitted, because this attribute contains values with units.
+        # Omit the attribute `study`, which contains quantities with units.
         {name: value for name, value in result.attrs.items() if name != "study"}
         | {"length_um": length, "effective_modulus_GPa": modulus_value},
     )

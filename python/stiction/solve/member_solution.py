@@ -241,7 +241,7 @@ def _solve_asperities(
     interpolated between the states just before and just after the jump.
     """
     model, is_areal = contact.contact_model(), isinstance(upper, Surface)
-    # A map needs one load curve for all directions, whereas a profile needs one load curve for each direction.
+    # A map needs one load curve for all directions. A profile needs one load curve for each direction.
     if is_areal:
         models = [replace(model, direction=contact.direction_angles().tolist(), shear="+x").for_surfaces()]
     else:
@@ -250,7 +250,7 @@ def _solve_asperities(
             for direction in _list_profile_directions(contact)
         ]
     first_model = replace(models[0], direction=0.0) if is_areal else models[0]
-    # Without friction, the normal load equals the elastic load.
+    # Find approaches without friction, so that the normal load equals the elastic load.
     approach, status = find_approaches_at_loads(
         SurfacePair(upper, lower), contact.loading_steps(), mu0=0.0, tau0=0.0, model=first_model
     )
@@ -368,7 +368,7 @@ class PressedPair:
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
 CACHE_LINE_BYTES = 64  # size of a cache line of the processor in bytes
-# tangential load, as a fraction of the sliding load, at which the normal load on the slipping contact is stored
+# Tangential load, as a fraction of the sliding load, at which the normal load on the slipping contact is stored.
 SLIP_LOAD_FRACTION = 0.5
 
 MEMBER_TIME_COEFFICIENTS = {
@@ -404,8 +404,8 @@ The keys are False for lines and True for areas.
 """
 
 ITERATIONS_PER_LOAD = 15
-MAX_PULL_OFF_ITERATIONS = 12_000  # for maps of up to 256² points
-MAX_PULL_OFF_ITERATIONS_PER_SIDE_POINT = 47  # for larger maps, per point along a side
+MAX_PULL_OFF_ITERATIONS = 12_000  # maximum for maps of up to 256² points
+MAX_PULL_OFF_ITERATIONS_PER_SIDE_POINT = 47  # maximum per point along a side, for larger maps
 PULL_OFF_ITERATION_FACTORS = {False: 100_000, True: 5000}
 """Factor in the number of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
 

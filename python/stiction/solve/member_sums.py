@@ -91,7 +91,7 @@ class MemberSums:
     @cached_property
     def _first_member(self) -> xarray.Dataset:
         assert isinstance(self.source, StoredResult)
-        # If the result has no members, `StoredResult.dataset` raises an error.
+        # `StoredResult.dataset` raises an error if the result has no members.
         return share(self.source.first_member() if self.source.num_finished else self.source.dataset())
 
     @cached_property

@@ -5,8 +5,8 @@
 
 A member whose computation was interrupted continues from these files, with the same bits as without the interruption.
 Only members that take longer than `STORAGE_INTERVAL` have files. The files are removed as soon as the block of the
-member is stored. The name of the folder contains a checksum of the study, the software and the machine, because other
-software or another machine may compute other bits.
+member is stored. The name of the directory contains a checksum of the study, the software and the machine, because
+other software or another machine may compute other bits.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ advance.
 
 
 class MembersInProgress:
-    """Members that a run is computing, with their iterations and, in a result folder, their stored steps.
+    """Members that a run is computing, with their iterations and, in a result directory, their stored steps.
 
     `estimate_iterations` returns the expected number of iterations of a member.
     """
@@ -100,7 +100,7 @@ def compute_steps_key(inputs: str) -> str:
 
 
 def stored_record(folder: Path, member: int, key: str) -> SolutionRecord:
-    """Return a record that stores the steps of a member in a result folder, and reads the steps found there."""
+    """Return a record that stores the steps of a member in a result directory, and reads the steps found there."""
     return _StoredRecord(folder / IN_PROGRESS_FOLDER / f"{member:07d}-{key}")
 
 
@@ -112,7 +112,7 @@ def _estimate_finished_fraction(iteration_ratio: float) -> float:
 
 
 def find_members_in_progress(folder: Path) -> set[int]:
-    """Return the members of a result folder that have stored steps."""
+    """Return the members of a result directory that have stored steps."""
     return {
         member
         for member, member_folder in _list_member_folders(folder)
@@ -121,7 +121,7 @@ def find_members_in_progress(folder: Path) -> set[int]:
 
 
 def remove_stored_steps(folder: Path, members: Container[int] | None = None, key: str | None = None) -> None:
-    """Remove the stored steps of some or all members, with one or any key, from a result folder. Ignore errors."""
+    """Remove the stored steps of some or all members, with one or any key, from a result directory. Ignore errors."""
     for member, member_folder in _list_member_folders(folder):
         if (members is None or member in members) and (key is None or member_folder.name.endswith(f"-{key}")):
             with contextlib.suppress(OSError):
@@ -130,7 +130,7 @@ def remove_stored_steps(folder: Path, members: Container[int] | None = None, key
                         path.unlink(missing_ok=True)
                 _files.remove_stale_partial_files(member_folder)
                 member_folder.rmdir()
-    with contextlib.suppress(OSError):  # the folder is missing, or contains other members
+    with contextlib.suppress(OSError):  # the directory is missing, or contains other members
         (folder / IN_PROGRESS_FOLDER).rmdir()
 
 
@@ -144,7 +144,7 @@ def _list_member_folders(folder: Path) -> list[tuple[int, Path]]:
 
 
 class _StoredRecord(SolutionRecord):
-    """Record of a member that stores its steps in a folder, and reads the steps of an interrupted computation."""
+    """Record of a member that stores its steps in a directory, and reads the steps of an interrupted computation."""
 
     def __init__(self, folder: Path) -> None:
         super().__init__()
@@ -153,7 +153,7 @@ class _StoredRecord(SolutionRecord):
         self._is_resuming, self._is_writable = True, True
         self._unsaved_steps: list[tuple[int, StepResult]] = []
         self._last_time = time.monotonic()
-        self._first_count = 0  # iterations before the current step
+        self._first_count = 0  # number of iterations before the current step
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:
         self._step += 1

@@ -1,4 +1,4 @@
-"""Results on disk. Each result has a folder with a study file and one file per block of members.
+"""Results on disk. Each result has a directory with a study file and one file per block of members.
 
     DIR/study.toml                               the study; the first line contains a checksum of the other lines
     DIR/blocks/0000008-0000015-1b2c3d4e.nc       members 8 to 15; the last field is the CRC-32 of the file's bytes
@@ -116,7 +116,7 @@ class BlockFile:
 
 @dataclass(frozen=True)
 class StoreInfo:
-    """Description of a result folder, with study, progress, size and version."""
+    """Description of a result directory, with study, progress, size and version."""
 
     study: Study
     finished: int  # number of finished repetitions; the total is study.ensemble.repetitions
@@ -126,7 +126,7 @@ class StoreInfo:
 
 @dataclass(frozen=True)
 class StoredResult:
-    """Result that is stored in a folder.
+    """Result that is stored in a directory.
 
     Blocks are read on demand, and a result that fits into a single piece is cached.
     """
@@ -177,12 +177,12 @@ class StoredResult:
         return self.num_finished * compute_bytes_per_member(self.study)
 
     def reload(self) -> StoredResult:
-        """Return the result with an updated list of the blocks in its folder."""
+        """Return the result with an updated list of the blocks in its directory."""
         return StoredResult(self.path, self.study, _list_block_files(self.path))
 
     @cached_property
     def first_block_content(self) -> BlockFileContent:
-        """Contents of the first block. The study in this block may differ from the study file in the folder."""
+        """Contents of the first block. The study in this block may differ from the study file in the directory."""
         return self._read_block(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
 
     def dataset(self) -> xarray.Dataset:
@@ -328,7 +328,7 @@ def _build_damage_error(path: Path, block: BlockFile, reason: str) -> StoreError
 
 
 def read(path: str | Path) -> xarray.Dataset:
-    """Read a result from a folder, or from a netCDF file that `export` has written.
+    """Read a result from a directory, or from a netCDF file that `export` has written.
 
     If the study is not finished, the dataset contains only the finished repetitions, and a warning is issued.
 
@@ -408,9 +408,9 @@ def _check_variable(name: str, variable: xarray.DataArray, spec: VariableSpec) -
 
 
 def open_stored_result(path: str | Path) -> StoredResult:
-    """Open the result in a folder without reading its blocks.
+    """Open the result in a directory without reading its blocks.
 
-    Raises a `StoreError` if the folder has no result.
+    Raises a `StoreError` if the directory has no result.
     """
     path = Path(path)
     if not path.exists():
@@ -428,7 +428,7 @@ def open_stored_result(path: str | Path) -> StoredResult:
 
 
 def open_result_to_complete(path: Path) -> StoredResult | None:
-    """Open the result in a folder. Return None if its study file is missing or empty, and has to be written.
+    """Open the result in a directory. Return None if its study file is missing or empty, and has to be written.
 
     Raises a `StoreError` if the study file is damaged.
     """
@@ -437,12 +437,12 @@ def open_result_to_complete(path: Path) -> StoredResult | None:
 
 
 def is_complete(path: str | Path, study: Study) -> bool:
-    """Return whether a folder has blocks with all members of a study. The blocks are not read."""
+    """Return whether a directory has blocks with all members of a study. The blocks are not read."""
     return StoredResult(Path(path), study, _list_block_files(Path(path))).num_finished == study.ensemble.repetitions
 
 
 def info(path: str | Path) -> StoreInfo:
-    """Describe the contents of a result folder. At most one block is read.
+    """Describe the contents of a result directory. At most one block is read.
 
     Raises
     ------
@@ -477,7 +477,7 @@ def _read_study_file(path: Path) -> Study:
         text = read_file_bytes(path / STUDY_FILE, MAX_STUDY_BYTES).decode()
     except (UnreadableFileError, UnicodeDecodeError) as error:
         raise StoreError(f"{printable_path(path / STUDY_FILE)} is not a study: {printable_text(error)}") from None
-    if not text.strip():  # valid TOML of a study with default values, but more likely left by a crash of the machine
+    if not text.strip():  # an empty text is valid TOML, but more likely left by a crash of the machine
         raise StoreError(
             f"{printable_path(path / STUDY_FILE)} is empty; run the study again in this directory to restore the file"
         )
@@ -488,10 +488,10 @@ def _read_study_file(path: Path) -> Study:
 
 
 def create_or_open_result(path: str | Path, study: Study, claim: FolderClaim | None = None) -> StoredResult:
-    """Create a result in a folder. If the folder already contains a result of the same study, open it to resume.
+    """Create a result in a directory. If the directory already contains a result of the same study, open it to resume.
 
     Stale partial files are removed. The claim of the run, if given, is acquired, so that no other study can use the
-    folder. Raises a `StoreError` if the folder cannot be written, contains another study, is in use by a run of
+    directory. Raises a `StoreError` if the directory cannot be written, contains another study, is in use by a run of
     another study, or was created by another version.
     """
     path = Path(path)
@@ -509,7 +509,7 @@ def create_or_open_result(path: str | Path, study: Study, claim: FolderClaim | N
             claim.acquire()
             if not _contains_study(path, study):
                 _write_study_file(stored_result, claim)
-    except (OSError, RuntimeError) as error:  # A symbolic link that refers to itself raises a RuntimeError.
+    except (OSError, RuntimeError) as error:  # a symbolic link that refers to itself raises a RuntimeError
         if stored_result.num_finished < study.ensemble.repetitions:
             reason = describe_os_error(error) if isinstance(error, OSError) else error
             raise StoreError(f"{printable_path(path)}: cannot be written: {reason}") from None
@@ -528,7 +528,7 @@ def _write_study_file(stored_result: StoredResult, claim: FolderClaim) -> None:
             return
         if not _contains_study(path, study, repetitions_may_differ=True):
             check_unused(path, claim)
-        # The blocks are listed after the claims, because a run writes its blocks before it ends.
+        # List the blocks after the claims, because a run writes its blocks before it ends.
         _check_resumable(stored_result.reload())
         _check_replaceable(path, study)
         _files.write_atomically(path / STUDY_FILE, content)
@@ -540,9 +540,9 @@ def _format_study_file_header(text: str) -> str:
 
 
 def remove_result(stored_result: StoredResult, claim: FolderClaim) -> None:
-    """Remove the files of a result (study, blocks, areas, onset) from a folder, and leave other files.
+    """Remove the files of a result (study, blocks, areas, onset) from a directory, and leave other files.
 
-    Raises a `StoreError` if the study file was written or edited by hand, or if another run uses the folder.
+    Raises a `StoreError` if the study file was written or edited by hand, or if another run uses the directory.
     """
     check_unedited(stored_result.path)
     claim.acquire()
@@ -589,7 +589,7 @@ def _check_resumable(stored_result: StoredResult) -> None:
 
 
 def check_unedited(path: Path) -> None:
-    """Raise a `StoreError` unless the study file in a folder is exactly as stiction wrote it, or is empty.
+    """Raise a `StoreError` unless the study file in a directory is exactly as stiction wrote it, or is empty.
 
     A crash of the machine may leave an empty file. Copying may have changed line ends. A link is never replaced.
     """
@@ -615,7 +615,7 @@ def check_unedited(path: Path) -> None:
 
 
 def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
-    """Return whether a study file without a checksum belongs to the blocks of its folder and has the usual format.
+    """Return whether a study file without a checksum belongs to the blocks of its directory and has the usual format.
 
     Earlier versions wrote no checksum. Their results can be extended, although a changed value would not be noticed.
     """
@@ -631,7 +631,7 @@ def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
 
 
 def _check_replaceable(path: Path, study: Study) -> None:
-    """Raise a `StoreError` unless another study may replace the study file in a folder."""
+    """Raise a `StoreError` unless another study may replace the study file in a directory."""
     try:
         check_unedited(path)
     except EditedStudyError:
@@ -641,7 +641,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
 
 
 def check_unused(path: Path, claim: FolderClaim) -> None:
-    """Raise a `StoreError` if another active run uses a result folder. The claim must be acquired."""
+    """Raise a `StoreError` if another active run uses a result directory. The claim must be acquired."""
     if competitor := claim.find_competitor():
         raise StoreError(
             f"{printable_path(path)} is in use by another run; wait until that run ends, or choose another directory; "
@@ -650,7 +650,7 @@ def check_unused(path: Path, claim: FolderClaim) -> None:
 
 
 def _contains_study(path: Path, study: Study, *, repetitions_may_differ: bool = False) -> bool:
-    """Return whether the folder contains the given study. An unreadable or empty study file contains none."""
+    """Return whether the directory contains the given study. An unreadable or empty study file contains none."""
     try:
         stored_study = _read_study_file(path)
     except (OSError, ValueError):
@@ -665,7 +665,7 @@ class EditedStudyError(StoreError):
 
 
 class StudyMismatchError(StoreError):
-    """Error raised if a folder contains the result of a different study."""
+    """Error raised if a directory contains the result of a different study."""
 
     def __init__(
         self,
@@ -710,7 +710,7 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------
 
-# attributes of a result that do not describe the bodies
+# Attributes of a result that do not describe the bodies.
 NON_BODY_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
 
 CHECKSUM_PREFIX = b"stiction crc32 "
@@ -731,7 +731,7 @@ class BlockFileContent:
     numbers: NDArray[np.int64]
     arrays: ArraysByName
     bodies: BodyAttributes
-    is_exact: bool  # True if the coordinates are bitwise equal to the coordinates of the study
+    is_exact: bool  # True if the coordinates equal the coordinates of the study bit by bit
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
@@ -783,7 +783,7 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
         output.dimensions = {str(dim): size for dim, size in dataset.sizes.items()}
         for name, value in attributes.items():
             output.attrs[str(name)] = value
-        # Coordinates first: creating one later would detach all variables with its dimension and attach them again.
+        # Create coordinates first, because a later coordinate would detach all variables with its dimension.
         for name, variable in sorted(variables.items(), key=lambda item: item[0] not in dataset.sizes):
             values = variable.values
             dtype = h5py.string_dtype() if values.dtype.kind in "UO" else values.dtype
@@ -957,7 +957,7 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
         if replace
         else create_file_atomically(path, ExportError) as partial
     ):
-        content = io.BytesIO()  # The file is first created in memory, because HDF5 may crash if the disk is full.
+        content = io.BytesIO()  # create the file in memory first, because HDF5 may crash if the disk is full
         write_dataset(dataset, content)
         append_checksum(content)
         partial.write_bytes(content.getbuffer())
