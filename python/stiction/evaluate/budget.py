@@ -106,7 +106,7 @@ def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[Altern
     if alternatives is None:
         values = _evaluate_alternatives_uncached(result, at)
         alternatives = {name: share(dataset) for name, dataset in values.items()}
-        if alternatives:  # alternatives that do not exist may be computed later
+        if alternatives:  # do not cache a missing alternative, which may be computed later
             cache.clear()
             cache[points] = alternatives
     return alternatives
@@ -239,7 +239,8 @@ def _evaluate_uncertainty(
         return tables, {}
     percent_attributes = quantity_attributes("percentile")
     coordinates: dict[str, Any] = {"percentile": ("percentile", FRICTION_PERCENTILES, percent_attributes)}
-    if study.surfaces.both_readings and "cut_off" in dims:  # percentiles at the first cutoff enclose all others
+    # The percentiles at the first cutoff enclose the percentiles at all cutoffs.
+    if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(percentiles, dims.index("cut_off"), 0)
         by_cutoff[0] = extend_percentiles(by_cutoff[0], by_cutoff[1:])
     tables |= {
@@ -333,7 +334,7 @@ class _CombinedQuantities:
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
-            # A quantity without one of the dimensions is extended only for the first entry of this dimension.
+            # Extend a quantity that lacks a dimension only for the first entry of this dimension.
             if any(index > 0 for dim, index in indices.items() if dim not in dims):
                 continue
             positions[name] = tuple(indices[dim] for dim in dims[:-1])
@@ -383,7 +384,7 @@ def _iterate_intervals(
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
-    # quantities at the central inputs for all mu0 and tau0, by the indices of the other dimensions
+    # Quantities at the central inputs for all mu0 and tau0, by the indices of the other dimensions.
     central_values: dict[tuple[int, ...], Any] = {}
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))
@@ -527,10 +528,10 @@ def _get_combined_coefficients(
     combined = at["mean_friction"].transpose(*dims, "statistic").values.copy()
     lower_limits = combined[..., 1]
     combined[..., 1] = np.where((lower_limits < 0) & (combined[..., 0] >= 0), 0.0, lower_limits)
-    # an interval counts as known even if its upper limit is infinite
+    # An interval counts as known even if its upper limit is infinite.
     is_known = ~np.isnan(known_intervals).any(axis=-1)
     combined[is_known] = known_intervals[is_known]
-    # the interval of the first cutoff covers the intervals of all cutoffs
+    # The interval of the first cutoff covers the intervals of all cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(combined, dims.index("cut_off"), 0)
         by_cutoff[0] = _extend_estimates(by_cutoff[0], by_cutoff[1:])

@@ -35,18 +35,18 @@ SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITION
 """Sources of uncertainty that are not inputs of the study: the choice of scans and of positions."""
 
 INTERFACE_INPUT_NAME = "interface"  # name of the input that combines mu0 and tau0
-# quantiles of an input; the uncertainty budget is computed with the input fixed at each of these quantiles
+# Quantiles at which an input is fixed, one after the other, for the uncertainty budget.
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 
 FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
 """Percentiles of the coefficient of a single test in `Result.at`. Design codes use the lowest one as a minimum."""
 
-# upper bound on ln(coefficient of a single test / mean coefficient), which prevents overflow
+# Upper bound on ln(coefficient of a single test / mean coefficient), which prevents overflow.
 MAX_LOG_COEFFICIENT_RATIO = 50.0
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
-MAX_CACHED_AREAS = 64  # number of arrays of area samples that are kept
+MAX_CACHED_AREAS = 64  # maximum number of cached arrays of area samples
 
 StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
 """Samples of mu0, tau0 (GPa), hardness (GPa) and junction growth. Each of the last two may be None."""
@@ -103,7 +103,7 @@ class _InputSamples:
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
     values: dict[str, Floats]
-    modulus: Floats | float  # ratio of E* to the E* in the study
+    modulus: Floats | float  # E* divided by the E* of the study
     creep: Floats | None  # exponents of indentation creep
 
 
@@ -181,8 +181,8 @@ class CombinedIntervals:
         self.sampling_estimate: Floats = point["mean_friction"]  # coefficient and limits of its interval of the mean
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
-        # The first entry contains joint samples of mu0 and tau0.
-        # In each of the other entries, mu0 or tau0 equals its bound.
+        # The first entry of `strengths` contains joint samples of mu0 and tau0.
+        # In every further entry of `strengths`, mu0 or tau0 equals its bound.
         self.strengths = strengths
         self.drifts = drifts
         self._central = central
@@ -193,9 +193,9 @@ class CombinedIntervals:
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # range of coefficients that finer scans could give
+        # Range of coefficients that finer scans could give.
         self.finest: tuple[float, float] | None = None
-        # the same range, widened by the confidence interval due to sampling
+        # Range of coefficients for finer scans, widened by the confidence interval due to sampling.
         self.bracket: tuple[float, float] | None = None
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":
@@ -391,7 +391,7 @@ class CombinedIntervals:
         The interval of a coefficient is computed only once, also if the coefficient is evaluated again among others.
         """
         response = self.response
-        # The round-off of the estimate depends on the coefficients that are evaluated together.
+        # Round the estimate, because its round-off depends on the coefficients that are evaluated together.
         estimate = self.sampling_estimate.round(12).tobytes()
         coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
         key = coefficient, self.names, (*fixed.items(),), dwell_time

@@ -155,9 +155,9 @@ class AreaFunction:
 class _SolvedAreas:
     """Areas (µm²) at the loading steps, averaged over members; all arrays have the shape (cells, loads)."""
 
-    all_members: Floats  # areas of all members, as stored
-    elastic_members: Floats  # areas of the members whose elastic area is also stored
-    elastic: Floats  # elastic areas of these members, or estimates; NaN for studies without elastic areas
+    all_members: Floats  # stored areas, averaged over all members
+    elastic_members: Floats  # stored areas, averaged over the members whose elastic area is also stored
+    elastic: Floats  # mean elastic areas, or estimates; NaN for studies without elastic areas
 
 
 def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
@@ -221,7 +221,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
             functions.append(
                 AreaFunction(*known_points, nominal_area, hardness, exponent, attractions, indent, known_depths)
             )
-        else:  # no member could be computed
+        else:  # the solver failed for all members
             functions.append(AreaFunction(np.ones(1), np.full(1, np.nan), nominal_area, hardness, exponent))
     return functions
 
@@ -323,7 +323,7 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
         # In complete contact, the elastic area may exceed the nominal area by round-off.
         largest_areas = np.maximum(areas.elastic, float(result.head["nominal_area"]))
         factors = np.minimum(true_areas, largest_areas) / areas.elastic_members
-    for cell_factors in factors:  # loads without an elastic area take interpolated factors of other loads
+    for cell_factors in factors:  # interpolate the factors at loads without an elastic area
         is_known = np.isfinite(cell_factors)
         if is_known.any():
             log_loads = np.log(loads)

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     import xarray
 
 FRICTION_TABLE_TITLE = "stiction table"  # `title` attribute of a friction table
-MIN_NUM_PRESSURES_FOR_STIFFNESS = 3  # minimum number of pressures needed to compute a stiffness
-# Coefficients are averaged over these directions of motion (degrees), because the surfaces are isotropic.
+MIN_NUM_PRESSURES_FOR_STIFFNESS = 3  # minimum number of pressures for a stiffness
+# Directions of motion (degrees) over which coefficients are averaged, because the surfaces are isotropic.
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 MAX_FITTED_AREA_FRACTION = 0.1  # maximum true area fraction of results that are used to fit the laws
-MAX_LAW_DEVIATION = 0.1  # A caveat is issued if the means deviate from a fitted law by more than this fraction.
+MAX_LAW_DEVIATION = 0.1  # relative deviation of the means from a fitted law above which a caveat is issued
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
@@ -218,7 +218,7 @@ def friction_table(
         # The approach is nearly linear in ln(load), so the derivative with respect to ln(load) is accurate.
         approach_derivative = np.gradient(approach, np.log(pressure_steps), axis=-1, edge_order=2)
         stiffness = STIFFNESS_PER_AREA_FACTOR * pressure_steps / approach_derivative
-    # Only results at the requested loads are reported.
+    # Report only results at the requested loads.
     requested_loads = [float(load) for load in study.friction.load] or dataset["load"].values
     indices = np.flatnonzero(np.isin(dataset["load"].values, requested_loads))
     dataset, pressure = dataset.isel(load=indices), pressure_steps[indices]

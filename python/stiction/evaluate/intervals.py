@@ -20,12 +20,12 @@ from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]  # values of the dimension `statistic` in datasets
-NUM_SLOPE_FIT_STEPS = 4  # a slope is fitted to this number of steps on each side of a crossing
+NUM_SLOPE_FIT_STEPS = 4  # number of steps on each side of a crossing to which a slope is fitted
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
 NUM_BATCH_VALUES = 2**17  # maximum number of values in a batch; larger batches are no faster
-MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is computed
-MIN_NEIGHBOURING_VALUES = 8  # minimum number of values at neighbouring positions for which an interval is computed
+MIN_SAMPLE_SIZE = 3  # minimum number of values for an interval
+MIN_NEIGHBOURING_VALUES = 8  # minimum number of values at neighbouring positions for an interval
 MIN_RELATIVE_CHANGE = -1 + 1e-12
 """Smallest relative change of a mean on leaving out a repetition at which the mean keeps its sign.
 
@@ -38,7 +38,7 @@ So does friction up to this fraction of the load or of the pull-off force.
 """
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
-_MIN_SKEWNESS = 1e-9  # an interval is computed as symmetric if the skewness is below this limit
+_MIN_SKEWNESS = 1e-9  # skewness below which an interval is computed as symmetric
 MAX_DEGREES_OF_FREEDOM = 1e6  # above this number of degrees of freedom, Student's t distribution counts as normal
 
 
@@ -56,10 +56,10 @@ class LoadCrossings:
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
 
-    index: NDArray[np.intp]  # index of the step at or after each crossing (..., l)
-    fraction: Floats  # position of each crossing between two steps, from 0 to 1 (..., l)
-    reached: NDArray[np.bool_]  # True for loads that the curve reaches (..., l)
-    below: NDArray[np.bool_]  # True for loads below the first step (..., l)
+    index: NDArray[np.intp]  # (..., l) index of the step at or after each crossing
+    fraction: Floats  # (..., l) position of each crossing between two steps, from 0 to 1
+    reached: NDArray[np.bool_]  # (..., l) True for loads that the curve reaches
+    below: NDArray[np.bool_]  # (..., l) True for loads below the first step
     # Curves and requested loads, if the ratio of value to load is interpolated; otherwise None.
     scale: tuple[Floats, Floats] | None = None
 
@@ -126,7 +126,7 @@ class LoadCrossings:
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
         # If a crossing is exactly at a step, the value at the previous step may be NaN.
-        with np.errstate(invalid="ignore"):  # Values may be infinite, for example the stiffness at complete contact.
+        with np.errstate(invalid="ignore"):  # the stiffness, for example, is infinite at complete contact
             interpolated = np.where(fraction == 1, after, before + fraction * (after - before))
         if are_sums and self.scale is not None:
             interpolated = interpolated * self.scale[1]
@@ -317,7 +317,7 @@ class PowerSums:
         self._count += values.shape[-1]
         square = values * values
         self._sums[0] += values.sum(axis=-1)
-        # np.einsum adds products without storing them.
+        # Use `np.einsum`, which adds products without storing them.
         for index, factors in enumerate(((values, values), (square, values), (square, square)), start=1):
             self._sums[index] += np.einsum("...r,...r", *factors)
 
@@ -425,7 +425,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     range of the values. It is NaN if there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values are equal.
     """
     count = values.shape[0]
-    # Each row (c, r) is summed separately, so that the sum does not depend on the other rows.
+    # Sum each row (c, r) separately, so that the sum does not depend on the other rows.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
@@ -444,13 +444,13 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     """
     from scipy.special import stdtr
 
-    # Values are divided by their standard deviation to avoid overflow.
+    # Divide the values by their standard deviation to avoid overflow.
     count, deviations = values.shape[1], values - mean[:, np.newaxis]
     deviation = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
     has_spread = (deviation > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(has_spread, deviation, 1.0)[:, np.newaxis], _NEIGHBOUR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, count)
-    # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are closed-form expressions of these sums.
+    # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y follow from a few sums over the values y.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(count)
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
@@ -493,7 +493,7 @@ def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats,
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
     line_means = values
     if first_indices.size > 1:
-        # The values of each line are replaced by one value. The mean of these values equals the mean of all values.
+        # Replace the values of each line by one value, so that the mean over lines equals the mean of all values.
         counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         sums = np.zeros((first_indices.size, *values.shape[1:]))
         np.add.at(sums, index, values)
@@ -511,7 +511,7 @@ class ScanPairMean:
     """Mean of a quantity over all pairs of scans, and the variance components of this mean."""
 
     mean: float
-    # variances of the mean due to upper scans, lower scans and positions
+    # Variances of the mean due to upper scans, lower scans and positions.
     variances: tuple[float, ...]
     freedom: float  # degrees of freedom of the variance of the mean (Satterthwaite, 1946)
     test: float  # standard deviation of a single new test from the mean
@@ -556,7 +556,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
     freedom = float(freedoms[~is_separate].sum())
     residual_variance = float(sums[~is_separate].sum()) / max(freedom, 1.0)
     variance_components = np.append(np.where(is_separate, mean_squares - residual_variance, 0.0)[:2], residual_variance)
-    # For each mean square that is not pooled, the residual mean square is subtracted once.
+    # The residual mean square is subtracted once for each mean square that is not pooled.
     weights = np.append(np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance)
     component_freedoms = np.maximum([*freedoms[:2], freedom], 1.0)
     deviations_in_pairs = (flat_values - pair_means[upper, lower][:, np.newaxis]).ravel()

@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     import xarray
 
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-# maximum number of curve values of one map cell in memory at the same time
+# Maximum number of curve values of one map cell in memory at the same time.
 MAX_VALUES_IN_MEMORY = 2**18
-# dimensions that a result may have besides members and steps
+# Dimensions that a result may have besides members and steps.
 MAP_CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
 MOTION_DIMENSIONS = ("sliding", "direction")  # dimensions of results with several sliding rules or directions
 _LOAD_VARIABLES = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
@@ -267,7 +267,7 @@ def evaluate_ensemble_quantities(
         dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_ratios
     )
     # The first pass finds the steps at which the mean loads are reached.
-    # The second pass computes the intervals at these steps.
+    # The second pass computes the intervals at the steps that the first pass found.
     averages, ratio_operands, count = _average_sums(
         iterate_solved_pieces(result, quantities.required_variables(), transform),
         names,
@@ -297,7 +297,7 @@ def evaluate_ensemble_quantities(
                     means_by_cell[cell_index].add(normal, values)
 
             list(pool.map(add_members_to_cell, cells, itertools.repeat(piece_sums)))
-            del piece, piece_sums  # Release memory before the next piece is read.
+            del piece, piece_sums  # release memory before the next piece is read
         return quantities.build_datasets(means_by_cell, averages, ratio_operands, pool)
 
 
@@ -361,7 +361,7 @@ class _EnsembleQuantities:
                     array[cell] = _reshape_curves(curve_values, self.shape)
             cell_averages = averages[0].apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.compute_curves(cell, averages)[0][..., 0]
-            # True if friction is self-locked at the largest approach.
+            # Friction is self-locked if the normal load at the largest approach is not above 0.
             is_locked = (cell_averages.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
             cell_status = friction.choose_statuses(
                 touched=bool(cell_averages.contact_count.any()), reached=means.crossing.reached,
@@ -497,7 +497,7 @@ def _average_sums(
         ] if total_sums else piece_sums  # fmt: skip
         for name in operand_names:
             total_operands[name] = total_operands[name] + _get_values_or_nan(piece, name, step_dimension).sum(axis=-1)
-        del piece  # Release memory before the next piece is read.
+        del piece  # release memory before the next piece is read
     averages = [each.apply(lambda values: values / max(count, 1)) for each in total_sums]
     return averages, {name: values / max(count, 1) for name, values in total_operands.items()}, count
 

@@ -87,8 +87,8 @@ def average_members(
     directional_dims, directional_means, attributes = variables["friction_coefficient"]
     is_downhill = directional_means[..., 0] < -NEGLIGIBLE_COEFFICIENT
     variables["friction_coefficient"] = directional_dims, _remove_negative(directional_means, is_downhill), attributes
-    # A mean over directions has no meaning if the body slides by itself in one of them.
-    # Without mu0 and tau0, opposite directions cancel, and the mean is 0.
+    # A mean over directions has no meaning if the body slides by itself in one direction.
+    # If mu0 and tau0 are 0, the coefficients of opposite directions cancel, and their mean is 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
     counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
 
@@ -137,7 +137,7 @@ def average_members(
     )  # NaN if no member has a coefficient
     statuses = np.where(is_downhill, np.array(friction.STATUS_DOWNHILL, STATUS_DTYPE), _find_common_statuses(status))
     variables |= {
-        # A member that slides by itself needs no tangential load.
+        # A member that slides by itself needs no tangential load, so the quantiles are at least 0.
         "spread_low": (dims_of_mean, np.maximum(low, 0.0), quantity_attributes("spread_low")),
         "spread_high": (dims_of_mean, np.maximum(high, 0.0), quantity_attributes("spread_high")),
         "status": (dims, statuses, quantity_attributes("status")),
@@ -349,7 +349,7 @@ class MemberDependence:
         if self.order is None or self.lines is None:
             return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
-        # To save time, columns with the same missing members are evaluated together.
+        # Evaluate columns with the same missing members together, to save time.
         # In most columns, no member is missing.
         is_finite = np.isfinite(flat_values)
         is_incomplete = ~is_finite.all(axis=0)

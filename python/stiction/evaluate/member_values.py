@@ -297,7 +297,7 @@ class _MemberForces:
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
         """Interpolate the loads of each step to given normal loads. If the steps are loads, ratios are interpolated."""
-        # While values are interpolated, the steps are on the last axis.
+        # Move the steps to the last axis for the interpolation.
         normal, tangential = (np.moveaxis(each, -3, -1) for each in _compute_loads(sums_at_steps, law))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
@@ -353,7 +353,7 @@ def _compute_opposing_fraction(
         for rule in ("opposing", "all")
     )
     with np.errstate(divide="ignore", invalid="ignore"):
-        # The denominator is the sum of F |t·s|. To first order in the slopes, this sum equals the load.
+        # The denominator is the sum of F |t·s|, which equals the load to first order in the slopes.
         fraction = opposing / total
     return {"share_opposing": ((*member_dims, "direction", "load"), fraction, quantity_attributes("share_opposing"))}
 
@@ -458,7 +458,7 @@ def _interpolate_by_stiffness(
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
     """Return the pull-off force of each member, whether it is only a lower bound, and the friction at no load."""
-    # An element is 1 if only a lower bound on the pull-off force of the member is known, and 0 otherwise.
+    # Mark members for which only a lower bound on the pull-off force is known by 1, and other members by 0.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
         name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSIONS), missing=True)[..., None, None]
@@ -489,7 +489,7 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
     step_dimension = find_step_dimension(piece)
     if "status" in piece:
         # A member without a coefficient gets the status of the first step at or above the load.
-        # If the status of this step is "ok", the status of the member is kept.
+        # The status "ok" of a step does not replace the status of a member.
         status_codes = _to_float_array(
             piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
         ).astype(int)
@@ -508,7 +508,7 @@ def _find_load_crossings(
     """Return the members' contact sums, and the points at which the load curves reach the given loads."""
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
-    # Access to variables is much faster than access to data arrays, because variables have no coordinates.
+    # Use variables, which have no coordinates and are therefore accessed much faster than data arrays.
     piece_variables = piece.variables
     elastic_loads = _to_float_array(piece_variables["normal_elastic"], (*member_dims, step_dimension))
     curve = (

@@ -42,9 +42,9 @@ class SlidingRuleCoefficient(Estimate):
     low: float = math.nan  # 10 % quantile of the coefficients of single members
     high: float = math.nan  # 90 % quantile of the coefficients of single members
     slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies
-    # True if more than half of the load is on contacts for which the asperity model is invalid
+    # True if more than half of the load is on contacts for which the asperity model is invalid.
     is_outside_asperity_model: bool = False
-    # coefficients along the axes and in the directions (degree) of motion, with intervals of the mean
+    # Coefficients along the axes and in the directions (degrees) of motion, with intervals of the mean.
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
 
@@ -161,7 +161,7 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
     """Return a quantity at a point, averaged over all directions, or NaN if the quantity is missing."""
     if name not in point.variables:
         return math.nan
-    # The arrays of variables are much faster to select from than an `xarray.DataArray`.
+    # Values are selected much faster from the arrays of variables than from an `xarray.DataArray`.
     variable = point.variables[name]
     values = variable.values
     if "statistic" in variable.dims:

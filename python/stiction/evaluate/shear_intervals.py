@@ -27,7 +27,7 @@ from stiction.study.interfaces import InterfaceStrength
 if TYPE_CHECKING:
     import xarray as xr
 
-MIN_INPUT_SAMPLES = 2**10  # minimum number of samples, however many displacements there are
+MIN_INPUT_SAMPLES = 2**10  # minimum number of samples for any number of displacements
 MAX_CURVE_VALUES = 2**21  # maximum number of samples times displacements, which limits the memory
 INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
 CONTACT_INPUTS = ("hardness", "effective_modulus")
@@ -39,7 +39,7 @@ CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 SUMMARY_NAMES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
 """Attributes of a shear test that have an interval."""
 
-_Samples = dict[str, Floats]  # arrays by quantity; the first axis is that of the samples or of the strips
+_Samples = dict[str, Floats]  # arrays by quantity, whose first axis is that of the samples or of the strips
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _S
     stress, dilation = (np.stack([each[name].values for each in strips]) for name in ("shear_stress", "dilation"))
     values = _summarize_samples(test, coefficient, stress, dilation)
     if not np.isfinite(coefficient[:, test["status"].values == STATUS_OK]).all():
-        # A strip without a coefficient may have its peak there.
+        # Drop summary values, because the peak of a strip may be at a displacement without a coefficient.
         values = {name: each for name, each in values.items() if name in CURVE_NAMES}
     return {name: np.asarray(each.std(axis=0, ddof=1)) / math.sqrt(len(strips)) for name, each in values.items()}
 
@@ -226,7 +226,7 @@ def add_shear_intervals(
         value = test[name].values if name in CURVE_NAMES else np.asarray(test.attrs[name])
         error = np.broadcast_to(errors.get(name, np.nan), value.shape)
         if samples:
-            error = np.nan_to_num(error)  # the interval contains the scatter between strips where it is known
+            error = np.nan_to_num(error)  # an unknown scatter between strips counts as 0
         shift = np.multiply.outer(scores, error)
         limits[name] = _extend_to_value(name, value, [_compute_limits(each[name] + shift) for each in sampled_tests])
     return _store_limits(test, limits)
@@ -265,7 +265,7 @@ def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
             continue
         lower, upper = map(float, limits[name])
         if name == "peak_dilation_angle_deg" and lower == upper:
-            continue  # All samples have their peak at the same displacement, but the true peak is near it.
+            continue  # the peak of all samples is at one displacement, but the true peak may lie beside it
         if name == "peak_displacement_um":
             index = int(np.nanargmax(test["friction_coefficient"].values))
             before, after = displacement[[max(index - 1, 0), min(index + 1, displacement.size - 1)]]
