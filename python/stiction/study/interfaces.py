@@ -375,9 +375,9 @@ def write_interface(interface: InterfaceStrength, path: str | Path, about: Mappi
 
 
 def store_interface(interface: InterfaceStrength, folder: Path) -> Path:
-    """Write an interface to a folder for a study in this folder, and return the path of the file.
+    """Write an interface to a directory for a study in this directory, and return the path of the file.
 
-    Files of other interfaces in the folder belong to other studies and are kept.
+    Files of other interfaces in the directory belong to other studies and are kept.
     """
     content = _format_interface(interface, {})
     path = folder / "interface.csv"
@@ -449,9 +449,9 @@ def _published_interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
-    """Read one interface file, or all interface files in a folder, and return the entries by file name.
+    """Read one interface file, or all interface files in a directory, and return the entries by file name.
 
-    Other files in the folder are ignored.
+    Other files in the directory are ignored.
     """
     entries, path = {}, Path(path)
     is_single_file = path.is_file()

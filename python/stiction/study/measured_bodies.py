@@ -259,7 +259,7 @@ class MeasuredBodySettings(SettingsSection):
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
     def with_saved_bodies(self, folder: Path, side: str) -> MeasuredBodySettings:
-        """Write bodies that are in memory to files in a folder. The returned entry refers to these files."""
+        """Write bodies that are in memory to files in a directory. The returned entry refers to these files."""
         return self._apply_to_scans(lambda scan: scan._with_saved_body(folder, side))
 
     def _with_saved_body(self, folder: Path, side: str) -> MeasuredBodySettings:
@@ -447,7 +447,7 @@ def _compute_checksum(body: MeasuredBody) -> str:
 
 @dataclass(frozen=True)
 class _ScanFile:
-    """Scan file, identified by its name without the folder, its checksum and the options for reading it."""
+    """Scan file, identified by its name without the directory, its checksum and the options for reading it."""
 
     settings: MeasuredBodySettings
     path: Path = field(compare=False)

@@ -200,7 +200,7 @@ def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
             if isinstance(source, str)
             else InterfaceSettings.model_validate(source)
         )
-    except ValidationError:  # the validation of this key reports the errors
+    except ValidationError:  # the validation of the interface reports the errors
         return {**section, "mu0": [0.0]}
     except ValueError as error:
         raise make_key_error("interface", str(error).removeprefix("interface ")) from None
@@ -281,9 +281,9 @@ def _add_bracketing_loads(
         upper_load = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _compute_nominal_area(surfaces)
-            # If the upper load is too large, the validation reports an error.
+            # The validation reports an error if the upper load is too large.
             upper_load = min(upper_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
-    except (ValueError, TypeError, AttributeError):  # the validation of this key reports the error
+    except (ValueError, TypeError, AttributeError):  # the validation of the section reports the error
         return {}
     bracketing_loads = [
         exact_quantity_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper_load)
@@ -350,7 +350,7 @@ class Study(SettingsSection):
             )
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             curve_loads = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
-        except (ValueError, TypeError):  # the validation of this key reports the error
+        except (ValueError, TypeError):  # the validation of the load reports the error
             return data
         return {
             **data,
@@ -382,7 +382,7 @@ class Study(SettingsSection):
             return parse_contact_settings(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaceSettings):
             raise make_key_error("load", "must have at least one load, got []")
-        # if the contact is None, only the error of the section `[contact]` is reported
+        # If the contact is None, report only the error of the section `[contact]`.
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
         settings_class = select_friction_settings_class(type(surfaces), mechanics)
@@ -484,8 +484,8 @@ class Study(SettingsSection):
     def with_checksums(self, folder: Path | None = None) -> Study:
         """Return a copy of the study with absolute paths and with checksums of all files.
 
-        Bodies in memory are written to the folder, if a folder is given. Raises a `ValueError` if a file cannot be
-        read.
+        Bodies in memory are written to the directory, if a directory is given. Raises a `ValueError` if a file cannot
+        be read.
         """
         if not isinstance(self.surfaces, MeasuredSurfaceSettings):
             return self
@@ -579,7 +579,7 @@ class Study(SettingsSection):
         try:
             surfaces = select_surface_settings_class(selectors)
             contact = select_contact_settings_class(surfaces, selectors)
-        except PydanticCustomError:  # the validation of this key reports the error
+        except PydanticCustomError:  # the validation of the changed key reports the error
             return sections
         sections["surfaces"] = _convert_section(self.surfaces, surfaces)
         sections["contact"] = _convert_section(self.contact, contact)
@@ -637,7 +637,7 @@ def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
     data = section.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(section, MeasuredMapContactSettings):
-        order["direction"] = 1  # the key is written last
+        order["direction"] = 1  # write the key `direction` last
     return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
 
 
@@ -692,7 +692,7 @@ def find_section_differences(
     serialized, differences = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
-        if not field.repr:  # bodies in memory are compared by their checksums
+        if not field.repr:  # compare bodies in memory by their checksums
             continue
         first_value, second_value = getattr(first, name, None), getattr(second, name, None)
         if first_value == second_value:
@@ -763,6 +763,6 @@ def parse_study(text: str, source: str) -> Study:
         raise StudyError(
             f"{printable_path(source)}: the text is not valid TOML: {printable_text(error, MAX_PATH_LENGTH)}"
         ) from None
-    if not data:  # all keys have defaults, but an empty file is a mistake
+    if not data:  # an empty file is a mistake, although all keys have defaults
         raise StudyError(f"{printable_path(source)} is empty, so it is not a study")
     return validate_section(Study, convert_old_study(data, source), source)

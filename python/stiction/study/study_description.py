@@ -19,7 +19,7 @@ class StudyDescription:
         For measured surfaces, the file names. Otherwise the name of the built-in study that differs at most in the
         repetitions, or "study".
     file_text : str
-        Study file (TOML) with names of files but without their folders, which other computers do not have.
+        Study file (TOML) with names of files but without their directories, which other computers do not have.
     changed_settings : list of (str, str)
         Keys of a study of generated surfaces whose values differ from the defaults, and the values as text.
     """

@@ -97,7 +97,7 @@ def require_distinct(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
     return values
 
 
-# TOML lists become tuples, because a study is immutable.
+# Convert lists of TOML to tuples, because a study is immutable.
 as_tuple = BeforeValidator(lambda values: tuple(values) if isinstance(values, list) else values)
 _long_list = (as_tuple, Field(min_length=1, max_length=MAX_PARAMETER_VALUES), AfterValidator(_require_increasing))
 _short_list = (as_tuple, Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
@@ -182,14 +182,14 @@ class SettingsSection(BaseModel):
         except ValidationError as error:
             raise _convert_validation_errors(type(self), error, "") from None
 
-    # Validation from a mapping does not call this constructor, so that it can report all errors of nested sections.
+    # Validation from a mapping does not call the constructor, so that it can report all errors of nested sections.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
 class SettingsSectionVariant(SettingsSection):
     """Base class for sections that have several variants. Each variant is a class with its own keys."""
 
-    place: ClassVar[str]  # phrase for this variant of the section in messages
+    place: ClassVar[str]  # phrase for the variant of the section in messages
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
@@ -279,7 +279,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# Values are tagged as a range or a list before validation, so that messages refer to only one of these types.
+# Values are tagged as a range or a list before validation, so that a message refers to only one of the two types.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 
