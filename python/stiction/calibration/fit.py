@@ -27,24 +27,23 @@ from stiction.mechanics.model import SlidingRule
 from stiction.study.input_distributions import UncertainInput, generate_sobol_points, parse_uncertain_input
 from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit
 
-# Both mu0 and tau0 are fitted only if A/F differs enough between the tests.
-# The limit is a relative standard deviation of A/F.
+# Minimum relative standard deviation of A/F among the tests for a fit of both mu0 and tau0.
 MIN_AREA_VARIATION = 0.1
 # Number of nuisance points in each round of adaptation, and maximum number of nuisance points in the result.
 # A nuisance point is a set of values of the nuisance parameters.
 NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
-# Initial number of nuisance points in the result, and its upper limit. It doubles with each nuisance parameter.
-# Points are then added until the effective sample size is large enough.
+# Initial number of nuisance points in the result, which doubles with each nuisance parameter, and its upper limit.
+# More nuisance points are added until the effective sample size is large enough.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # normal scores of nuisance parameters are clipped to this absolute value
 MAX_PROPOSAL_ROUNDS = 8  # maximum number of rounds of adaptation
 # The adaptation ends when the effective sample size exceeds this fraction of the nuisance points.
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
-# nuisance points are added to the result until the effective sample size reaches this value
+# Effective sample size up to which nuisance points are added to the result.
 MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of grid cells along tau0 and along mu0
 NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that represent their joint distribution
-# increase of -2 ln(density) from the maximum of the density to the edge of the grid (5.8 standard deviations)
+# Increase of -2 ln(density) from the maximum of the density to the edge of the grid (5.8 standard deviations).
 MAX_GRID_DEVIANCE = 34.0
 PROPOSAL_DEGREES_OF_FREEDOM = 5.0  # degrees of freedom of the proposal distribution (Student's t)
 OUTLIER_DEGREES_OF_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
@@ -60,10 +59,10 @@ class _BestFit:
 
     mu0: float
     tau0: float  # best tau0 (GPa)
-    scores: Floats  # normal scores of the nuisance parameters (nuisances,)
-    residuals: Floats  # residuals of the tests with sliding (tests,), in units of the errors
-    jacobian: Floats  # Jacobian of the weighted residuals and the scores with respect to the free parameters
-    robust_factors: Floats  # square roots of the test weights (tests,); outliers have smaller weights
+    scores: Floats  # (nuisances,) normal scores of the nuisance parameters
+    residuals: Floats  # (tests,) residuals of the tests with sliding, in units of the errors
+    jacobian: Floats  # derivatives of the weighted residuals and of the scores with respect to the free parameters
+    robust_factors: Floats  # (tests,) square roots of the test weights, which are smaller for outliers
     scale: float  # factor that multiplies the assumed errors if no errors are given
 
 
@@ -71,14 +70,14 @@ class _BestFit:
 class _GridLimits:
     """Limits of the mu0-tau0 grids. Each nuisance point (a set of nuisance-parameter values) has its own grid."""
 
-    triangular_factors: Floats  # triangular QR factors of the equations (points, 3, 3)
+    triangular_factors: Floats  # (points, 3, 3) triangular QR factors of the equations
     deviance_range: float
-    # lower and upper limits of tau0 in GPa, with shape (points,)
+    # Lower and upper limits of tau0 (GPa), with shape (points,).
     min_tau0: Floats
     max_tau0: Floats
-    # best-fit mu0 with junction growth (points, tau0); None if no test has growing contacts
+    # Best-fit mu0 with junction growth (points, tau0), or None if no test has growing contacts.
     best_mu0: Floats | None = None
-    width_below: Any = None  # widths of the mu0 range below and above the best-fit value (points, tau0)
+    width_below: Any = None  # (points, tau0) widths of the mu0 range below and above the best-fit mu0
     width_above: Any = None
 
 
@@ -87,7 +86,7 @@ class _ProbabilityGrid:
     """Grids of mu0 and tau0, with the log probability of each cell. Each nuisance point has its own grid."""
 
     limits: _GridLimits
-    # logarithms of the probabilities without the prior of the nuisance parameters (points, tau0, mu0)
+    # Logarithms of the probabilities without the prior of the nuisance parameters (points, tau0, mu0).
     log_probability: Floats
 
 
@@ -127,7 +126,7 @@ class CalibrationProblem:
         self.has_errors = tests[0].uncertainty is not None
         if self.has_errors:
             self.error = np.array([test.uncertainty for test in tests], float)
-        else:  # if no errors are given, errors are proportional to the coefficients
+        else:  # errors that are not given are proportional to the coefficients
             self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
         scatter_by_surfaces: dict[Hashable, float] = {}
         for equation in self._friction:
@@ -172,7 +171,7 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # cached area factors for each equation and, if contacts grow, for each measured coefficient
+        # Cache area factors for each equation and, if contacts grow, for each measured coefficient.
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
@@ -184,7 +183,7 @@ class CalibrationProblem:
                     self.measured[test] if is_measured and equation.area_factor.junction_growth is not None else None,
                 )
                 if key not in cached_factors:
-                    # The area of sliding contacts depends on the ratio of their forces, however it is split.
+                    # The area of sliding contacts depends only on the ratio of friction force to normal force.
                     law = (
                         FrictionLaw(self.measured[test], 0.0) if mu0 is None or tau0 is None else FrictionLaw(mu0, tau0)
                     )
@@ -207,8 +206,7 @@ class CalibrationProblem:
             if GAIN_NUISANCE_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
-        # The measured coefficient is the product of the gain and the true coefficient.
-        # Errors refer to the measured coefficient.
+        # The measured coefficient, to which the errors refer, is the product of the gain and the true coefficient.
         mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
         tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
         right_side = self.measured - gain * sums["tangential_elastic"]
@@ -234,7 +232,7 @@ class CalibrationProblem:
             np.stack([mu0_coefficient, tau0_coefficient, right_side], axis=1), self._test_weights, self.fixed_strengths
         )
         residual_shifts = self._run_membership * (mu0_coefficient * mu0 + tau0_coefficient * tau0) / self.error
-        # Errors of all tests, with or without sliding, if the standard deviation between runs is 1.
+        # Compute the errors of all tests, with or without sliding, for a standard deviation of 1 between runs.
         self._run_errors = (residual_shifts * self.error).sum(axis=0)
         residual_shifts = np.where(self.slid, residual_shifts, 0.0)
         shift_norms = np.linalg.norm(residual_shifts, axis=1)
@@ -600,7 +598,7 @@ class CalibrationProblem:
             )
         if self.fixed_strengths[1] is None:
             log_volume = log_volume + np.log((limits.max_tau0 - limits.min_tau0) / num_tau0_cells)
-        # prevents NaN if the interface seizes everywhere
+        # Avoid NaN if the interface seizes in all cells.
         log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
         log_mu0_step = np.log(mu0_step) if self.fixed_strengths[0] is None else np.zeros(mu0_step.shape)
         log_probability += (log_norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
@@ -632,8 +630,7 @@ class CalibrationProblem:
             return find_best_mu0(residuals, start, tau0)
 
         if self.fixed_strengths[1] is None:
-            # Each test gives an upper bound on tau0.
-            # The bound is computed with mu0 = 0 and with the area at the measured coefficient.
+            # Each test gives an upper bound on tau0, with mu0 = 0 and with the area at the measured coefficient.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = (
                 2
@@ -654,7 +651,7 @@ class CalibrationProblem:
         best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
         # Residuals vary more slowly with mu0 below its best-fit value than above it.
-        # Residuals vary at least as fast as without junction growth.
+        # Junction growth never reduces the variation of the residuals with mu0.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 
@@ -700,7 +697,7 @@ class CalibrationProblem:
                 > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND
             ):
                 break
-            power = 1.0  # a power below 1 reduces the influence of a few points with large weights
+            power = 1.0  # powers below 1 reduce the influence of a few points with large weights
             while (
                 power > 1e-3
                 and _compute_effective_sample_size(power * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND
@@ -777,7 +774,7 @@ class CalibrationProblem:
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
             log_excess = log_weight - np.logaddexp.reduce(log_cell_probability, axis=1)
-        # prevents NaN if the interface seizes everywhere
+        # Avoid NaN if the interface seizes in all cells.
         log_excess = np.where(np.isfinite(log_weight), log_excess, 0.0)
         log_cell_weight = log_cell_probability + log_excess[:, np.newaxis]
         cumulative_weight = np.cumsum(np.exp(log_cell_weight - log_cell_weight.max()))

@@ -65,7 +65,7 @@ class Ball:
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
     area_loss: Any = field(default=None, kw_only=True, compare=False)  # compared as `lost_fraction`
-    # elastic properties computed from the central values of both moduli
+    # Elastic properties at the central values of both moduli.
     elasticity: PairElasticity = field(init=False, repr=False, compare=False)
     moduli: UncertainModulus = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
     lost_fraction: InputValue = field(init=False, repr=False)  # area loss with its uncertainty
@@ -121,7 +121,7 @@ class _FrictionTestSums:
 class AreaFactor:
     """Area factor, i.e. the ratio of true area to computed area, which depends on uncertain inputs."""
 
-    # uncertain inputs by name: hardness, creep exponent, moduli, junction growth and area loss
+    # Uncertain inputs by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
     surfaces: Hashable  # key of the surfaces; only tests with equal keys share the area loss
 
@@ -161,7 +161,7 @@ class _BallAreaFactor(AreaFactor):
     """Area factor of a Hertzian point contact. The area is proportional to E*^(-2/3)."""
 
     moduli: UncertainModulus
-    area_loss: float  # central value
+    area_loss: float  # central value of the area loss
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
@@ -349,7 +349,7 @@ def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: fl
 
 def list_sliding_rules(result: Any) -> tuple[str, ...]:
     """Return the sliding rules for which a result contains values."""
-    if isinstance(result, Ball):  # A ball has a single contact, so both rules give the same friction.
+    if isinstance(result, Ball):  # both rules give the same friction, because a ball has a single contact
         return SLIDING_RULES
     if isinstance(result, FrictionCurve):
         return (str(getattr(result, "sliding", "all")),)

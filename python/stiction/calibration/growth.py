@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# number of tau0 values in each search; number of searches, each of which is finer than the previous search
+# Number of tau0 values in each search, and number of searches, each finer than the search before.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps for the best mu0 at a given tau0
 MU0_DERIVATIVE_STEP = 1e-4  # step of mu0 for the numerical derivative, relative to 0.1 + mu0

@@ -87,7 +87,7 @@ class Interface(InterfaceStrength):
         test_sums = evaluate_test_sums(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
         def draw_scores(name: Hashable) -> Floats:
-            # If an input also occurs in the tests, its samples from the fit are used.
+            # Use the samples of the fit for an input that also occurs in the tests.
             return fit.scores[name] if name in fit.scores else generator.standard_normal(len(fit.mu0))
 
         area_samples = np.exp(test_sums.scatter * draw_scores(test_sums.surfaces))
