@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 MAX_PICTURE_SIDE_POINTS = 512  # maximum number of rows or columns of a stored map
 LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads in the adhesion figure, in multiples of the pull-off force
-# ratio of the size of the map to the size of the window that magnifies the largest contact
+# Ratio of the size of the map to the size of the window that magnifies the largest contact.
 ZOOM_FACTOR = 8
 MIN_ZOOM_SIDE_POINTS = 16
 
@@ -58,7 +58,7 @@ _CONTACT_VARIABLE_SPECS = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-# suffix with a unit for each dimension; a column name consists of a dimension name and its suffix
+# Suffix with a unit that is appended to a dimension name to form a column name.
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 

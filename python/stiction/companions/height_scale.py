@@ -1,7 +1,7 @@
 """Friction and true area of a measured pair whose heights are multiplied by a factor to represent another finish.
 
-Each factor is computed as a separate study, which is stored in the folder of the result. Results for factors in between
-are interpolated.
+Each factor is computed as a separate study, which is stored in the directory of the result. Results for factors in
+between are interpolated.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     import xarray
 
 HEIGHT_SCALE_FOLDER = "height_scale"
-"""Name of the subfolder of a result folder that contains a study for each factor."""
+"""Name of the subdirectory of a result directory that contains a study for each factor."""
 
 HEIGHT_FACTOR_EXPONENT_STEP = 0.5
 """Largest difference of log2(factor) between neighbouring factors that are used for an interpolation."""
@@ -188,7 +188,7 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
 
 
 def find_factor_study(study: Study, path: Path, factor: float, scaled: ScaledBodies) -> CompanionStudy:
-    """Return the study with a height factor, and its subfolder of a result folder."""
+    """Return the study with a height factor, and its subdirectory of a result directory."""
     return CompanionStudy(
         scale_study_heights(study, factor, scaled), path / HEIGHT_SCALE_FOLDER / f"{scaled}-{factor:.6g}"
     )
@@ -204,7 +204,7 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
         try:
             factor = float(folder.name.removeprefix(f"{scaled}-"))
             sums = find_factor_study(result.study, result.path, factor, scaled).open()
-        except ValueError:  # the name of the folder is not a factor
+        except ValueError:  # raised if the name of the directory is not a factor
             continue
         if sums is not None:
             results[factor] = sums

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from stiction.mechanics.onset import Onset
     from stiction.solve.store import StoredResult
 
-ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"  # first bytes of the file; they identify the table
+ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"  # first bytes by which the file of the table is recognised
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members whose onset is computed: in general (first), and for maps with the half-space (second)."""
 
@@ -51,7 +51,7 @@ NUM_SOLUTIONS_PER_ONSET = 8  # time of an onset curve on one core, as a multiple
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Fractions of the sliding load at which the curve is evaluated."""
 
-TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions; it causes errors of about 1e-7 in displacements
+TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions, with errors of about 1e-7 in displacements
 _CURVE_TITLES = {
     "tangential_load": "tangential load",
     "displacement": "displacement",
@@ -124,10 +124,7 @@ def compute_member_onset(
             {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed_pair.curve, HalfSpaceCurve) else {}
         )
         onset = pressed_pair.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **options)
-    except (
-        NoSolutionError,
-        ValueError,
-    ):  # an exception means that the solver failed or that the contact law has no onset
+    except (NoSolutionError, ValueError):  # raised if the solver failed or the contact law has no onset
         return None
     curve: dict[str, Any] = {
         name: getattr(onset, name) for name in (*_CURVE_TITLES, *_ONSET_SCALAR_NAMES[:-1]) if name != "energy_lost"
@@ -193,7 +190,7 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
     try:
         iwan = fit_iwan(displacement, load, sliding_load=sliding_load, stiffness=float(curve["stiffness"]))
         lugre = fit_lugre(displacement, load, sliding_load=sliding_load)
-    except ValueError:  # an exception means that the curve of a free half-plane has no displacements
+    except ValueError:  # raised if the curve of a free half-plane has no displacements
         return {}
     chi = round(iwan.chi, 12) + 0.0  # adding 0.0 converts -0 to 0
     values = {
@@ -272,7 +269,7 @@ class OnsetValues:
     displacement_at_sliding: Estimate  # µm
     stiffness: Estimate  # initial tangential stiffness (mN/µm)
     unloading_stiffness: Estimate  # normal stiffness during unloading (mN/µm)
-    curve: dict[float, OnsetCurvePoint]  # by the ratio of the tangential load to the sliding load
+    curve: dict[float, OnsetCurvePoint]  # points by the ratio of the tangential load to the sliding load
     models: dict[str, dict[str, float]]  # parameters of the fitted models, by model; empty if the fit failed
 
 
@@ -308,7 +305,7 @@ def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
 
 # ---- Files stored with a result -------------------------------------------------------------------------------------
 
-_INFINITE_BOUNDS = (-math.inf, math.inf)  # The stiffness of a closed gap and the ends of some intervals are infinite.
+_INFINITE_BOUNDS = (-math.inf, math.inf)  # bounds of stiffnesses and interval limits, which may be infinite
 
 _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
     "fraction": VariableSpec(dims=("fraction",)),

@@ -42,10 +42,10 @@ if TYPE_CHECKING:
 
     from stiction.study.measured_bodies import ScanCutoffs
 
-CUTOFF_STUDY_FOLDER = "resolution"  # name of the folder of the cutoff study in a result folder
+CUTOFF_STUDY_FOLDER = "resolution"  # name of the subdirectory of a result that contains the cutoff study
 NUM_AREAL_MEMBERS = 4  # maximum number of members in a cutoff study of height maps
 NUM_LINE_MEMBERS = 16  # maximum number of members in a cutoff study of profiles
-MAX_CUTOFFS = 4  # maximum number of cutoffs above 0; each is twice as long as the previous cutoff
+MAX_CUTOFFS = 4  # maximum number of cutoffs above 0, each twice as long as the cutoff before
 FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number rounded to four digits
 MAX_RELATIVE_CUTOFF = 1 / 30  # maximum ratio of a cutoff to the shortest side of the scans
 
@@ -72,7 +72,7 @@ def build_cutoff_study(study: Study) -> Study | None:
         if cutoffs[0] == 0
         else cutoffs[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
     )
-    # Lengths are rounded up, because a grid cannot represent wavelengths shorter than two points.
+    # Round lengths up, because a grid cannot represent wavelengths shorter than two points.
     rounded_cutoffs = [
         cutoffs[0],
         *(
@@ -98,7 +98,7 @@ def build_cutoff_study(study: Study) -> Study | None:
 
 
 def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
-    """Return the cutoff study of a measured pair and its folder below `path`, or None if there is no second cutoff."""
+    """Return the cutoff study of a measured pair with its directory in `path`, or None without a second cutoff."""
     cutoff_study = build_cutoff_study(study)
     return None if cutoff_study is None else CompanionStudy(cutoff_study, path / CUTOFF_STUDY_FOLDER)
 
@@ -121,7 +121,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
         return None
     try:
         cutoff_study = find_cutoff_study(study, result.path)
-    except ValueError:  # an exception means that files of the bodies are missing
+    except ValueError:  # raised if files of the bodies are missing
         return None
     sums = None if cutoff_study is None else cutoff_study.open(allow_unfinished=True)
     if sums is None:
