@@ -50,17 +50,17 @@ MIN_TOTAL_CONTACTS = 10  # minimum total number of contacts in all members for w
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 """Mean contact counts per member below which a coefficient must not be quoted (first) or has a caveat (second)."""
 
-# no value is reported if a single contact carries more than this fraction of the load
+# No value is reported if a single contact carries more than this fraction of the load.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
 # A caveat is issued if the contacts at the edge carry more than this fraction of the load.
 CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
-CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # A caveat is issued if one contact carries more than this fraction of the load.
+CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # load fraction on one contact above which a caveat is issued
 
 # Contacts are assumed to have merged if the ratio of true to nominal area is above this limit.
 MIN_MERGED_AREA_FRACTION = 0.3
 # A caveat is issued if a problem affects more than this fraction of the load, the members or the scan length.
 MAX_AFFECTED_FRACTION = 0.5
-MAX_INTERPOLATED_FRACTION = 0.02  # A caveat is issued if more than this fraction of the scan points is interpolated.
+MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated scan points above which a caveat is issued
 MAX_PIERCED_FRACTION = 0.02
 """Largest fraction of scattered missing points without a caveat about holes in contacts."""
 MAX_AREA_LOSS_PER_HOLE = 1.3
@@ -72,11 +72,11 @@ With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1
 """
 MIN_DRIFT_EFFECT = 0.02
 """Smallest relative standard error of a coefficient for a caveat about drift of the roughness."""
-MAX_SPACING_RATIO = 3.0  # A caveat is issued if the grid spacings of the two scans differ by more than this factor.
+MAX_SPACING_RATIO = 3.0  # ratio of the grid spacings of two scans above which a caveat is issued
 
-# an interface counts as nearly as strong as the bulk if the ratio of τ0 to H/√α exceeds this limit
+# An interface counts as nearly as strong as the bulk if the ratio of τ0 to H/√α exceeds this limit.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# An interval has no upper end if more than this fraction of the samples has none.
+# An interval has no upper limit if more than this fraction of the samples has none.
 MAX_UNLIMITED_FRACTION = 0.025
 MIN_UNLIMITED_FRACTION = 0.01
 """Fraction of input samples without an upper limit of friction above which a caveat reports it.
@@ -105,9 +105,9 @@ RIM_ATTRACTION_FACTOR = 4.3
 docs/explanation/adhesion.md describes the fit.
 """
 
-MAX_DEVIATION_FROM_MU0 = 0.02  # a coefficient counts as equal to mu0 if the relative difference is below this limit
+MAX_DEVIATION_FROM_MU0 = 0.02  # relative difference below which a coefficient counts as equal to mu0
 ROUND_UP_FACTOR = 1 + 1e-12  # factor that makes ties such as 2.25 round up, in the same way as in the report
-MAX_RELATIVE_HALF_WIDTH = 0.5  # A caveat is issued if the relative half width of an interval exceeds this value.
+MAX_RELATIVE_HALF_WIDTH = 0.5  # relative half width of an interval above which a caveat is issued
 
 
 @dataclass(frozen=True)
@@ -142,8 +142,8 @@ class LimitCheck(NamedTuple):
     text: str
     remedy: str
     severity: Severity = "fault"
-    shown: str = "digits"  # kind of the number, as for `list_number_formats`
-    # name of the number that is mentioned in the text; by default, the number that is compared with the limit
+    shown: str = "digits"  # kind of the printed number, as for `list_number_formats`
+    # Name of the number that is mentioned in the text; by default, the number that is compared with the limit.
     about: str = ""
 
     @property
@@ -161,7 +161,7 @@ class LimitCheck(NamedTuple):
         )  # fmt: skip
 
 
-CheckGroups = Sequence[Sequence[LimitCheck]]  # groups of checks; each group reports only its first failed check
+CheckGroups = Sequence[Sequence[LimitCheck]]  # groups of checks, each of which reports only its first failed check
 
 ASSESSMENTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
 """Text of the assessment by the severity of the worst caveat."""
@@ -341,7 +341,7 @@ def find_point_caveats(
         )
         return
     num_members = mean_over_directions(point, "members")
-    # smallest number of solved members in any sliding direction
+    # Find the smallest number of solved members in any sliding direction.
     num_solved = float(point["ok"].min()) if "ok" in point else math.nan
     if num_solved < MAX_AFFECTED_FRACTION * num_members:
         text = f"only {num_solved:.0f} of {study.member_names.with_count(num_members)} have a coefficient"
@@ -417,7 +417,7 @@ def list_contact_check_names(study: Study) -> list[str]:
 def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> dict[str, Any]:
     area, count = mean_over_directions(point, "contact_area"), mean_over_directions(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    # area of a grid cell for height maps in the half-space model, otherwise NaN
+    # Use the area of a grid cell for height maps in the half-space model, and NaN otherwise.
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
     quantities = {name: mean_over_directions(point, name) for name in list_contact_check_names(study)}
     is_merged = _compute_area_fraction(point, study) > MIN_MERGED_AREA_FRACTION
@@ -513,7 +513,7 @@ def assess_ensemble_points(
     value_checks = (_build_value_checks(study), *pressure_checks, [EQUALS_MU0_CHECK])
     add_failed_checks((*value_checks, _build_contact_count_checks(study)), has_value)
     add_failed_checks(_build_contact_checks(study), has_value | unloaded_mask)
-    # Each combination of reasons has a code, because rows of numbers take much longer to sort.
+    # Give each combination of reasons a code, because rows of numbers take much longer to sort.
     codes = np.zeros(status.shape, np.intp)
     for indices in reason_numbers:
         codes = codes * (len(reasons) + 1) + indices
@@ -567,7 +567,7 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
         f"body; junction growth, which is taken as 0, {effect_text}"
     )
     remedy = "use --junction-growth slip-line"
-    if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
+    if study.contact.adheres:  # adhesive contacts do not grow under shear in the model
         remedy = "compare with the pair without --adhesion, whose contacts grow"
     yield Caveat(text, remedy, "caution")
 
@@ -662,7 +662,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
     """Yield caveats about neglected or unresolved adhesion, and about inputs whose effect the interval ignores."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
-        # the asperity model does not include adhesion
+        # The asperity model does not include adhesion.
         min_added_load = MAX_NEGLECTED_ADHESION_FRACTION if study.uses_half_space else 1.0
         if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added_load:
             added_text = f"about {100 * added_load:.2g} %" if added_load < 1 else "more than 100 %"
@@ -798,7 +798,7 @@ def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[C
     surfaces: Any = study.surfaces
     ratios = [float(np.max(point.attrs[name])) for name in ("upper_lay", "lower_lay") if name in point.attrs]
     if len(ratios) == 2 and not (surfaces.rotate or surfaces.positions):
-        # The text fits in one line.
+        # Keep the text short, so that it fits in one line.
         text = f"one orientation of the lays (slope ratio {format_significant(min(ratios), 2)}) is pressed"
         yield Caveat(text, "try --rotate 180", "caution")
 

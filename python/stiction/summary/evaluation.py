@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
     from stiction.solve.store import StoredResult
 
-# number of fractal dimensions that represent a range in an overview
+# Number of fractal dimensions that represent a range in an overview.
 NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
@@ -178,8 +178,8 @@ class Evaluation(MemberSums):
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return values
-        # If the fractal dimensions are a range, a few values suffice for a curve.
-        # If they are a list, all values are needed.
+        # If the fractal dimensions are a range, a few of them suffice for a curve.
+        # If the fractal dimensions are a list, all of them are needed.
         num_dimensions = values.sizes["fractal_dimension"]
         shown_indices = np.unique(
             np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)
@@ -291,7 +291,7 @@ class Evaluation(MemberSums):
         else:
             values = at_load(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition, names=quantities)
             values = add_uncertainty(values, self, budget=budget)
-        return values.copy(deep=True)  # some arrays are shared with cached values
+        return values.copy(deep=True)  # protect arrays that are shared with cached values
 
     def _evaluate_at_height_factors(
         self, factors: Any, load: Any, mu0: Any, tau0: Any, load_definition: Any, scaled: Any, compute: bool
@@ -436,7 +436,7 @@ class Evaluation(MemberSums):
         """
         try:
             return self.summarize_dataset(self.at_study_loads)
-        except StoreError:  # The files may be repaired.
+        except StoreError:  # do not cache a storage error, because the files may be repaired
             raise
         except ValueError as error:
             return error

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 MAX_DRAWN_PROFILES = 5  # maximum number of fractal dimensions for which profiles are drawn
 MAX_DRAWN_CURVES = 8  # maximum number of fractal dimensions for which the area is drawn
-LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale for which surfaces are compared in a figure
+LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale for which a figure compares surfaces
 MAX_SURFACE_SIDE_POINTS = 400  # maximum number of rows and of columns of a surface in a figure
-MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest are drawn
+MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest
 CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 """Fractions of the logarithmic load range at which the onset of sliding is drawn."""
 

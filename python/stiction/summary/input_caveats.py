@@ -46,9 +46,9 @@ INSTRUMENT_LIMIT_REASON_TEXTS = {
 }
 """Explanations of why wavelengths are not attributed to the surface, keyed by the short name of the reason."""
 
-# maximum plausible ratio of height to length; above this limit, the height unit must be wrong
+# Maximum plausible ratio of height to length, above which the height unit must be wrong.
 MAX_HEIGHT_OVER_EXTENT = 10.0
-MAX_PLAUSIBLE_MU0 = 2.0  # largest plausible mu0; it exceeds all published values, even for clean metals in vacuum
+MAX_PLAUSIBLE_MU0 = 2.0  # largest plausible mu0, above all published values, even for clean metals in vacuum
 
 MAX_FORM_FRACTION = 0.6
 """Largest fraction of the mean square height due to a fitted parabola without a caveat about form.
@@ -69,7 +69,7 @@ CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_SPECTRA_RATIO = 2.0  # A caveat is issued if the spectra of the same surface differ by more than this factor.
+MAX_SPECTRA_RATIO = 2.0  # ratio of the spectra of the same surface above which a caveat is issued
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Largest plausible ratio of nominal pressure to E*. A larger load is probably the load on the whole component."""
 
@@ -357,7 +357,7 @@ def _find_instrument_caveats(
     """Yield caveats about wavelengths that come from the instrument, or that the tip does not resolve."""
     try:
         limit, tip_limit = defects.instrument_limit, defects.tip_limit
-    except ValueError:  # an exception means that the body is flat
+    except ValueError:  # raised if the body is flat
         return
     shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
     if shortest_resolved:
@@ -384,7 +384,7 @@ def _find_instrument_caveats(
         text = f"{_describe_slope_fraction(tip_limit)}, which the tip does not resolve: the surface is steeper"
         note = f", and the interval {'includes an estimate of' if has_tip_estimate else 'does not include'} this"
         note = note if elastic or has_tip_estimate else ""
-        # If no hardness is given, the true area decreases indefinitely with increasing slope.
+        # Without a hardness, the true area decreases indefinitely with increasing slope.
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
         yield Caveat(text, remedy, peak_severity, tip_limit.cut_off, interval_note=note)
@@ -406,7 +406,7 @@ def _find_instrument_caveats(
 
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
     """Describe the fraction of the mean square slope that comes from unreliable wavelengths."""
-    # The fraction is rounded, so that similar scans have identical caveats.
+    # Round the fraction, so that similar scans have identical caveats.
     fraction_text = f"{100 * limit.slope_fraction:.0f} %"
     axis_text = f" along {limit.axis}" if limit.axis else ""
     wavelength_text = format_with_unit(limit.wavelength, "um")

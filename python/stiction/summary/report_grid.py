@@ -34,14 +34,14 @@ GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 Reports of generated surfaces have more loads, and therefore fewer values of mu0 and tau0.
 """
 
-MAX_TAU0_STEPS = {True: 6, False: 5}  # largest number of steps of tau0, for measured (True) and generated surfaces
-MAX_STUDY_VALUES = 9  # maximum number of values of mu0 or tau0 in a study that a report shows; more are thinned
-MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 as a fraction of E*, if no tau0 in the study is larger
+MAX_TAU0_STEPS = {True: 6, False: 5}  # maximum number of steps of tau0, for measured (True) and generated surfaces
+MAX_STUDY_VALUES = 9  # maximum number of mu0 or tau0 of a study that a report shows; longer lists are thinned
+MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 of a report as a fraction of E*, unless the study has a larger tau0
 MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
 """Largest tau0 of a report relative to the hardness, unless the study has a larger value."""
 
 NUM_REPORT_LOADS = 40  # number of loads in a report of generated surfaces
-# quantities that are evaluated on the grid in addition to friction (measured surfaces)
+# Quantities of measured surfaces that are evaluated on the grid in addition to friction.
 ADDITIONAL_QUANTITIES = ("contact_count", "gentle_friction")
 
 
@@ -124,7 +124,7 @@ class ReportGrid:
         tables = []
         for kind in self.member_kinds:
             with warnings.catch_warnings():
-                # the report itself marks values of tau0 that are large relative to E*
+                # The report itself marks each tau0 that is large relative to E*.
                 warnings.simplefilter("ignore", UserWarning)
                 at = at_load(self.result, self.loads, mu0=mu0, tau0=tau0, member_kind=kind, names=names)
             has_combined = kind != "surrogates"
@@ -146,7 +146,7 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     max_tau0 = MAX_TAU0_OVER_MODULUS * modulus
     max_tau0 = max_tau0 if hardness is None else min(max_tau0, MAX_TAU0_OVER_HARDNESS * float(hardness))
-    # For generated surfaces, the largest tau0 is that of the study, if the study has several values.
+    # For generated surfaces whose study has several tau0, the largest tau0 is that of the study.
     max_tau0 = tau0[-1] if tau0.size > 1 and not is_measured else max(max_tau0, tau0[-1])
     round_tau0 = _round_steps(max_tau0, MAX_TAU0_STEPS[is_measured])
     round_mu0 = np.array(MEASURED_MU0_VALUES if is_measured else GENERATED_MU0_VALUES)

@@ -63,9 +63,9 @@ if TYPE_CHECKING:
     from stiction.study.measured_bodies import ScanCutoffs
     from stiction.study.study import Study
 
-# name of the budget entry for short wavelengths that the automatic cutoff removes, because they may be noise
+# Name of the budget entry for short wavelengths that the automatic cutoff removes, because they may be noise.
 POSSIBLE_NOISE_INPUT_NAME = "possible instrument noise"
-# An input counts as dominant only if making it exact would narrow the interval by more than this fraction.
+# An input is dominant only if the interval would narrow by more than this fraction if the input were exact.
 MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 
@@ -420,7 +420,7 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
 
     The list begins with the points at the first cutoff. The other points are marked as covered.
     """
-    cut_off = points[0].at["cut_off"]  # the value at the first cutoff is reported
+    cut_off = points[0].at["cut_off"]  # the coefficient at the first cutoff is reported
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
     }
@@ -504,7 +504,7 @@ def summarize_point(
     interval_of_mean = rules[0].interval_of_mean
     rule_with_interval_of_mean = replace(rules[0], lower=interval_of_mean.lower, upper=interval_of_mean.upper)
     has_interval_note = rules[0].has_interval and covers_alternatives
-    # A cutoff removes caveats only if the user requested this cutoff.
+    # A cutoff removes caveats only if the user requested the cutoff.
     kept_caveats = [
         replace(each, text=each.text + (each.interval_note if has_interval_note else ""), interval_note="")
         for each in input_caveats
