@@ -111,7 +111,7 @@ def most_useful_measurement_text(point: PointSummary) -> str:
     if dominant_input is None or any(fault.name != WIDE_INTERVAL_CHECK_NAME for fault in point.faults):
         return ""
     reduced_limits = str(dominant_input.interval)
-    # an interval whose limits are equal after rounding has only one number
+    # An interval whose limits are equal after rounding has only one number.
     if reduced_limits == str(point.rules[0].interval) or " to " not in reduced_limits:
         return ""
     condition = _CONDITION_TEXTS.get(dominant_input.label, f"If {dominant_input.label} were known")

@@ -33,9 +33,9 @@ NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed:
 # Unreliable wavelengths are ignored if they contribute less than this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
 _MIN_PEAK_RATIO = 3.0  # minimum ratio of the density of a peak to the density at longer wavelengths
-_MIN_LONGER_WAVELENGTHS = 4  # a peak must have at least this number of longer wavelengths beside it
-_MIN_PEAK_FRACTION = 0.1  # a peak is reported if it contributes at least this fraction of m4
-# the scatter is reported if the dispersion of the spectrum relative to its fit exceeds this limit
+_MIN_LONGER_WAVELENGTHS = 4  # minimum number of wavelengths that are longer than a peak
+_MIN_PEAK_FRACTION = 0.1  # minimum fraction of m4 that a reported peak contributes
+# Dispersion of the spectrum relative to its fit above which the scatter is reported.
 _MAX_DISPERSION = 2.0
 
 _UNIT_SYMBOLS = {
@@ -54,7 +54,7 @@ class TableRow(NamedTuple):
     label: str
     texts: tuple[str, ...]
     values: tuple[Estimate, ...] = ()
-    is_detail: bool = False  # True if the first screen of a terminal omits this row
+    is_detail: bool = False  # True if the first screen of a terminal omits the row
 
 
 HEADLINE_PARAMETERS = (
@@ -312,7 +312,7 @@ class CharacterisationTable:
         """
         spectrum = self.scan.binned_spectrum if self.scan.spectrum is None else self.scan.spectrum
         q, band_start = spectrum.wave_number, 2 * math.pi / longest
-        # exclude wavelengths that are affected by the window and by levelling
+        # Exclude wavelengths that are affected by the window and by levelling.
         is_longer = (q > 2.5 * q[0]) & (q < band_start / 1.5)
         is_at_start = (q >= band_start / 1.2) & (q < band_start * 1.2)
         if is_longer.sum() < _MIN_LONGER_WAVELENGTHS or not is_at_start.any():

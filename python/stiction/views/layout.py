@@ -21,7 +21,7 @@ class WrappedText:
 
     text: str
     indent: str = ""
-    hanging_indent: str = ""  # additional indent of all lines but the first
+    hanging_indent: str = ""  # additional indent of all lines except the first
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class ShortenedList:
     min_shown: int
     max_shown: int | None
     max_height: int | None
-    noun: str  # singular noun that follows the number of omitted lines, such as "caveat"
+    noun: str  # singular noun, such as "caveat", that follows the number of omitted lines
     complete_command: str  # option, command or method that shows all lines
 
 
@@ -106,7 +106,7 @@ def _format_shortened_list(shortened_list: ShortenedList) -> str:
     lines = texts[:num_shown]
     if num_omitted > 0:
         noun = shortened_list.noun + "s" * (num_omitted > 1)
-        # The line is not wrapped, so that the command can be copied.
+        # Do not wrap the line, so that the command can be copied.
         lines.append(f"  {num_omitted} more {noun}: {shortened_list.complete_command} shows all")
     return "\n".join(lines)
 

@@ -36,8 +36,8 @@ class QuantityRow:
     name: str
     label: str
     estimates: Sequence[Estimate]
-    num_digits: int | None = None  # number of digits of values without an interval; None to print the intervals
-    statuses: Sequence[str] = ()  # statuses other than "ok" are printed instead of the values
+    num_digits: int | None = None  # number of digits of values without an interval, or None to print the intervals
+    statuses: Sequence[str] = ()  # statuses other than "ok", which are printed instead of the values
 
 
 def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = False, cell: str = "") -> Paragraph:
@@ -94,7 +94,7 @@ def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence:
     """Return the names of the quantities to print, in the order of the table of quantities."""
     has_area_fraction = "contact_area_fraction" in point.quantities and not math.isnan(point.nominal_pressure)
     is_hidden = {
-        "mean_pressure": is_sentence,  # not printed, because the printed load and area determine the mean pressure
+        "mean_pressure": is_sentence,  # sentences omit the mean pressure, which follows from the printed load and area
         "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
         **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or point.study.is_gap)),
         **dict.fromkeys(LOAD_INDEPENDENT_QUANTITIES, not verbose),

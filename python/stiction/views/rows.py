@@ -133,7 +133,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
     is_directed = name in QUANTITIES and QUANTITIES[name].is_directed
     for coordinate in COORDINATE_ORDER:
-        # A single sliding rule or a single direction is stored as a scalar coordinate. It becomes a column too.
+        # A single sliding rule or a single direction, stored as a scalar coordinate, becomes a column too.
         is_scalar = coordinate in dataset.coords and not dataset.coords[coordinate].ndim
         if coordinate in dims or (is_scalar and (is_directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])
@@ -301,9 +301,9 @@ def point_record(point: PointSummary) -> dict[str, Any]:
     """Return the record of a point: values to quote, intervals, assessment and caveats."""
     return {
         "at": point.at,
-        # cutoffs of all scans of each body, µm
+        # Cutoffs (µm) of all scans of each body.
         "cutoffs": None if point.cutoffs is None else _build_body_fields(map(list, point.cutoffs)),
-        # False for a variant of the filter whose value is covered by the interval of another point
+        # False for a variant of the filter whose value is covered by the interval of another point.
         "reported": not point.covered,
         "status": point.status,
         "rules": [

@@ -30,7 +30,7 @@ from stiction.views.pull_off import pull_off_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# The sentence states how the load is defined if the definition changes the coefficient by more than this fraction.
+# The sentence defines the load if the definition changes the coefficient by more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 # The terminal and the report state the range for finer scans if it spans at least this fraction of the interval.
 MIN_STATED_BRACKET_WIDTH = 0.05
@@ -273,7 +273,7 @@ def _averaged_members_text(point: PointSummary) -> str:
     return f"{point.members:.0f} {names[1]}{explanation}"
 
 
-PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # text for the width that the paper assumes for profiles
+PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # width that the paper assumes for profiles
 
 
 def lay_assumption(study: Study) -> str:

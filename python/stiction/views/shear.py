@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import xarray
 
 MAX_PRINTED_DISPLACEMENTS = 13
-MIN_PRINTED_ANGLE_RANGE = 1.0  # smallest width (degrees) of an interval of the dilation angle that is printed
+MIN_PRINTED_ANGLE_RANGE = 1.0  # smallest printed width (degrees) of an interval of the dilation angle
 MAX_EDGE_LOAD_FRACTION = 0.2  # maximum fraction of the load at the edges of the faces without a caveat
 MAX_HARDNESS_LOAD_FRACTION = 0.5  # maximum fraction of the load at the hardness without a caveat
 MAX_INITIAL_AREA_FRACTION = 0.5  # maximum ratio of contact area to overlap at the start without a caveat

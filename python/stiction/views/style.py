@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCHES_PER_MILLIMETRE = 1 / 25.4
-# width of a one-column figure; with this width, no text is smaller than 6 pt
+# Width of a one-column figure, at which no text is smaller than 6 pt.
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
 PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width of a two-column figure
 MAX_LITERAL_TEXT_LENGTH = 300  # maximum number of characters of a text from a file or a user in a figure
@@ -34,13 +34,13 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "figure.dpi": 300,
     "hatch.linewidth": 0.4,
-    "pdf.fonttype": 42,  # embed fonts, because journals require it
+    "pdf.fonttype": 42,  # embed fonts, because journals require embedded fonts
     "svg.fonttype": "path",
     "svg.hashsalt": "stiction",  # make the files of equal figures identical
     "axes.unicode_minus": True,
 }
 
-# Colours from Okabe and Ito (2008) and Tol (2021). They are distinguishable to people with colour vision deficiencies.
+# Colours from Okabe and Ito (2008) and Tol (2021), which people with colour vision deficiencies can distinguish.
 OPPOSING_COLOUR = "#d55e00"
 NOT_OPPOSING_COLOUR = "#0072b2"  # colour of contacts whose slope does not oppose the motion
 ALL_CONTACTS_COLOUR = "#332288"  # colour of the sliding rule with friction at all contacts

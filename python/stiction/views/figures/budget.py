@@ -18,7 +18,7 @@ from stiction.views.style import (
     new_figure,
 )
 
-# an input is drawn only if making it exact would narrow the interval by at least this fraction
+# An input is drawn only if the interval would narrow by at least this fraction if the input were exact.
 MIN_DRAWN_REDUCTION = 0.02
 MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure
 MAX_ROW_LABEL_WIDTH = 20  # maximum width of the labels of inputs in characters; longer labels are wrapped

@@ -34,7 +34,7 @@ _MIN_FORCE_ZOOM_HALF_WIDTH = 40  # minimum half width of the magnified range in 
 _MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which the axis is labelled in nm
 _MAX_ARROW_LENGTH = 0.45  # maximum length of an arrow, inches
 EDGE_CONTACT_COLOUR = "#e00030"  # colour of contacts that are cut by the edge of the map
-# number of neighbouring contacts in the magnified range, in addition to the strongest contact
+# Number of neighbouring contacts in the magnified range, in addition to the strongest contact.
 NUM_NEIGHBOURING_CONTACTS = 5
 _MIN_PROFILE_ZOOM_HALF_WIDTH = 60  # minimum half width of the magnified range of two profiles, in grid spacings
 
@@ -154,7 +154,6 @@ def _draw_forces(
 
     Slopes are magnified by the same factor as heights.
     """
-    # The vector components are x and z.
     positions, normals, tangents = (forces[f"contact_{name}"].values for name in ("centre", "normal", "tangent"))
     positions = positions * (1.0, scale)
 
@@ -172,7 +171,7 @@ def _draw_forces(
     largest_force = max(float(np.hypot(*force[is_drawn].T).max(initial=0.0)) for force in (elastic, friction))
     for force, colour in ((elastic, FORCE_COLOUR), (friction, FRICTION_COLOUR)):
         is_nonzero = is_drawn & (np.hypot(*force.T) > 0)
-        # Arrows are defined in inches, so that their directions do not depend on the axis scales.
+        # Define arrows in inches, so that their directions do not depend on the axis scales.
         axes.quiver(
             *positions[is_nonzero].T,
             *force[is_nonzero].T,
@@ -357,7 +356,7 @@ def _draw_profile_contacts(
     centre_positions, width = (
         picture["contact_x"].values,
         picture["contact_patch_area"].values,
-    )  # contact areas in µm² are numerically equal to contact widths in µm, because profiles are 1 µm wide
+    )  # contact areas in µm² equal contact widths in µm, because profiles are 1 µm wide
     zoom_slice = slice(*np.searchsorted(x, _zoom_range(x, centre_positions, width, picture["contact_force"].values)))
     for axes, point_slice in zip(panels, (slice(None), zoom_slice), strict=True):
         draw_bodies(axes, x[point_slice], *bodies[:, point_slice])

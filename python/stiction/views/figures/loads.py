@@ -33,7 +33,7 @@ from stiction.views.style import (
 MAX_FRICTION_AXIS_RATIO = 4.0
 """Maximum ratio of the friction axis limit to the highest mean; wide intervals from few members are cut off."""
 
-# up to this number of directions, each direction is drawn in addition to the mean over all directions
+# Maximum number of directions that are drawn in addition to the mean over all directions.
 MAX_DRAWN_DIRECTIONS = 2
 
 MAX_PLAIN_LABEL_RATIO = 2e3
@@ -91,7 +91,7 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
     """
     is_unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
-    # mask of the loads that are within the axis limits
+    # Find the loads that are within the axis limits.
     is_visible = load <= LOADS_RELATIVE_TO_PULL_OFF[-1] * -load.min() * 1.001
     prefix_factor, unit = choose_prefixed_unit(float(abs(load[is_visible]).max()), "mN")
     figure = new_figure(70)
@@ -151,7 +151,7 @@ UNFILTERED_POSITION_RATIO = 1.5
 """Ratio of the shortest cutoff to the cutoff at which unfiltered scans are drawn if their resolution is unknown."""
 
 MAX_ESTIMATE_WAVELENGTH_RATIO = 8.0  # longest wavelength of the closed-form estimate, relative to the longest cutoff
-MIN_EXTRAPOLATED_WAVELENGTH_RATIO = 1 / 16  # shortest wavelength of extrapolated values, relative to the first cutoff
+MIN_EXTRAPOLATED_WAVELENGTH_RATIO = 1 / 16  # shortest wavelength of extrapolated results, relative to the first cutoff
 
 
 def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: ResolutionLimits, x: Floats) -> None:
@@ -199,7 +199,7 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Resolu
             linewidth=0.8,
         )
     if limits.shortest:
-        # Unfiltered scans are drawn left of the first cutoff, even if it is the shortest wavelength that they resolve.
+        # Draw unfiltered scans left of the first cutoff, even if it is the shortest wavelength that they resolve.
         longest_unresolved = 0.97 * min(limits.shortest, x.min())
         for axes in (friction_axes, area_axes):
             axes.axvspan(1e-9, longest_unresolved, color="0.9", linewidth=0, zorder=-2, label="not resolved")
@@ -269,7 +269,7 @@ def _list_sliding_rules(points: xarray.Dataset) -> list[str]:
 
 def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colour: str) -> None:
     if not 1 < dataset.sizes.get("direction", 1) <= MAX_DRAWN_DIRECTIONS or colour == SLIDING_RULE_COLOURS["all"]:
-        return  # if friction acts at all contacts, both directions have the same results
+        return  # with friction at all contacts, both directions have the same results
     for direction, line_style in zip(dataset["direction"].values, ("--", ":"), strict=False):
         mean = dataset["friction_coefficient"].sel(direction=direction, statistic="mean").values
         name = f"  upper body to {direction_text(float(direction))} alone"

@@ -25,7 +25,7 @@ MAX_DRAWN_PROFILE_POINTS = 1500  # maximum number of profile points in the figur
 NUM_HEIGHT_BINS = 40  # number of bins of the height distribution
 MEASURED_COLOUR, FITTED_COLOUR = "#0072b2", "#d55e00"  # colours of measured and fitted curves
 TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # spacings of ticks, in units of a power of ten
-MIN_MILLIMETRE_LENGTH = 1000.0  # an axis longer than this length (µm) is labelled in mm
+MIN_MILLIMETRE_LENGTH = 1000.0  # length (µm) above which an axis is labelled in mm
 
 
 def characterisation_figure(body: Profile | Surface | Characterisation, **options: Any) -> Figure:
@@ -153,7 +153,7 @@ def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
     height_factor, height_unit = choose_prefixed_unit(float(np.ptp(surface.heights)), "um")
     heights = (surface.heights - surface.heights.mean()) / height_factor
     length_y, length_x = (length / unit_length for length in surface.extent)
-    # Quantiles are used, because otherwise single dust grains would dominate the colour range.
+    # Use quantiles, because single dust grains would otherwise dominate the colour range.
     lowest_height, highest_height = np.quantile(heights, [0.001, 0.999])
     image = axes.imshow(
         heights, extent=(0, length_x, 0, length_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest_height,

@@ -141,7 +141,7 @@ def _has_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
 
 
 _WIDTH_FORMATS = (NumberFormat(0.0, 0.01, "±{} %", 2),)
-_MEAN_PERCENT_FORMATS = (NumberFormat(0.0, 0.01, "{} %", 2),)  # as in the table of `stiction at --verbose`
+_MEAN_PERCENT_FORMATS = (NumberFormat(0.0, 0.01, "{} %", 2),)  # format of `stiction at --verbose`
 
 
 def _quantity_record(name: str, study: Study) -> dict[str, Any]:
@@ -169,9 +169,7 @@ def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Flo
         if not np.isfinite(positive_values).any():
             continue
         with warnings.catch_warnings():
-            warnings.simplefilter(
-                "ignore", RuntimeWarning
-            )  # some points have no value, which causes warnings about NaN
+            warnings.simplefilter("ignore", RuntimeWarning)  # points without a value cause warnings about NaN
             low, high = np.nanquantile(positive_values, COLOUR_RANGE_QUANTILES, axis=(0, 4))
         ranges[name] = low, np.maximum(high, 1.05 * low)
     return ranges

@@ -68,7 +68,7 @@ def read_package_file(name: str) -> str:
 
 def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> str:
     """Return markup with the scripts of a page and the data of a result: `facts` as JSON, and packed numbers."""
-    # Escaping "<" ensures that the JSON text cannot close its HTML element or open another one.
+    # Escape "<", so that the JSON text cannot close its HTML element or open another one.
     facts_json = to_json(facts).replace("<", "\\u003c")
     script_template = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
     packed_numbers = "".join(script_template.format(*item) for item in packed_arrays.items())

@@ -213,7 +213,7 @@ def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
 # ---- Inline SVG ------------------------------------------------------------------------------------------------------
 
 
-# maximum number of vertices of an artist in vector graphics; artists with more vertices are rasterized
+# Maximum number of vertices of an artist in vector graphics. Artists with more vertices are rasterized.
 MAX_SVG_VERTICES = 1000
 RASTER_DPI = 200  # resolution of rasterized artists
 

@@ -15,10 +15,10 @@ from stiction._checks import Floats
 from stiction._estimate import Estimate, count_estimate_decimals
 from stiction._number_format import MIN_ROUNDED_TO_ONE, NumberFormat
 
-# number of leading bytes of a double that are stored in a page; four bytes give a relative precision of 5e-7
+# Number of leading bytes of a double that a page stores; four bytes give a relative precision of 5e-7.
 STORED_FLOAT_BYTES = 4
 
-_COMPRESSION_LEVEL = 7  # zlib level; compression takes a sixth of the time of level 9 and produces 0.5 % more bytes
+_COMPRESSION_LEVEL = 7  # zlib level that takes a sixth of the time of level 9 and produces 0.5 % more bytes
 
 
 def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
