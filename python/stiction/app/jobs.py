@@ -29,17 +29,17 @@ from stiction.solve.executors import PROGRESS_PREFIX
 from stiction.solve.store import open_stored_result
 
 POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a command
-# maximum time in seconds that a stopped command may take to write its results; then it is killed
+# Maximum time in seconds for which a stopped command may write its results before it is killed.
 MAX_SHUTDOWN_TIME = 5.0
 KILLED_PROCESS_TIMEOUT = 1.0  # maximum time in seconds for which the app waits until a killed process has ended
 MAX_WAITING_JOBS = 8  # maximum number of jobs in the queue
 MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command may print
 JOB_MEMORY_FRACTION = 0.5  # maximum fraction of the machine's memory that the running job may use
-# maximum fraction of the machine's memory that each of the two reader processes and each preview may use
+# Maximum fraction of the machine's memory that each of the two reader processes and each preview may use.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
-END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record; a command prints this record before it draws figures
-# files for the user, and the names under which the commands that print a JSON record write them
+END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record, which a command prints before it draws figures
+# Files for the user, and the names under which the commands that print a JSON record write them.
 FILES_BY_COMMAND = {
     "pair": {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"},
     "shear": {"page.html": "report.html", "result.csv": "shear.csv"},
@@ -67,15 +67,15 @@ class Job:
     title: str
     arguments: list[str]  # arguments of the `stiction` command
     folder: Path
-    preview: tuple[list[str], Any] | None = None  # scans and options of a preview; the preview uses the asperity model
-    state: str = "waiting"  # waiting, running, done, stopped or failed
+    preview: tuple[list[str], Any] | None = None  # scans and options of a preview with the asperity model
+    state: str = "waiting"  # "waiting", "running", "done", "stopped" or "failed"
     file_stem: str = ""  # name, without extension, under which the files of the result are saved
     activity: str = ""
     scope: str = ""  # description of the members of an intermediate result; empty for a final result
     finished: int = 0
     total: int = 0
     versions: int = 0
-    files: Path | None = None  # directory that contains the files that the user can save
+    files: Path | None = None  # directory of the files that the user can save
     record: Any = None  # values of the result that is shown
     error: str = ""
     is_ending: bool = False
@@ -128,7 +128,7 @@ class JobQueue:
         """
         if sum(job.state == "waiting" for job in self.jobs_by_number.values()) >= MAX_WAITING_JOBS:
             raise RejectedRequestError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
-        # The results of other commands can be evaluated for other mu0 and tau0.
+        # The results of commands other than `shear` can be evaluated for other mu0 and tau0.
         is_shear = arguments[0] == "shear"
         identifying_arguments = [item for item in arguments if is_shear or not re.match("--(mu0|tau0)=", item)]
         digest = hashlib.sha256("\0".join(identifying_arguments).encode()).hexdigest()[:12]
@@ -172,7 +172,7 @@ class JobQueue:
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
             job.state, job.activity = final_state, "reading the finished part"
-            # an exception means that there is no result, or that the surfaces do not touch
+            # Exceptions are raised if there is no result, or if the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 if has_begun and not self._is_ending:
                     await self._read_result(job)
@@ -229,7 +229,7 @@ class JobQueue:
     async def _show_preview(self, job: Job) -> None:
         """Show a preview while the command of a job computes, unless the command is faster."""
         job.activity = "computing a preview"
-        with suppress(*REPORTED_EXCEPTIONS):  # the command itself reports this error
+        with suppress(*REPORTED_EXCEPTIONS):  # the command itself reports the error
             await self._read_result(
                 job, "preview with the asperity model, without hardness, at {finished} positions", preview=job.preview
             )
@@ -239,7 +239,7 @@ class JobQueue:
     async def _show_files(self, job: Job, record: str) -> None:
         """Copy the files that a finished command wrote, and show them with the values in its JSON record."""
         files = self._choose_folder()
-        # The thread continues if the job is stopped in the meantime. Therefore it does not change the job itself.
+        # The thread does not change the job, because it continues if the job is stopped in the meantime.
         counts = await asyncio.to_thread(self._copy_files, job, files, record)
         job.show(_read_answer(job, record), files, counts=counts)
 
@@ -260,7 +260,7 @@ class JobQueue:
         num_reported = 2  # an interval requires at least two members
         while True:
             await asyncio.sleep(POLL_INTERVAL)
-            # an exception means that there is no result yet, or that the surfaces do not touch
+            # Exceptions are raised if there is no result yet, or if the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 stored_result = await asyncio.to_thread(open_stored_result, job.folder)
                 job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
@@ -395,7 +395,7 @@ async def _start_module(
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            with suppress(TimeoutError):  # wait, so that the transport is closed before the event loop is closed
+            with suppress(TimeoutError):  # the transport must be closed before the event loop
                 await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
         error_task.cancel()
 

@@ -40,8 +40,7 @@ class TimeLimitedConnection(H11Protocol):
         super().connection_made(transport)
         self.idle_timers[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
         if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:
-            # The check is delayed by a second callback, so that the event loop first reads the requests that have
-            # already arrived.
+            # Delay the check by a second callback, so that the event loop first reads the requests that have arrived.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:
@@ -89,7 +88,7 @@ def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool 
             timeout_graceful_shutdown=2,
             h11_max_incomplete_event_size=2**14,
         )
-        # Uvicorn prints a warning for each malformed request, which any local program can send. Errors are printed.
+        # Hide the warning that Uvicorn prints for each malformed request, which any local program can send.
         logging.getLogger("uvicorn.error").setLevel(logging.ERROR)
         http_server = uvicorn.Server(config)
         print_message(f"{address}\nThis address works once, in one browser. Press Ctrl-C to stop the server.")
@@ -108,7 +107,7 @@ async def _serve(
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, request_shutdown)
-    # Uvicorn's handlers would raise the signal again. The directory would then not be removed.
+    # Uvicorn's handlers would raise the signal again, so that the directory would not be removed.
     http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
     server.last_request_time = loop.time()
     task = asyncio.create_task(http_server.serve(sockets=[listener]))

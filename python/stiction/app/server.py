@@ -59,7 +59,7 @@ MAX_LISTED_RESULTS = 100  # maximum number of results in the list of results
 MAX_PREVIEWED_SCAN_POINTS = 2**21  # maximum number of points of a scan for which a preview is drawn
 REQUEST_EXCEPTIONS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 ACCESS_KEY_HEADER = "x-stiction-key"
-# paths that can be requested without the key, because they contain no private content
+# Paths that can be requested without the key, because they contain no private content.
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")
 
 ALLOWED_OPTIONS_BY_COMMAND = {
@@ -171,7 +171,7 @@ class Server:
         finally:
             self._running_requests.discard(task)
         if rejection is not None:
-            with suppress(RuntimeError):  # an exception means that the response has already started
+            with suppress(RuntimeError):  # raised if the response has already started
                 await rejection(scope, receive, send_with_headers)
 
     def _rejection_response(self, request: Request) -> Response | None:
@@ -271,8 +271,8 @@ class Server:
             partial_path.rename(path)
             self.scans[scan_identifier] = path
         except OSError as error:
-            with suppress(RuntimeError):  # an exception means that the request has already ended
-                # The rest of the upload is read. Otherwise, the browser would not receive the error message.
+            with suppress(RuntimeError):  # raised if the request has already ended
+                # Read the rest of the upload, because the browser would otherwise not receive the error message.
                 async for _ in request.stream():
                     pass
             raise RejectedRequestError(f"the scan cannot be stored: {error.strerror}") from None
@@ -442,7 +442,7 @@ def _stored_result_list_entry(name: str, folder: Path) -> dict[str, Any]:
 
 
 def _read_package_file(name: str) -> str:
-    # `resources.files` imports the given package. Importing `stiction.views.report` would load Matplotlib and pandas.
+    # Use `resources.files("stiction")`, because importing `stiction.views.report` would load Matplotlib and pandas.
     return (resources.files("stiction") / name).read_text("utf-8")
 
 
