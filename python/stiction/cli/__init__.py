@@ -24,7 +24,7 @@ With Python's default, 700 in Python 3.11, the collector traverses the objects o
 def main() -> None:
     """Run the command and exit with status 0, status 2 after a message for bad input, or status 130 after Ctrl-C."""
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION)
-    # xarray would import Dask, if installed, for its first array, which takes about 0.3 s. Only clusters use Dask.
+    # Prevent the import of Dask, which only clusters use. The first array of xarray would import it in about 0.3 s.
     sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     _redirect_closed_streams()
     if (address_space := _address_space_limit()) < MIN_ADDRESS_SPACE:
@@ -37,7 +37,7 @@ def main() -> None:
         sys.exit(EXIT_BAD_INPUT)
     try:
         with exit_on_interrupt():
-            from stiction.cli.application import run_command_line  # Ctrl-C during this import needs the handler
+            from stiction.cli.application import run_command_line  # Ctrl-C during the import needs the handler
         status = run_command_line()
     except KeyboardInterrupt:  # Ctrl-C was pressed during the import of libraries
         status = EXIT_INTERRUPTED

@@ -138,10 +138,10 @@ def format_help_epilog(*lines: str) -> str:
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-# Matches a default value that is specified as text. Typer prints such a default in parentheses.
+# Pattern of a default that is specified as text, which typer prints in parentheses.
 _DEFAULT_VALUE_PATTERN = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS_PATTERN = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
-_OPTION_TYPE_PATTERN = re.compile(r" <[\w\[\] ]+>$")  # matches the type that typer appends to an option
+_OPTION_TYPE_PATTERN = re.compile(r" <[\w\[\] ]+>$")  # pattern of the type that typer appends to an option
 
 
 SHOW_ALL_OPTIONS_KEY = "stiction.show_all"
@@ -162,7 +162,7 @@ class _CommandWithHelpPanels(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         values = [text.partition("=")[2] if text.startswith("--") and "=" in text else text for text in args]
         remainder = super().parse_args(ctx, args)
-        # the empty string must be excluded, because Path("") is the current directory
+        # Reject the empty string, because Path("") is the current directory.
         if "" in values and "." not in values:
             for parameter in cast("list[Any]", self.params):
                 value = ctx.params.get(parameter.name)
@@ -220,11 +220,11 @@ class _LazyCommandGroup(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
-        except KeyboardInterrupt:  # without this clause, typer would exit without a message
+        except KeyboardInterrupt:  # typer itself would exit without a message
             raise report_interruption() from None
 
 
-# Rich markup is disabled, because importing rich would take half of the time needed to print the help.
+# Disable rich markup, because importing rich would take half of the time needed to print the help.
 _TYPER_OPTIONS: dict[str, Any] = {
     "rich_markup_mode": None, "pretty_exceptions_enable": False, "add_completion": False,
     "context_settings": {"help_option_names": ["-h", "--help"]},
@@ -266,7 +266,7 @@ def _option_name(argument: str) -> str:
     """Return the command line option that corresponds to an argument in Python."""
     if argument in _OPTION_NAMES_BY_ARGUMENT:
         return _OPTION_NAMES_BY_ARGUMENT[argument]
-    # The module is imported when an option is named, so that the help needs no numeric package.
+    # Import the module only when an option is named, so that the help needs no numeric package.
     pair_options = import_module("stiction.study.pair_options")
     return str(pair_options.format_command_line_name(argument))
 
@@ -278,7 +278,7 @@ def run_command_line() -> int:
             stream.reconfigure(errors="replace")  # print "?" instead of characters that the encoding does not support
     warnings.showwarning = print_warning
     _PRINTED_WARNINGS.clear()
-    # NumPy's warnings about NaN are suppressed, because the output explains missing values.
+    # Suppress NumPy's warnings about NaN, because the output explains missing values.
     warnings.filterwarnings("ignore", category=RuntimeWarning)
     sys.unraisablehook = _handle_unraisable
     try:
@@ -310,7 +310,7 @@ def run_command_line() -> int:
         print_message(error.translated_message(_option_name))
     except (ValueError, ImportError) as error:
         print_message(str(error) or type(error).__name__)
-    # these errors mean that a thread cannot start, or that a library is out of memory
+    # Both errors mean that a thread cannot start, or that a library is out of memory.
     except (RuntimeError, SystemError) as error:
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:

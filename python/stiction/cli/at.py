@@ -222,7 +222,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
             if "nominal_area" not in coordinates:
                 raise ValueError(f"--load must be a force if the result has no nominal area, got {short_repr(value)}")
             force *= float(coordinates["nominal_area"])
-        # Forces are rounded in the same way as the loads of `pair`, so that equal loads compare as equal.
+        # Round forces in the same way as the loads of `pair`, so that equal loads compare as equal.
         loads.add(float(f"{force:.12g}"))
     return sorted(loads)
 

@@ -118,7 +118,7 @@ def table_command(
         repetitions=repetitions,
         seed=seed,
     )
-    signatures = {  # only files of an earlier table, which contain these bytes, may be overwritten
+    signatures = {  # first bytes of the files of an earlier table, which may be overwritten
         NETCDF_FILE_NAME: CHECKSUM_PREFIX,
         CSV_FILE_NAME: b"stiffness over area (",
         LAWS_FILE_NAME: b"b of k/A0 = b p^c",
