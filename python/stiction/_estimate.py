@@ -15,10 +15,10 @@ from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, 
 
 MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is very narrow
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
-# the upper end of an interval is printed with one digit if it exceeds this multiple of the value
+# The upper end of an interval is printed with one digit if it exceeds this multiple of the value.
 MAX_FULL_PRECISION_END_RATIO = 100.0
-NO_INTERVAL_CODE = -128  # number that replaces the number of decimals of the upper end if no interval is printed
-# number that replaces the number of decimals of an upper end with one digit and an exponent, as in "5e+09"
+NO_INTERVAL_CODE = -128  # stands for the number of decimals of the upper end if no interval is printed
+# Stands for the number of decimals of an upper end with one digit and an exponent, as in "5e+09".
 EXPONENT_CODE = -127
 MAX_DECIMALS = 100  # numbers of decimals, which may be negative, are limited to -MAX_DECIMALS ... MAX_DECIMALS
 
@@ -245,10 +245,10 @@ def _count_significant_decimals(value: Floats, digits: int) -> Floats:
     """Count the decimals of values that are rounded to `digits` digits, without trailing zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
-        # the rounded digits as a whole number, such as 123 for 0.01234
+        # Compute the rounded digits as a whole number, such as 123 for 0.01234.
         digit_values = np.round(np.abs(value) / 10.0 ** (exponents - digits + 1))
         quotients = [digit_values / 10**count for count in range(1, digits + 1)]
-        # The remainder of a division takes ten times as long to compute.
+        # Compare quotients, because the remainder of a division takes ten times as long to compute.
         trailing_zeros = sum((quotient - np.floor(quotient) == 0).astype(float) for quotient in quotients)
     return np.asarray(np.where(value == 0, 0.0, digits - 1 - exponents - trailing_zeros))
 

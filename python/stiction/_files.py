@@ -23,14 +23,13 @@ PARTIAL_FILE_NAME_PATTERN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9
 The name contains the machine, the process id, the run and a random number.
 """
 
-# a partial file left by another machine counts as stale if its age in seconds exceeds this limit
+# Age in seconds above which a partial file that another machine left counts as stale.
 MAX_PARTIAL_FILE_AGE = 3600.0
-# Time (s) between two refreshes of a claim. It is much shorter than the maximum age, so that a claim does not become
-# stale if a few refreshes fail.
+# Time (s) between two refreshes of a claim, so short that a claim survives a few failed refreshes.
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-_PROCESS_TOKEN = secrets.token_hex(4)  # random token that identifies this run; a process id may be reused
-# The mark that identifies a file is searched for in this many bytes at the start and at the end of the file.
+_PROCESS_TOKEN = secrets.token_hex(4)  # random token that identifies the run; a process id may be reused
+# Number of bytes at the start and at the end of a file in which the mark of the file is searched for.
 _NUM_SEARCHED_BYTES = 2**16
 
 
@@ -41,7 +40,7 @@ _NUM_SEARCHED_BYTES = 2**16
 def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator[Path]:
     """Yield a temporary file that is renamed to `path` when complete. Raise `error_type` if `path` already exists."""
     check_creatable(path, error_type)
-    # unlike rename, link never replaces a file
+    # Use `os.link`, which never replaces a file, unlike `os.rename`.
     with _translate_os_errors(path, error_type), _open_partial_file(path, os.link) as partial_path:
         yield partial_path
 
@@ -87,7 +86,7 @@ def create_atomically(path: Path, content: bytes) -> None:
     if os.path.lexists(path):
         raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
     try:
-        with _open_partial_file(path, os.link) as partial_path:  # unlike rename, link never replaces a file
+        with _open_partial_file(path, os.link) as partial_path:  # `os.link` never replaces a file, unlike `os.rename`
             partial_path.write_bytes(content)
     except FileExistsError:
         raise
@@ -105,9 +104,9 @@ def write_atomically(path: Path, content: bytes) -> None:
 
 @contextmanager
 def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) -> Iterator[Path]:
-    """Yield an empty file in the folder of `path`. Rename it to `path` on success, and remove it otherwise."""
+    """Yield an empty file in the directory of `path`. Rename it to `path` on success, and remove it otherwise."""
     partial_path = path.parent / new_partial_file_name()
-    try:  # create the file inside `try`, so that the file is removed even if Ctrl-C arrives immediately afterwards
+    try:  # inside `try`, the file is removed even if Ctrl-C arrives immediately afterwards
         os.close(os.open(partial_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial_path
         move_file(partial_path, path)
@@ -122,10 +121,10 @@ def new_partial_file_name() -> str:
 
 
 class FolderClaim:
-    """Partial file by which a run claims a folder, from `acquire` until the end of the context.
+    """Partial file by which a run claims a directory, from `acquire` until the end of the context.
 
     A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
-    process is killed, the file stays and becomes stale, so that it does not lock the folder.
+    process is killed, the file stays and becomes stale, so that it does not lock the directory.
     """
 
     def __init__(self, folder: str | Path) -> None:
@@ -146,7 +145,7 @@ class FolderClaim:
                 self.file.unlink(missing_ok=True)
 
     def acquire(self) -> None:
-        """Create the file of this claim. The folder must exist."""
+        """Create the file of this claim. The directory must exist."""
         self.file.touch()
         if self._refresh_thread is None:
             self._refresh_thread = threading.Thread(target=self._refresh_regularly, daemon=True)
@@ -155,10 +154,10 @@ class FolderClaim:
     def _refresh_regularly(self) -> None:
         while not self._has_ended.wait(CLAIM_REFRESH_INTERVAL):
             with suppress(OSError):
-                self.file.touch()  # another machine may have removed a claim that was old
+                self.file.touch()  # another machine may have removed an old claim
 
     def find_competitor(self) -> Path | None:
-        """Return the partial file of another active run in this folder, or None.
+        """Return the partial file of another active run in this directory, or None.
 
         If two runs acquire their claims first and call this function afterwards, at least one of them finds the other.
         """
@@ -178,7 +177,7 @@ def remove_stale_partial_files(folder: Path) -> None:
 
 
 def _scan_partial_files(folder: Path) -> Iterator[tuple[os.DirEntry[str], bool]]:
-    """Yield the partial files in a folder, each with True if the process that wrote it has died."""
+    """Yield the partial files in a directory, each with True if the process that wrote it has died."""
     with os.scandir(folder) as iterator:
         entries = list(iterator)
     for entry in entries:

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 NOTEBOOK_IMAGE_DPI = 110  # resolution of a notebook image in dots per inch
 NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # width and height of a notebook image in inches
-# maximum width (inches) of one-column figures, which get a higher resolution than wider figures
+# Maximum width (inches) of one-column figures, which get a higher resolution than wider figures.
 MAX_ONE_COLUMN_WIDTH = 4.0
-# At this zlib level, compression takes half as long as at the default level 6, but map images are 10 % larger.
+# Level of zlib at which compression takes half as long as at level 6, and map images are 10 % larger.
 PNG_COMPRESSION = 4
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}

@@ -230,7 +230,7 @@ def shear_test(
 
 
 def _create_folder(folder: Path) -> None:
-    """Create the folder of a shear test. Raise a `ValueError` if it cannot be created, or contains a study."""
+    """Create the directory of a shear test. Raise a `ValueError` if it cannot be created, or contains a study."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         has_study = (folder / STUDY_FILE).exists()
@@ -362,7 +362,7 @@ def _describe_inputs(setup: _TestSetup) -> str:
 
 
 def _open_stored_test(folder: Path, key: str, *, replace: bool) -> xr.Dataset | None:
-    """Return the finished test in a folder, or None if the folder has no test, or another test to be replaced."""
+    """Return the finished test in a directory, or None if the directory has no test, or another test to be replaced."""
     import xarray as xr
 
     path = folder / TEST_FILE_NAME

@@ -1,7 +1,7 @@
-"""Completion of a result folder: missing blocks and, for a measured pair, companion files.
+"""Completion of a result directory: missing blocks and, for a measured pair, companion files.
 
 Companion files contain the contacts of a typical member and the onset of sliding. The
-cutoff study and the alternative preparations of the scans are companion studies, each in a subfolder.
+cutoff study and the alternative preparations of the scans are companion studies, each in a subdirectory.
 """
 
 from __future__ import annotations
@@ -77,9 +77,9 @@ def run(
         Executor that computes the repetitions, by default with one thread per core. Results are bitwise equal for all
         executors.
     store : path, optional
-        Folder for the blocks of repetitions. Workers that can reach the folder write their blocks themselves. A folder
-        with repetitions of the same study is resumed: finished repetitions are not computed again, and the number of
-        repetitions may increase. Without a store the result is kept in memory.
+        Directory for the blocks of repetitions. Workers that can reach the directory write their blocks themselves. A
+        directory with repetitions of the same study is resumed: finished repetitions are not computed again, and the
+        number of repetitions may increase. Without a store the result is kept in memory.
     progress : bool
         True to draw a progress bar on the terminal, or to print a line every minute if there is no terminal.
 
@@ -203,7 +203,7 @@ def _compute_alternatives(
     """
     try:
         names = find_alternatives(stored_result.study)
-    except ValueError:  # an exception means that files of the bodies are missing
+    except ValueError:  # raised if files of the bodies are missing
         return
     for name in names:
         label = ALTERNATIVE_LABELS[name]
@@ -253,7 +253,7 @@ def compute_companion_files(
         announce("onset of sliding")
         _print_time_if_long(print_remark, "onset of sliding", estimate_onset_time(stored_result.study, onset))
         new_onset = compute_onset(stored_result.study, executor, members=onset)
-    except ValueError as error:  # an exception means that files of the bodies are missing
+    except ValueError as error:  # raised if files of the bodies are missing
         print_remark(f"cutoff study and onset are not computed: {error}")
         return
     if new_onset is not None:

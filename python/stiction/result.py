@@ -81,7 +81,7 @@ class Result(Evaluation):
             raise ValueError(f"name must be one of {', '.join(map(repr, drawing_functions))}, got {short_repr(name)}")
         with mpl.rc_context(MATPLOTLIB_STYLE):
             figure: Figure = drawing_functions[name]()
-        vars(figure)["_repr_png_"] = partial(render_png, figure)  # allows a notebook to show the figure without pyplot
+        vars(figure)["_repr_png_"] = partial(render_png, figure)  # lets a notebook show the figure without pyplot
         return figure
 
     def _list_drawing_functions(self) -> Sequence[tuple[str, Any]]:
@@ -129,7 +129,7 @@ class Result(Evaluation):
         """Return the text that is shown if the result is printed on a terminal."""
         try:
             return study_result_text(self.summary()).rstrip()
-        except ValueError as error:  # an exception means that there is no contact or no finished member
+        except ValueError as error:  # raised if there is no contact or no finished member
             return f"no answer: {error}"
 
     def _repr_html_(self) -> str:
