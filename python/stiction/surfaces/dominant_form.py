@@ -79,7 +79,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
         order = np.argsort(distance_across, kind="stable")
-        # Project the heights onto every possible step, whose square norm excludes the mean and the tilt.
+        # Project the heights onto every possible step. The square norms exclude the mean and the tilt of the step.
         projections = np.cumsum(heights[order])[candidates]
         square_norms = (sizes - np.square(np.cumsum(trend_basis[order], axis=0)).sum(axis=1))[candidates]
         gains = np.square(projections) / square_norms

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# A hill or dale is merged with a neighbour if its height is below this fraction of the maximum height (Wolf pruning).
+# Height below which a hill or dale is merged with a neighbour, relative to the maximum height (Wolf pruning).
 PRUNING_FRACTION = 0.05
 NUM_AVERAGED_FEATURES = 5  # number of peaks or pits over which the five-point parameters are averaged
 

@@ -27,13 +27,13 @@ _WEIGHT_HALF_WIDTH = 1.6
 # Minimum number of weights on each side of a point.
 # With a cutoff of two or three points, the weights decay slowly, to 1e-5 at a distance of 64 points.
 _MIN_HALF_WIDTH_POINTS = 64
-# The mean line is estimated at a point only if at least this fraction of the weights belongs to measured points.
+# Minimum fraction of the weights that must belong to measured points for an estimate of the mean line.
 _MIN_WEIGHT_COVERAGE = 1e-6
 _MIN_PIVOT = 1e-9  # local equations with a smaller normalised pivot count as singular
 # Scale of Tukey's biweight, in median absolute deviations.
 # For normally distributed heights, the scale of the biweight is three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
-# The iteration has converged if the mean line changes by less than this fraction of the biweight scale.
+# Change of the mean line, relative to the biweight scale, at which the iteration has converged.
 _ROBUST_TOLERANCE = 1e-4
 _MAX_ITERATIONS = 200
 

@@ -13,7 +13,7 @@ from stiction._checks import Floats
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
 
-# a noise floor is significant if adding it to the power laws increases the log-likelihood by at least this amount
+# Minimum increase of the log-likelihood by a significant noise floor, compared with power laws alone.
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
 # initial level of the fitted floor, as a fraction of the largest level that all spectral densities allow
 _INITIAL_FLOOR_FRACTION = 0.3

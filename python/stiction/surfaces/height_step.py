@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# Second differences count as equal if they differ by less than this fraction of the height range.
+# Difference of two second differences that count as equal, as a fraction of the height range.
 # The tolerance exceeds the round-off of levelling and of single-precision heights.
 _TOLERANCE_RATIO = 1e-6
 _MIN_REPETITIONS = 5  # minimum number of equal second differences that may be due to rounding

@@ -29,7 +29,7 @@ _MIN_FIT_BINS = 8  # minimum number of bins for a fit
 _RELATIVE_MODEL_ERROR = 0.1  # assumed relative deviation of the true spectrum from a power law in each bin
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)  # exponents of line spectra for Hurst exponents 0 and 2
 # Maximum accepted ratio of the fitted noise density of a map to the median density at the shortest wavelengths.
-# The shortest wavelengths of a map are those below four points along both axes.
+# Wavelengths of a map below four points along both axes count as shortest.
 _MAX_FITTED_NOISE_RATIO = 2.0
 
 

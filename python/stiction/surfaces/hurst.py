@@ -19,9 +19,7 @@ from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, areal_spectrum, is_
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 _NUM_NEWTON_STEPS, _NUM_HALVINGS = 50, 30
-MAX_HURST_INTERVAL_WIDTH = (
-    0.5  # the estimate of H is informative only if the width of its 95 % interval is at most this limit
-)
+MAX_HURST_INTERVAL_WIDTH = 0.5  # largest width of the 95 % interval of an informative estimate of H
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 _TREND_ROUND_OFF = 1e-13  # round-off of a subtracted straight line, relative to the largest height
@@ -33,7 +31,7 @@ _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with on
 _BINS_PER_DECADE = 12
 _MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum that has its own power law
 # Assumed relative deviation of the true spectrum from a power law in each bin.
-# Every measured spectrum deviates from a power law by at least this much.
+# Every measured spectrum deviates from a power law by at least 10 %.
 _RELATIVE_MODEL_ERROR = 0.1
 # Minimum increase of the log-likelihood by an additional piece of the spectrum.
 # An additional piece of the spectrum has three parameters, and can begin at any of about 50 bins.

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-# A grid counts as uniform if the steps between its coordinates differ by less than this fraction.
+# Relative difference of the steps between coordinates below which a grid counts as uniform.
 SPACING_TOLERANCE = 1e-6
 
 

@@ -19,13 +19,13 @@ from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
 MIN_POINTS_PER_WAVELENGTH = (
     # Shortest wavelength that is used from a scan, in points.
-    # Averaging over a pixel transmits 95 % of the power of this wavelength.
+    # Averaging over a pixel transmits 95 % of the power of a wavelength of eight points.
     8
 )
 MAX_WAVELENGTH_TO_SIDE = (
     1 / 3
     # Longest wavelength that is used from a scan, divided by the shortest side of the scan.
-    # The spectrum at wavelengths above a third of the side depends on the window.
+    # The spectrum at wavelengths above a third of the side of a scan depends on the window function.
 )
 # Number of wave vectors per independent value.
 # Opposite wave vectors have equal values, and the window correlates the values of neighbouring wave vectors.
@@ -144,7 +144,7 @@ class JoinedSpectrum(TextReprMixin):
         result = []
         for power, factor in ((2, 1.0), (4, 0.25)):
             variance_terms = factor * self.wave_number ** (power + 2) * self.density * step / (2 * math.pi)
-            # Count only half of the last bin, because the integral ends at the centre of this bin.
+            # Count only half of the last bin, because the integral ends at the centre of the bin.
             result.append(np.sqrt(variance_terms.cumsum() - variance_terms / 2))
         return ScaleDependentRoughness(
             wavelength=make_read_only(2 * math.pi / self.wave_number), gradient=make_read_only(result[0]),

@@ -15,7 +15,7 @@ from stiction._checks import Floats
 
 SAMPLING_INTERVAL = 1270.0  # sampling interval (µm) for which the relation between Z2 and JRC was fitted
 MAX_SAMPLING_INTERVAL_DEVIATION = 0.2  # maximum relative deviation from `SAMPLING_INTERVAL` for which a JRC is given
-MIN_Z2, MAX_Z2 = 0.1, 0.42  # range of Z2 for which the relation was fitted
+MIN_Z2, MAX_Z2 = 0.1, 0.42  # range of Z2 for which the relation between Z2 and JRC was fitted
 
 
 @dataclass(frozen=True)

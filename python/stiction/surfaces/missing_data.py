@@ -210,7 +210,7 @@ def _find_typical_deviations(
     is_known, width = is_measured & np.isfinite(distances), _WINDOW_WIDTHS[distances.ndim]
     is_rough = near_rough_region = np.zeros(distances.shape, np.bool_)
     round_off = _ROUND_OFF_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
-    resolution = 1.01 * max(step, round_off)  # a deviation of one rounding step is within this limit
+    resolution = 1.01 * max(step, round_off)  # limit above a deviation of one rounding step
     if is_known.any() and np.quantile(distances[is_known], _MAX_FLAT_FRACTION) <= resolution:
         is_rough = is_known & (median_filter(np.where(is_known, distances, 0.0), size=width) > resolution)
         near_rough_region = maximum_filter(is_rough, size=width)

@@ -33,7 +33,7 @@ from stiction.surfaces.surrogates import isotropic_surface, surrogate
 # Default number of pairs of lines.
 # With 128 pairs of lines, an interval can be estimated in one or two seconds.
 DEFAULT_NUM_LINE_PAIRS = 128
-# The largest shift of a map is its length divided by this number.
+# Ratio of the length of a map to its largest shift.
 # After a shift by a quarter of the length, two maps overlap in three quarters of their length.
 MAX_SHIFT_DIVISOR = 4
 MIN_PIECE_SIDE_POINTS = 16  # minimum number of rows and of columns in a piece of a map
@@ -42,7 +42,7 @@ SurrogateBodies = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN_RATIO = (5**0.5 - 1) / 2
 _PLASTIC_NUMBER = 1.324717957244746  # real root of x^3 = x + 1, the base of two-dimensional quasi-random points
-_QUINTIC_ROOT = 1.1673039782614187  # real root of x^5 = x + 1
+_QUINTIC_ROOT = 1.1673039782614187  # real root of x^5 = x + 1, the base of four-dimensional quasi-random points
 GRID_POINTS_PER_WAVELENGTH = 4  # number of grid points per shortest wavelength of a generated surface
 
 

@@ -59,7 +59,7 @@ class Body(PlotReprMixin):
         if self.missing is not None:
             try:
                 missing = np.array(self.missing)
-            except ValueError:  # the rows of a nested list have different lengths
+            except ValueError:  # raised if the rows of a nested list have different lengths
                 missing = np.array(None)
             if missing.dtype != np.bool_ or missing.shape != heights.shape or missing.all():
                 mask_text = "True at every point" if missing.all() else f"{missing.dtype} {missing.shape}"

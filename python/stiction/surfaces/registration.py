@@ -20,7 +20,7 @@ from stiction.surfaces.surface import Surface
 
 MAX_ROTATION = 3.0  # largest rotation (degrees) of the search
 ROTATION_STEP = 0.5  # step (degrees) of the search on coarse maps
-GRID_TOLERANCE = 0.02  # positions within this distance (points) of a grid position are moved to the grid
+GRID_TOLERANCE = 0.02  # largest distance (points) over which a position is moved to a grid position
 MAX_SECOND_FIT_RATIO = 0.7  # maximum ratio of the correlations at any other shift and at the best shift
 MIN_OVERLAP_FRACTION = 0.5  # minimum overlap along each axis, relative to the shorter face
 _MIN_COARSE_POINTS = {1: 64, 2: 16}  # minimum number of points along each axis for a comparison, by dimension

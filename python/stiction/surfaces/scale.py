@@ -32,9 +32,9 @@ _MIN_EXPONENT_DEVIATIONS = 3.0
 # Largest wavelength, in points, at which a hump in the spectrum is attributed to the instrument.
 # A hump at a wavelength above 24 points is attributed to the surface.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
-# Wavelengths count as reliable if their spectral density is at least this multiple of the lowest density.
+# Minimum ratio of the spectral density at reliable wavelengths to the lowest density.
 _MIN_TRUSTED_DENSITY_RATIO = 4.0
-# A spectrum counts as rising if its density exceeds this multiple of the lowest density at longer wavelengths.
+# Ratio of a density to the lowest density at longer wavelengths above which the spectrum counts as rising.
 # The spectrum of a surface never rises to three times its lowest density at longer wavelengths.
 _MIN_RISE_DENSITY_RATIO = 3.0
 # Largest fraction of the mean square slope that may come from wavelengths not attributed to the surface.
@@ -50,23 +50,23 @@ _MIN_ALIASED_SURFACE_EXPONENT = 0.6
 # Noise was suspected in 8 of 1080 generated turned profiles (feeds of 15 to 500 points), and in 22 without the limit.
 # Noise that was added to turned profiles was found equally often with and without the limit.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
-# Heights count as quantised if rounding explains at least this fraction of the mean square second difference.
+# Minimum fraction of the mean square second difference that rounding explains if heights count as quantised.
 _MIN_QUANTISATION_FRACTION = 0.3
-# A spectrum counts as flat if both its exponent and the rms deviation of its log density are below this limit.
+# Upper limit of the exponent of a flat spectrum, and of the rms deviation of its log density.
 _MAX_FLAT_EXPONENT = 0.35
 # Largest exponent of a noise floor if the fitted range also contains a part of the spectrum of the surface.
 _MAX_FLOOR_EXPONENT = 0.7
-# A spectrum consists only of noise at wavelengths below this fraction of the wavelength limit.
+# Wavelength, relative to the wavelength limit, below which a spectrum consists only of noise.
 _NOISE_WAVELENGTH_RATIO = 0.7
 # Reasons for a wavelength limit that always refer to the instrument and never to the surface.
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 _MAX_EQUAL_NOISE_RATIO = 2.0  # maximum ratio of two noise densities along different axes that count as equal
-# Noise may be hidden in a spectrum whose density is at least this fraction of the noise density.
-# The minimum density is below the noise density, to allow for scatter.
+# Minimum ratio of the density of a spectrum that may hide noise to the density of the noise.
+# The minimum ratio of the densities is below 1, to allow for scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
 # Minimum number of lines with independent noise at which noise may be hidden along the other axis.
 _MIN_INDEPENDENT_LINES = 8.0
-# Spectra are extrapolated down to this fraction of the shortest wavelength of the scan.
+# Shortest wavelength of extrapolated spectra, relative to the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _NUM_BISECTION_STEPS = 60
 
@@ -618,7 +618,7 @@ class _SpectrumDisturbance(NamedTuple):
     # Upper limit of the wavelengths not attributed to the surface, µm; NaN if there are no such wavelengths.
     wavelength_limit: float
     noise_kind: str
-    # Mean square slope of the lines due to wavelengths other than those of the surface and its texture.
+    # Mean square slope of the lines at wavelengths that are not attributed to the surface or its texture.
     mean_square_slope: float
     period: float  # period of a texture, µm; NaN if there is no texture
 

@@ -38,7 +38,7 @@ The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and
 """
 _NUM_FLANK_POINTS = 4  # number of points on each side of a spike within which its height is measured
 # Minimum ratio of the largest step between two points to the height of a wide spike.
-# The ratio is 0.4 for a groove with a Gaussian cross section whose depth falls to 1/e over two points.
+# The step is 0.4 times the height for a Gaussian groove whose depth falls to 1/e over two points.
 _MIN_STEP_RATIO = 0.7
 _MIN_DEEP_SPIKE_RATIO = 2.0  # minimum height of a wide spike or a dip of a profile, as a multiple of the rms height
 
@@ -66,7 +66,7 @@ MIN_DRIFT_DEVIATIONS = 2.5
 In 400 Gaussian maps with 64 x 64 and 128 x 128 points, 2.6 % had a drift above this limit along one of the two axes.
 """
 
-# Noise or a tip limit is reported if it affects more than this fraction of the mean square slope.
+# Fraction of the mean square slope that noise or a tip limit must affect to be reported.
 MAX_NOISE_SLOPE_FRACTION = 0.01
 
 

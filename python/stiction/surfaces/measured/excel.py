@@ -32,7 +32,7 @@ _ROW_TAG_PATTERN = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
     """Return the sheets of a workbook as channels. `words` are additional words that mark missing points."""
     try:
-        with warnings.catch_warnings(action="ignore"):  # openpyxl warns about the styles of workbooks
+        with warnings.catch_warnings(action="ignore"):  # ignore warnings about the styles of workbooks
             from openpyxl import load_workbook
     except ImportError:
         raise FormatError(

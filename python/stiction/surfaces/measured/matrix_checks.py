@@ -29,7 +29,7 @@ MIN_WRAPPED_LINES = 3  # minimum number of lines of a profile that is written in
 # In a profile, heights change as little from the end of a line to the next line as along a line.
 # In a map, heights change from the end of a line to the next line as much as between neighbours in a column.
 MAX_LIKELIHOOD_RATIO = 100.0
-MAX_DEVIATION_IN_LINES = 8.0  # heights beyond this number of median deviations are ignored in a wrapped profile
+MAX_DEVIATION_IN_LINES = 8.0  # number of median deviations beyond which heights of a wrapped profile are ignored
 MIN_COLUMN_DIFFERENCE = 2.0  # minimum ratio of the mean square differences of neighbours in a column and in a line
 
 _STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (

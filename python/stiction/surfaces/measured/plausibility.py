@@ -16,7 +16,7 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# Minimum number of points at the largest or smallest height if this height is a code for missing points.
+# Minimum number of points with a code for missing points at the largest or smallest height.
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from all other heights, relative to the range of the other heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
@@ -26,7 +26,7 @@ KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
     + [-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1]
 )
-# A repeated height counts as a code for missing points only if the scan has at least this many other heights.
+# Minimum number of other heights in a scan whose repeated height counts as a code for missing points.
 MIN_DISTINCT_HEIGHTS = 5
 MAX_MISSING_CODES = 4  # maximum number of codes for missing points at either end of the heights
 # minimum distance of a code for missing points from the median height, in median deviations
@@ -44,12 +44,12 @@ ZERO_COUNT_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 # Maximum fraction of rows that equal the row before; a map with more equal rows is probably an extended profile.
 MAX_REPEATED_ROWS = 0.9
 # Minimum length of a reported run of equal heights in a profile.
-# Reported runs of equal heights also have at most this probability of being due to rounding.
+# Maximum probability that a reported run of equal heights is due to rounding.
 MIN_EQUAL_RUN, MAX_RUN_PROBABILITY = 8, 1e-4
 # Heights contradict a declared range if their range is at least 10 times larger.
 # A range that is smaller by a power of 1000 (within 10 %) indicates a wrong unit.
 MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
-MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
+MIN_CHECKED_POINTS = 20  # minimum number of checked points; smaller arrays are assumed to be examples
 # Minimum spacing (one ångström), maximum spacing (one centimetre) and maximum extent (one metre), in µm.
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
 
@@ -61,7 +61,7 @@ class ScannedHeights:
     heights: Floats
     spacing: tuple[float, ...]  # spacing (µm) along y and x, or along x
     factor: float = 1.0  # conversion factor from the numbers in the file to µm
-    from_file: bool = True  # False for objects, whose heights may be computed
+    from_file: bool = True  # False for bodies in memory, whose heights may be computed
     declared_range: float | None = None  # range of the heights in the header of the file, µm
     from_text: bool = True  # True if the numbers were read from text; integers in text may be counts instead of heights
 

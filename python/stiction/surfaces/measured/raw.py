@@ -139,12 +139,12 @@ class HeightProvenance:
 
     layout: str = ""
     column: str = ""  # column, channel or block that contains the heights
-    encoding: str = ""  # encoding of a text file
+    encoding: str = ""
     separator: str = ""
     decimal_mark: str = ""
     lines: tuple[int, int] | None = None  # numbers of the first and the last line of the data, counted from 1
-    lines_above: int = 0  # number of lines above the data
-    lines_below: int = 0  # number of lines below the data
+    lines_above: int = 0
+    lines_below: int = 0
 
 
 PlaceValueFunction = Callable[[], Floats]

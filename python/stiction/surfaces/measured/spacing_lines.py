@@ -46,7 +46,7 @@ _SPACING_PATTERN = re.compile(
 _UNQUALIFIED_NAME_PATTERN = re.compile(r"(?:scan[\s_-]*)?(?:step|pitch|interval|abstand)", re.IGNORECASE)
 """Pattern of names that may also denote lengths of a specimen or of a path, such as the pitch of a grating."""
 
-MIN_SPECIMEN_DISTANCE = 100.0  # a larger "sample spacing" (µm) may be a distance between specimens
+MIN_SPECIMEN_DISTANCE = 100.0  # "sample spacing" (µm) above which it may be a distance between specimens
 
 _POINTS_REMARK_PATTERN = re.compile(
     r"\W*(?:nominal|mean|average|fast|along|in|lateral|horizontal|sampl\w*|points?|pixels?|px|x|axis|direction|\W)*",
@@ -188,7 +188,7 @@ def _parse_spacing_line(
     if any(item[2] and not re.fullmatch(f"{_POINT_WORDS}|lines?|rows?|columns?", item[2], re.I) for item in items):
         return None  # for example the resolution of heights in nm per bit
     if is_resolution and not any(item[2] for item in items):
-        return None  # the resolution of an instrument
+        return None  # the line declares the resolution of an instrument
     units = [item[1] or items[-1][1] or bracket for item in items]
     lengths = [parse_length(item[0], unit, line=line) for item, unit in zip(items, units, strict=True)]
     parsed_lengths = [length for length in lengths if length is not None]

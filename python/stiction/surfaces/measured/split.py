@@ -29,7 +29,7 @@ from stiction.surfaces.measured.raw import FormatError
 _MAX_SAMPLE_LINES = 60  # maximum number of lines from which the separator and the decimal mark are detected
 # Maximum number of characters from which the separator and the decimal mark are detected.
 _MAX_SAMPLE_CHARACTERS = 10_000
-_MIN_SAMPLED_LINE_LENGTH = 200  # Of a long line, at least this number of characters is examined.
+_MIN_SAMPLED_LINE_LENGTH = 200  # minimum number of characters of a long line that are examined
 MAX_SAMPLED_ROWS = 20_000  # maximum number of rows from which the printed digits of a column are determined
 MAX_COUNT_LINE_CELLS = 2  # maximum number of cells in a line of counts or sizes that precedes the numbers
 _QUOTED_SEPARATOR = "\x1f"  # separator of cells, used after quotation marks have been removed

@@ -43,11 +43,11 @@ MAX_HISTORY_STEPS = 1000
 
 
 # Maximum number of numeric lines above or below the data that are not part of the table.
-# The limit is this fraction of the number of data lines, plus 2.
+# The maximum number is `MAX_FOOTER_FRACTION` times the number of data lines, plus 2.
 MAX_FOOTER_FRACTION = 0.1
 
 
-# The last number of a text may be cut off if this many numbers above it have the same number of decimals.
+# Minimum number of numbers with equal decimals above the last number of a text, if the last may be cut off.
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 

@@ -20,7 +20,7 @@ from stiction.surfaces.measured.raw import FormatError, HeightProvenance, RawHei
 from stiction.surfaces.measured.split import numbers_in_lines
 
 _FIRST_LINE = "DSAA"
-_MISSING_POINT_CODE = 1.7e38  # points with at least this height are missing
+_MISSING_POINT_CODE = 1.7e38  # smallest height that marks a missing point
 _HEADER_LINES = ("the counts of x and y", "the range of x", "the range of y", "the range of heights")
 
 
