@@ -28,7 +28,7 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# A gap counts as grooved if it varies along one axis by less than this fraction of its range.
+# Variation of a gap along one axis, as a fraction of its range, below which the gap counts as grooved.
 _GROOVE_TOLERANCE = 1e-9
 
 

@@ -23,10 +23,10 @@ from stiction.mechanics.friction import (
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import SlidingRule
 
-# After this number of bisections, the logarithm of an aspect ratio is exact to the last bit.
+# Number of bisections after which the logarithm of an aspect ratio is exact to the last bit.
 _NUM_BISECTIONS = 64
 _SLOPE_TOLERANCE = 1e-9  # largest relative amount by which the rms slope may exceed the rms gradient
-# Below this standard deviation of the slopes, two terms of the series are exact to the last bit.
+# Standard deviation of the slopes below which two terms of the series are exact to the last bit.
 _SMALL_SLOPE_LIMIT = 1e-3
 
 _P = ParamSpec("_P")
@@ -52,7 +52,7 @@ def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
                 return function(*args, **kwargs)
-        except ArithmeticError:  # base class of FloatingPointError, which NumPy raises
+        except ArithmeticError:  # base class of the FloatingPointError that NumPy raises
             raise ValueError(
                 f"arguments of {function.__name__} must be less extreme, because a computed value exceeds the range of "
                 "double precision"

@@ -38,7 +38,7 @@ Status = Literal[
 The coefficient of a point with the status "bulk-shear" is a lower limit, because the softer body shears.
 """
 
-# Files store the index of a status in this sequence, so the order of the statuses must not change.
+# The order of `STATUSES` must not change, because files store the index of a status.
 STATUSES: tuple[Status, ...] = get_args(Status)
 STATUS_OK: Status = "ok"
 STATUS_SELF_LOCKED: Status = "self-locked"

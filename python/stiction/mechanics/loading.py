@@ -33,7 +33,7 @@ _SUCCESSIVE_APPROACH_RATIO = 1.1
 # Number of approaches in a batch.
 # Sampling stops after the batch in which all loads are reached, because larger approaches take longer.
 _APPROACHES_PER_BATCH = 16
-# Candidates are searched for up to this multiple of the requested depth.
+# Ratio of the depth down to which candidates are searched for to the requested depth.
 _SEARCH_DEPTH_FACTOR = 5.0
 
 

@@ -25,10 +25,10 @@ CurvatureRequirement = Literal["convex", "signed"]
 ShearDirection = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
 SlidingRule = Literal["opposing", "all"]
-DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus (GPa) of the paper
+DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus (GPa) that the paper assumes
 PROFILE_WIDTH = 1.0  # width of a profile, µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-# Two heights count as equal if they differ by at most this fraction of the height range.
+# Largest difference of two heights that count as equal, as a fraction of the height range.
 _SAME_HEIGHT_TOLERANCE = 1e-9
 
 

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
     from stiction.mechanics.presliding import FourParameterIwan, LuGre
 
-# Two loads have the same solution if they differ by less than this fraction of the sliding load.
+# Difference of two loads below which they have the same solution, as a fraction of the sliding load.
 LOAD_TOLERANCE = 1e-9
-# Smallest tangential load and displacement, as fractions of those at sliding, that exceed round-off.
+# Smallest tangential load and displacement that exceed round-off, as fractions of the load and displacement at sliding.
 MIN_SLIDING_FRACTION = 1e-12
 # Tolerance of a requested displacement, as a fraction of the displacement at which the surfaces begin to slide.
 DISPLACEMENT_TOLERANCE = 1e-7

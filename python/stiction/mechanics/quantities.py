@@ -66,7 +66,7 @@ class ResultQuantity:
     numerator: str = ""
     denominator: tuple[str, ...] = ()  # names of the quantities whose sum is the denominator of a validity indicator
     sum_under_load: str = ""  # name of the same sum under load, for a sum at zero load
-    bounds: tuple[float, float] = (-math.inf, math.inf)  # limits for the ends of an interval
+    bounds: tuple[float, float] = (-math.inf, math.inf)  # range to which the ends of an interval are limited
     # Limits of the numbers that a result may store. Stored numbers may be infinite if a limit is infinite.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
     interval_kind: EstimateKind = "mean"  # kind of the 95 % interval
@@ -109,7 +109,7 @@ _STEP_AXIS: tuple[QuantityAxis, ...] = ("step",)
 _MOTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "direction")
 _FRICTION_AXES: tuple[QuantityAxis, ...] = (*_MOTION_AXES, "step", "mu0", "tau0")
 _MEAN_FRICTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "step", "mu0", "tau0")
-_FRACTION_ROUND_OFF = 1e-6  # a stored fraction may exceed 1 by this amount
+_FRACTION_ROUND_OFF = 1e-6  # amount by which round-off may raise a stored fraction above 1
 _STORED_FRACTION = (0.0, 1.0 + _FRACTION_ROUND_OFF)
 _ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
 _NOT_NEGATIVE = (0.0, MAX_STORED_VALUE)

@@ -463,7 +463,7 @@ def _find_root(
 
     The function is evaluated last at this load.
     """
-    below, above = 0.0, max_load  # elastic loads at which the function is negative and positive
+    below, above = 0.0, max_load  # elastic loads that bracket the solution
     trial, last = min(guess, 0.9 * max_load), None
     for _ in range(MAX_LOAD_TRIALS):
         excess, target = compare_load(trial)

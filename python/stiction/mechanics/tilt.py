@@ -36,7 +36,7 @@ MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of times the contact problem is 
 # Maximum displacement of the edge in one step, as a multiple of the standard deviation of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
 # Smallest change of the moment per unit slope for which the tilt is defined.
-# The change is divided by (mean pressure) · (side length)² / (standard deviation of the gap).
+# The change of the moment is divided by (mean pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
 # Tolerance of displacements in the search from the tilt of rigid surfaces, relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6
@@ -109,7 +109,7 @@ def solve_with_balanced_tilt(
         contact_solution = search_balance(start, load, near, tolerance)
         if contact_solution is None:
             # At low loads, the surfaces touch at few points, and the moments change abruptly with the slopes.
-            # The search then needs the tilt of rigid surfaces as a start, and accurate displacements.
+            # At low loads, the search therefore starts from the tilt of rigid surfaces, with a finer tolerance.
             rigid_problem = apply_tilt(start, find_rigid_tilt(start, load / start.cell_area))
             touching = solve_contact_and_moments(rigid_problem, load, None, tolerance)[0]
             displacement = start.grids.displacement(touching.on_grid(touching.values), threads=solver_thread_count())
