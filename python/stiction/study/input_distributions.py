@@ -27,7 +27,7 @@ from stiction.study.values import FrictionCoefficients, ShearStrengths
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
-# With this number of samples, the budget fractions of two inputs with equal contributions differ by less than 0.01.
+# Number of samples for which the budget fractions of two inputs with equal contributions differ by less than 0.01.
 NUM_INPUT_SAMPLES = 2**14
 MIN_RELATIVE_UNCERTAINTY = 1e-9  # smallest relative standard uncertainty that is accepted
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
@@ -126,7 +126,7 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        probability_below_zero = ndtr(-self.value / deviation)  # probability of the excluded samples below 0
+        probability_below_zero = ndtr(-self.value / deviation)  # probability of negative values, which are excluded
         return np.asarray(
             np.maximum(
                 self.value + deviation * ndtri(probability_below_zero + probability * (1 - probability_below_zero)), 0.0
@@ -276,7 +276,7 @@ def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
     return first_text, last_text
 
 
-SOBOL_BITS = 30  # number of binary digits of a coordinate
+SOBOL_BITS = 30  # number of binary digits of a coordinate of a Sobol point
 
 SOBOL_GENERATORS: tuple[tuple[int, tuple[int, ...]], ...] = (
     (1, (1,) * SOBOL_BITS), (3, (1,)), (7, (1, 3)), (11, (1, 3, 1)), (13, (1, 1, 1)), (19, (1, 1, 3, 3)),

@@ -57,7 +57,7 @@ EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
 scaled.
 """
 
-# A lower limit is set to the bound if its distance from the bound is below this fraction of the interval width.
+# Distance of a lower limit from the bound, relative to the interval width, below which the limit is set to the bound.
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the true value
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
@@ -490,7 +490,7 @@ class InterfaceSettings(SettingsSection):
             file = name_or_path if is_published else str(Path(name_or_path).resolve())
             strength = _read_cached_interface(file, 0 if is_published else Path(file).stat().st_mtime_ns)
         except OSError:
-            strength = InterfaceStrength.named(name_or_path)  # an error lists the published interfaces
+            strength = InterfaceStrength.named(name_or_path)  # raises an error that lists the published interfaces
         mu0, tau0 = (
             _format_strength(median, interval, scale, unit)
             for median, interval, scale, unit in zip(

@@ -122,10 +122,10 @@ def _build_one_or_list_validator(read: Callable[[object], Any], max_count: int =
     return PlainValidator(parse_one_or_list)
 
 
-MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # limits of `height_factor`
+MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0
 
 
-MAX_TIP_CORRECTION = 10.0  # largest value of `tip_correction`
+MAX_TIP_CORRECTION = 10.0
 
 
 class BodyInMemory:

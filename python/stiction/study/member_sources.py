@@ -70,7 +70,7 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     **{f"{side}_pierced": AttributeSpec(sizes=(1,), bounds=(0, 1), is_required=False) for side in SIDES},
     # Ratio of the rms slopes of a map across and along its lay, if both maps have a lay.
     **{f"{side}_lay": AttributeSpec(sizes=(1,), bounds=(1, MAX_STORED_VALUE), is_required=False) for side in SIDES},
-    # Change of ln(rms slope) along a single scan, and fraction of the mean square slope of the gap due to this scan.
+    # Change of ln(rms slope) along a single scan, and fraction of the mean square slope of the gap due to the scan.
     **{f"{side}_drift": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
 }
 """Attributes of a result that describe measured bodies. Values for several axes are in the order of array axes."""
@@ -215,7 +215,7 @@ class MapMemberSource:
         """Return the properties that all members have in common."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
-        if isinstance(pairs, SpectralSurfacePairs):  # the shortest resolved wavelength is two points
+        if isinstance(pairs, SpectralSurfacePairs):  # a scan resolves wavelengths of at least two points
             wavelengths = (max(body.shortest, pairs.finest_spacing) for body in (pairs.upper, pairs.lower))
             scans = [
                 SimpleNamespace(spacing=shortest_wavelength / 2, extent=pairs.side_length)

@@ -415,7 +415,7 @@ class FormField:
     choices: tuple[tuple[str, str], ...] = ()  # values and labels of a drop-down list
     size: int = 0  # width of the field in characters; 0 for the default width
     unit: str = ""  # unit that is appended to a number without a unit
-    keyboard: Literal["", "numeric", "decimal"] = ""  # virtual keyboard on a phone
+    keyboard: Literal["", "numeric", "decimal"] = ""  # type of the virtual keyboard on a phone
 
 
 @dataclass(frozen=True)

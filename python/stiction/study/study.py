@@ -94,7 +94,7 @@ _LEADING_KEYS = (
 """Keys that are written first in their sections."""
 
 _STUDY_LIBRARY_FOLDER = resources.files("stiction.study") / "library"
-DEFAULT_SEED = 2016  # default seed of the random number generator
+DEFAULT_SEED = 2016
 StudyDifference = tuple[str, str, str]  # dotted key, with its TOML values in the first and the second study
 MAX_LISTED_DIFFERENCES = 4  # maximum number of differences in a message
 
