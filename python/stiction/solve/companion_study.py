@@ -38,7 +38,7 @@ class CompanionStudy:
             return None
         try:
             stored_result = open_stored_result(self.folder)
-        except ValueError:  # the directory is damaged
+        except ValueError:  # raised if the directory is damaged
             return None
         if find_member_differences(stored_result.study, self.study):
             return None

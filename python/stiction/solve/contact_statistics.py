@@ -23,7 +23,7 @@ STEEP_POINT_FRACTION = 0.1  # fraction of the grid points of a body that are cla
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Probabilities of the stored quantiles of contact area, and of pressure weighted by true contact area."""
 
-MAX_CELLS_OF_SMALL_CONTACT = 4  # contacts with at most this number of grid cells count as barely resolved
+MAX_CELLS_OF_SMALL_CONTACT = 4  # maximum number of grid cells of a barely resolved contact
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,7 @@ class ContactList:
     cells: Floats  # number of grid cells that each contact covers
     at_edge: NDArray[np.bool_]  # True if the contact reaches the edge of the grid
     pressure: Floats  # (p,) values of the contact pressure, GPa
-    weight: Floats  # (p,) weight of each pressure, proportional to the contact area with this pressure
+    weight: Floats  # (p,) weight of each pressure, proportional to the contact area on which the pressure acts
 
     def compute_statistics(self) -> dict[str, Any]:
         """Compute the stored contact statistics: load fractions, and quantiles of contact area and contact pressure."""

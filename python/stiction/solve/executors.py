@@ -32,7 +32,7 @@ WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory
 _Result = TypeVar("_Result")
 CONNECTION_TIMEOUT = "15s"
 _SET_PARENT_DEATH_SIGNAL = 1  # operation PR_SET_PDEATHSIG of prctl on Linux
-PROGRESS_PREFIX = "progress: "  # start of a line of progress
+PROGRESS_PREFIX = "progress: "  # beginning of a printed line of progress
 PROGRESS_LINE_INTERVAL = 60.0  # time (s) between two lines of progress if the output is not a terminal
 
 
@@ -220,7 +220,7 @@ def progress_bar(
                     f"{num_finished}/{total} {label}, {completed / total:.1%} after {format_duration(now - start_time)}"
                 )
                 line += f", about {left_text} left" if completed > finished else ""
-                with contextlib.suppress(OSError):  # standard error may be closed
+                with contextlib.suppress(OSError):  # standard error may be a closed stream
                     print(f"{PROGRESS_PREFIX}{line}", file=sys.stderr, flush=True)
 
         yield advance

@@ -404,8 +404,8 @@ The keys are False for lines and True for areas.
 """
 
 ITERATIONS_PER_LOAD = 15
-MAX_PULL_OFF_ITERATIONS = 12_000  # maximum for maps of up to 256² points
-MAX_PULL_OFF_ITERATIONS_PER_SIDE_POINT = 47  # maximum per point along a side, for larger maps
+MAX_PULL_OFF_ITERATIONS = 12_000  # maximum number of iterations for maps of up to 256² points
+MAX_PULL_OFF_ITERATIONS_PER_SIDE_POINT = 47  # maximum number of iterations per point along a side
 PULL_OFF_ITERATION_FACTORS = {False: 100_000, True: 5000}
 """Factor in the number of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
 

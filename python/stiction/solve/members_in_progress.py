@@ -130,7 +130,7 @@ def remove_stored_steps(folder: Path, members: Container[int] | None = None, key
                         path.unlink(missing_ok=True)
                 _files.remove_stale_partial_files(member_folder)
                 member_folder.rmdir()
-    with contextlib.suppress(OSError):  # the directory is missing, or contains other members
+    with contextlib.suppress(OSError):  # raised if the directory is missing, or contains other members
         (folder / IN_PROGRESS_FOLDER).rmdir()
 
 

@@ -301,7 +301,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(unfinished_members.total), arrays, find_body_attributes(study))
 
 
-# If the estimated time (s) on all threads exceeds this limit, advice on shortening the run is printed.
+# Estimated time (s) on all threads above which advice on shortening the run is printed.
 LONG_RUN_TIME = 600.0
 
 

@@ -83,13 +83,13 @@ if TYPE_CHECKING:
 
 STUDY_FILE = "study.toml"
 BLOCKS_FOLDER = "blocks"
-AREAS_BY_HARDNESS_FILE = "hardness.nc"  # areas at other hardnesses, which earlier versions stored
-CONTACT_PICTURE_FILE = "picture.nc"  # contacts of a typical member
+AREAS_BY_HARDNESS_FILE = "hardness.nc"  # file of areas at other hardnesses, which earlier versions stored
+CONTACT_PICTURE_FILE = "picture.nc"  # file of the contacts of a typical member
 ONSET_FILE = "onset.nc"  # onset of sliding
-ONSET_TABLE_FILE = "onset.csv"  # mean onset curve as a table, for use in a Masing model
+ONSET_TABLE_FILE = "onset.csv"  # file of the mean onset curve as a table, for use in a Masing model
 STUDY_FILE_SIGNATURE = "# Written by stiction"  # first words of every study file written by stiction
 _STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32 of the text below: ([0-9a-f]{8})\.")
-_OLD_STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction (\S+)\.")  # header without a checksum
+_OLD_STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction (\S+)\.")  # pattern of a header without a checksum
 MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory as a whole
 MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a companion file that is read
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
@@ -524,7 +524,7 @@ def _write_study_file(stored_result: StoredResult, claim: FolderClaim) -> None:
     try:
         _files.create_atomically(path / STUDY_FILE, content)
     except FileExistsError:
-        if _contains_study(path, study):  # another run of the same study was faster
+        if _contains_study(path, study):  # another run of the same study has written the file
             return
         if not _contains_study(path, study, repetitions_may_differ=True):
             check_unused(path, claim)
@@ -701,7 +701,7 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
         try:
             _files.write_atomically(path / BLOCKS_FOLDER / block.name, content)
             return
-        except FileNotFoundError:  # another process removed the partial file
+        except FileNotFoundError:  # raised if another process removed the partial file
             if attempt == MAX_WRITE_ATTEMPTS or not (path / BLOCKS_FOLDER).is_dir():
                 raise StoreError(f"{printable_path(path)} was removed or replaced while it was being written") from None
         except OSError as error:
@@ -895,7 +895,7 @@ def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
         with h5py.File(io.BytesIO(content), "r") as file:
             yield file
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
-        # h5py raises these exceptions for files that are not HDF5 files.
+        # h5py raises several classes of errors for files that are not HDF5 files.
         raise DamagedFileError("is not a readable netCDF file") from None
 
 
