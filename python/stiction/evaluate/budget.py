@@ -334,7 +334,7 @@ class _CombinedQuantities:
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
-            # Extend a quantity that lacks a dimension only for the first entry of this dimension.
+            # Extend a quantity that lacks a dimension only for the first entry along the dimension.
             if any(index > 0 for dim, index in indices.items() if dim not in dims):
                 continue
             positions[name] = tuple(indices[dim] for dim in dims[:-1])

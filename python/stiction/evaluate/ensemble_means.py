@@ -29,7 +29,7 @@ from stiction.study.study import find_step_dimension
 if TYPE_CHECKING:
     import xarray
 
-MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads for a stiffness
+MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads from which a stiffness is computed
 
 
 def average_ensemble(

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import xarray
 
 FRICTION_TABLE_TITLE = "stiction table"  # `title` attribute of a friction table
-MIN_NUM_PRESSURES_FOR_STIFFNESS = 3  # minimum number of pressures for a stiffness
+MIN_NUM_PRESSURES_FOR_STIFFNESS = 3  # minimum number of pressures from which a stiffness is computed
 # Directions of motion (degrees) over which coefficients are averaged, because the surfaces are isotropic.
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 MAX_FITTED_AREA_FRACTION = 0.1  # maximum true area fraction of results that are used to fit the laws

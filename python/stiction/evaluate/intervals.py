@@ -24,8 +24,8 @@ NUM_SLOPE_FIT_STEPS = 4  # number of steps on each side of a crossing to which a
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
 NUM_BATCH_VALUES = 2**17  # maximum number of values in a batch; larger batches are no faster
-MIN_SAMPLE_SIZE = 3  # minimum number of values for an interval
-MIN_NEIGHBOURING_VALUES = 8  # minimum number of values at neighbouring positions for an interval
+MIN_SAMPLE_SIZE = 3  # minimum number of values from which an interval is computed
+MIN_NEIGHBOURING_VALUES = 8  # minimum number of values at neighbouring positions, for an interval of their mean
 MIN_RELATIVE_CHANGE = -1 + 1e-12
 """Smallest relative change of a mean on leaving out a repetition at which the mean keeps its sign.
 
@@ -39,7 +39,7 @@ So does friction up to this fraction of the load or of the pull-off force.
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
 _MIN_SKEWNESS = 1e-9  # skewness below which an interval is computed as symmetric
-MAX_DEGREES_OF_FREEDOM = 1e6  # above this number of degrees of freedom, Student's t distribution counts as normal
+MAX_DEGREES_OF_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution counts as normal
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:

@@ -458,7 +458,7 @@ def _interpolate_by_stiffness(
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
     """Return the pull-off force of each member, whether it is only a lower bound, and the friction at no load."""
-    # Mark members for which only a lower bound on the pull-off force is known by 1, and other members by 0.
+    # Store 1 for members whose pull-off force is only known to be above a lower bound, and 0 for other members.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
         name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSIONS), missing=True)[..., None, None]
