@@ -35,9 +35,9 @@ NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
 # Initial number of nuisance points in the result, which doubles with each nuisance parameter, and its upper limit.
 # More nuisance points are added until the effective sample size is large enough.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
-MAX_NORMAL_SCORE = 5.0  # normal scores of nuisance parameters are clipped to this absolute value
+MAX_NORMAL_SCORE = 5.0  # largest absolute value of the normal score of a nuisance parameter
 MAX_PROPOSAL_ROUNDS = 8  # maximum number of rounds of adaptation
-# The adaptation ends when the effective sample size exceeds this fraction of the nuisance points.
+# Ratio of the effective sample size to the number of nuisance points at which the adaptation ends.
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
 # Effective sample size up to which nuisance points are added to the result.
 MIN_EFFECTIVE_SAMPLES = 300.0
@@ -126,7 +126,7 @@ class CalibrationProblem:
         self.has_errors = tests[0].uncertainty is not None
         if self.has_errors:
             self.error = np.array([test.uncertainty for test in tests], float)
-        else:  # errors that are not given are proportional to the coefficients
+        else:  # without given errors, errors are proportional to the coefficients
             self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
         scatter_by_surfaces: dict[Hashable, float] = {}
         for equation in self._friction:
