@@ -249,7 +249,7 @@ class OnsetCurvePoint:
     displacement: Estimate  # µm
     slipped_area: Estimate  # fraction of the contact area that slips
     slipped_load: Estimate  # fraction of the load that slipping contacts carry
-    energy_lost: Estimate  # energy that a load cycle with this amplitude dissipates (mN µm)
+    energy_lost: Estimate  # energy (mN µm) that a load cycle dissipates if its amplitude is the load
 
 
 @dataclass(frozen=True)
@@ -269,7 +269,7 @@ class OnsetValues:
     displacement_at_sliding: Estimate  # µm
     stiffness: Estimate  # initial tangential stiffness (mN/µm)
     unloading_stiffness: Estimate  # normal stiffness during unloading (mN/µm)
-    curve: dict[float, OnsetCurvePoint]  # points by the ratio of the tangential load to the sliding load
+    curve: dict[float, OnsetCurvePoint]  # curve points by the ratio of the tangential load to the sliding load
     models: dict[str, dict[str, float]]  # parameters of the fitted models, by model; empty if the fit failed
 
 
