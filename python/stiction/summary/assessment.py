@@ -50,15 +50,15 @@ MIN_TOTAL_CONTACTS = 10  # minimum total number of contacts in all members for w
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 """Mean contact counts per member below which a coefficient must not be quoted (first) or has a caveat (second)."""
 
-# No value is reported if a single contact carries more than this fraction of the load.
+# Maximum fraction of the load on a single contact for which a coefficient is reported.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
-# A caveat is issued if the contacts at the edge carry more than this fraction of the load.
+# Fraction of the load on contacts at the edge above which a caveat is issued.
 CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
 CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # load fraction on one contact above which a caveat is issued
 
-# Contacts are assumed to have merged if the ratio of true to nominal area is above this limit.
+# Ratio of true to nominal area above which contacts are assumed to have merged.
 MIN_MERGED_AREA_FRACTION = 0.3
-# A caveat is issued if a problem affects more than this fraction of the load, the members or the scan length.
+# Fraction of the load, the members or the scan length above which a problem that affects it causes a caveat.
 MAX_AFFECTED_FRACTION = 0.5
 MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated scan points above which a caveat is issued
 MAX_PIERCED_FRACTION = 0.02
@@ -74,9 +74,9 @@ MIN_DRIFT_EFFECT = 0.02
 """Smallest relative standard error of a coefficient for a caveat about drift of the roughness."""
 MAX_SPACING_RATIO = 3.0  # ratio of the grid spacings of two scans above which a caveat is issued
 
-# An interface counts as nearly as strong as the bulk if the ratio of τ0 to H/√α exceeds this limit.
+# Ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# An interval has no upper limit if more than this fraction of the samples has none.
+# Fraction of samples without an upper limit above which an interval has no upper limit.
 MAX_UNLIMITED_FRACTION = 0.025
 MIN_UNLIMITED_FRACTION = 0.01
 """Fraction of input samples without an upper limit of friction above which a caveat reports it.
@@ -96,7 +96,7 @@ MIN_SIZE_EFFECT_MODULUS_RATIO = 25.0
 MIN_METAL_MODULUS = 20.0
 """E* (GPa) above which a body that yields and has no name is taken for a metal."""
 
-# A caveat is issued if adhesion adds more than this fraction of the applied load.
+# Load that adhesion adds, relative to the applied load, above which a caveat is issued.
 MAX_NEGLECTED_ADHESION_FRACTION = 0.05
 TYPICAL_WORK_OF_ADHESION = 5e-5  # typical work of adhesion of solids in air, in mN/µm (50 mJ/m²)
 RIM_ATTRACTION_FACTOR = 4.3

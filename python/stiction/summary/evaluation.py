@@ -412,7 +412,7 @@ class Evaluation(MemberSums):
         """
         if load is None and mu0 is None and tau0 is None:
             if isinstance(self._study_summary, ValueError):
-                raise self._study_summary.with_traceback(None)  # otherwise each call would extend the same traceback
+                raise self._study_summary.with_traceback(None)  # do not extend the same traceback in each call
             summary = self._study_summary
             return replace(summary, at=summary.at.copy(), onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
         return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))

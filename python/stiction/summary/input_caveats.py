@@ -62,7 +62,7 @@ MAX_STEP_FRACTION = 0.65
 The largest fraction of 540 simulated profiles and 540 simulated maps without a step was 0.62.
 """
 
-# A caveat is issued if a peak contributes at least this fraction of the fourth spectral moment.
+# Minimum fraction of the fourth spectral moment in a peak for which a caveat is issued.
 MAX_SPECTRAL_PEAK_FRACTION = 0.1
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (

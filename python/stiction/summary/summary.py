@@ -65,7 +65,7 @@ if TYPE_CHECKING:
 
 # Name of the budget entry for short wavelengths that the automatic cutoff removes, because they may be noise.
 POSSIBLE_NOISE_INPUT_NAME = "possible instrument noise"
-# An input is dominant only if the interval would narrow by more than this fraction if the input were exact.
+# Minimum relative reduction of the interval by an exact input, for an input that counts as dominant.
 MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 
