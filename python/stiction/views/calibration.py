@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from stiction.summary.evaluation import Evaluation
 
 MIN_PRINTED_AREA_RANGE = 1e-6  # relative range of A/F above which the interval or the range of A/F is printed
-# The tests narrow a range if they move a limit of its 95 % interval by more than this fraction of the interval's width.
+# Minimum shift of a limit of a 95 % interval, relative to its width, by tests that narrow the range.
 MIN_NARROWING = 0.05
 MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution that the figure shows
 

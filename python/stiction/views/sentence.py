@@ -30,9 +30,9 @@ from stiction.views.pull_off import pull_off_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# The sentence defines the load if the definition changes the coefficient by more than this fraction.
+# Relative effect of the load definition on the coefficient above which the sentence defines the load.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
-# The terminal and the report state the range for finer scans if it spans at least this fraction of the interval.
+# Minimum width of the range for finer scans, relative to the interval, for which text states the range.
 MIN_STATED_BRACKET_WIDTH = 0.05
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Largest relative deviation of A E* h'/F from its usual value at which the small-slope estimate still applies."""
@@ -49,7 +49,7 @@ def finer_scan_text(point: PointSummary) -> str:
     bounds_text = f"{low} (μ0 + τ0/{'H′' if point.has_junction_growth else 'H'})" + (
         f" to {high}" if low != high else ""
     )
-    bounds_text += ", unless small contacts are harder"  # because of the indentation size effect
+    bounds_text += ", unless small contacts are harder"  # the indentation size effect makes small contacts harder
     return f"with H = {format_with_unit(point.hardness, 'GPa')} a finer scan would give {bounds_text}"
 
 
@@ -273,7 +273,7 @@ def _averaged_members_text(point: PointSummary) -> str:
     return f"{point.members:.0f} {names[1]}{explanation}"
 
 
-PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # width that the paper assumes for profiles
+PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes a width of 1 µm for profiles
 
 
 def lay_assumption(study: Study) -> str:

@@ -48,11 +48,11 @@ SLIDING_RULE_COLOURS = {
     "all": ALL_CONTACTS_COLOUR,
     "opposing": OPPOSING_COLOUR,
 }  # colours of the sliding rules, in the order of legends
-AREA_COLOUR = "#009e73"  # colour of the true contact area
+AREA_COLOUR = "#009e73"
 FORCE_COLOUR = "#000000"  # colour of elastic forces
 FRICTION_COLOUR = "#cc79a7"  # colour of friction forces
-UPPER_BODY_COLOUR = "#c6d9e7"  # colour of the upper body
-LOWER_BODY_COLOUR = "#e3d5bb"  # colour of the lower body
+UPPER_BODY_COLOUR = "#c6d9e7"
+LOWER_BODY_COLOUR = "#e3d5bb"
 SHEAR_STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of the lowest and the highest adhesive shear strength
 MAP_AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of the curves along the x axis and the y axis of a map
 SELF_LOCKED_COLOUR = "#7a0019"  # colour of cells in which friction is self-locked

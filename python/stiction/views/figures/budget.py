@@ -18,7 +18,7 @@ from stiction.views.style import (
     new_figure,
 )
 
-# An input is drawn only if the interval would narrow by at least this fraction if the input were exact.
+# Minimum relative reduction of the interval by an exact input, for an input that the figure shows.
 MIN_DRAWN_REDUCTION = 0.02
 MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure
 MAX_ROW_LABEL_WIDTH = 20  # maximum width of the labels of inputs in characters; longer labels are wrapped

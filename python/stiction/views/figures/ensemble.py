@@ -52,9 +52,9 @@ CURVE_LABEL_SPACING = 2.4  # distance between curve labels, mm
 # Maximum ratio of an axis limit to the extreme mean. Wider bands are cut off at the axis limit.
 MAX_DRAWN_BAND_RATIO = 2.0
 HEADING_HEIGHT = 4.0  # height of a heading line above a figure, mm
-MAX_LEGEND_COLUMNS = 4  # maximum number of legend columns
+MAX_LEGEND_COLUMNS = 4
 
-MIN_COLOUR_BAR_TICKS = 3  # minimum number of ticks of a colour bar
+MIN_COLOUR_BAR_TICKS = 3
 COLOUR_BAR_TICKS = (
     0.01,
     0.02,

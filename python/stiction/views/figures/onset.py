@@ -40,7 +40,7 @@ from stiction.views.style import (
     new_figure,
 )
 
-LOAD_CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)  # colours of the load cycles
+LOAD_CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:

@@ -22,8 +22,8 @@ from stiction.views.characterisation import length_text, to_characterisation
 from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
 MAX_DRAWN_PROFILE_POINTS = 1500  # maximum number of profile points in the figure; longer profiles are averaged
-NUM_HEIGHT_BINS = 40  # number of bins of the height distribution
-MEASURED_COLOUR, FITTED_COLOUR = "#0072b2", "#d55e00"  # colours of measured and fitted curves
+NUM_HEIGHT_BINS = 40
+MEASURED_COLOUR, FITTED_COLOUR = "#0072b2", "#d55e00"
 TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # spacings of ticks, in units of a power of ten
 MIN_MILLIMETRE_LENGTH = 1000.0  # length (µm) above which an axis is labelled in mm
 
