@@ -32,7 +32,7 @@ POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a c
 # Maximum time in seconds for which a stopped command may write its results before it is killed.
 MAX_SHUTDOWN_TIME = 5.0
 KILLED_PROCESS_TIMEOUT = 1.0  # maximum time in seconds for which the app waits until a killed process has ended
-MAX_WAITING_JOBS = 8  # maximum number of jobs in the queue
+MAX_WAITING_JOBS = 8
 MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command may print
 JOB_MEMORY_FRACTION = 0.5  # maximum fraction of the machine's memory that the running job may use
 # Maximum fraction of the machine's memory that each of the two reader processes and each preview may use.
@@ -76,7 +76,7 @@ class Job:
     total: int = 0
     versions: int = 0
     files: Path | None = None  # directory of the files that the user can save
-    record: Any = None  # values of the result that is shown
+    record: Any = None  # values of the displayed result
     error: str = ""
     is_ending: bool = False
     task: asyncio.Task[None] | None = None
@@ -395,7 +395,7 @@ async def _start_module(
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            with suppress(TimeoutError):  # the transport must be closed before the event loop
+            with suppress(TimeoutError):  # close the transport before the event loop
                 await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
         error_task.cancel()
 
