@@ -37,9 +37,9 @@ def main() -> None:
         sys.exit(EXIT_BAD_INPUT)
     try:
         with exit_on_interrupt():
-            from stiction.cli.application import run_command_line  # Ctrl-C during the import needs the handler
+            from stiction.cli.application import run_command_line  # Ctrl-C is handled during the import, too
         status = run_command_line()
-    except KeyboardInterrupt:  # Ctrl-C was pressed during the import of libraries
+    except KeyboardInterrupt:  # raised if Ctrl-C is pressed during the import of libraries
         status = EXIT_INTERRUPTED
     if status == EXIT_INTERRUPTED:  # exit without waiting for threads that still run a computation
         with suppress(OSError):
@@ -63,7 +63,7 @@ def _address_space_limit() -> float:
     """Return the address-space limit of this process in bytes, or infinity if there is none."""
     try:
         import resource
-    except ImportError:  # Windows has no module `resource`
+    except ImportError:  # raised on Windows, which has no module `resource`
         return math.inf
     soft_limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     return math.inf if soft_limit == resource.RLIM_INFINITY else soft_limit

@@ -40,13 +40,13 @@ def print_message(text: str, kind: str = "") -> None:
     try:
         _clear_line()
         print("\n".join(lines), file=sys.stderr, flush=True)
-    except OSError:  # standard error may be closed, or redirected to a full disk
+    except OSError:  # raised if standard error is closed, or redirected to a full disk
         _redirect_to_null_device(sys.stderr)
 
 
 def _redirect_to_null_device(stream: TextIO) -> None:
     """Redirect a stream after a failed write. Otherwise, flushing it at exit would raise the same error again."""
-    with suppress(OSError):  # a stream that exists only in Python has no file descriptor
+    with suppress(OSError):  # raised for a stream that has no file descriptor
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
@@ -315,7 +315,7 @@ def run_command_line() -> int:
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:
         return report_interruption().exit_code
-    except SystemExit:  # the parser raises SystemExit if the pipe for the help text is closed
+    except SystemExit:  # raised by the parser if the pipe for the help text is closed
         return 0
     finally:
         _discard_unwritable_output()

@@ -30,7 +30,7 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
         return thread_pool_executor(workers)
     if workers is not None:
         raise StudyError("--workers must not be combined with --scheduler")
-    if sys.modules.get("dask") is None:  # `main` prevents the import of Dask
+    if sys.modules.get("dask") is None:  # `main` has prevented the import of Dask
         sys.modules.pop("dask", None)
     return connect_to_cluster(scheduler)
 
