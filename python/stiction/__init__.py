@@ -73,7 +73,7 @@ __all__ = sorted(_MODULES_BY_PUBLIC_NAME)
 
 
 def __getattr__(name: str) -> object:
-    from importlib import import_module  # many commands use no public name
+    from importlib import import_module  # imported on demand, because many commands use no public name
 
     if name not in _MODULES_BY_PUBLIC_NAME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

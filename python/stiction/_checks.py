@@ -126,7 +126,7 @@ def parse_path(name: str, value: Any) -> Path:
     path = Path(value)
     try:
         is_possible = b"\0" not in os.fsencode(path)
-    except UnicodeEncodeError:  # lone surrogates occur in no name of an existing file
+    except UnicodeEncodeError:  # raised for lone surrogates, which occur in no file name
         is_possible = False
     if not is_possible:
         raise ValueError(f"{name} must be a path of printable characters, got {short_repr(os.fspath(path))}")

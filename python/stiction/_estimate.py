@@ -15,10 +15,10 @@ from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, 
 
 MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is very narrow
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
-# The upper end of an interval is printed with one digit if it exceeds this multiple of the value.
+# Ratio of the upper end of an interval to the value above which the upper end is printed with one digit.
 MAX_FULL_PRECISION_END_RATIO = 100.0
-NO_INTERVAL_CODE = -128  # stands for the number of decimals of the upper end if no interval is printed
-# Stands for the number of decimals of an upper end with one digit and an exponent, as in "5e+09".
+NO_INTERVAL_CODE = -128  # replaces the number of decimals of the upper end if no interval is printed
+# Code instead of a number of decimals, for an upper end with one digit and an exponent, as in "5e+09".
 EXPONENT_CODE = -127
 MAX_DECIMALS = 100  # numbers of decimals, which may be negative, are limited to -MAX_DECIMALS ... MAX_DECIMALS
 

@@ -50,7 +50,7 @@ def check_creatable(path: Path, error_type: type[ValueError]) -> None:
     with _translate_os_errors(path, error_type):
         if os.path.lexists(path):
             raise FileExistsError
-        os.stat(os.path.join(path.parent, ""))  # fails if the parent is missing or is a file
+        os.stat(os.path.join(path.parent, ""))  # fails if the parent directory is missing or is a file
 
 
 @contextmanager
@@ -90,7 +90,7 @@ def create_atomically(path: Path, content: bytes) -> None:
             partial_path.write_bytes(content)
     except FileExistsError:
         raise
-    except OSError:  # the disk may be full, or the file system may have no hard links
+    except OSError:  # raised if the disk is full or the file system has no hard links
         if os.path.lexists(path):
             raise
         write_atomically(path, content)
@@ -182,7 +182,7 @@ def _scan_partial_files(folder: Path) -> Iterator[tuple[os.DirEntry[str], bool]]
         entries = list(iterator)
     for entry in entries:
         match = PARTIAL_FILE_NAME_PATTERN.fullmatch(entry.name)
-        with suppress(FileNotFoundError):  # the other process may finish its file at any time
+        with suppress(FileNotFoundError):  # another process may finish its file at any time
             if match and entry.is_file(follow_symlinks=False):
                 yield entry, _is_stale_partial_file(entry, *match.groups())
 
