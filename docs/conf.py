@@ -107,7 +107,14 @@ def improve_accessibility(app: Sphinx, exception: Exception | None) -> None:
 
 
 SCANS_FOLDER = ROOT / "examples/scans"
-STEEL_ON_BRASS_OPTIONS = {"upper": "steel", "lower": "brass", "mu0": 0.2, "tau0": "50 MPa", "mechanics": "half-space"}
+STEEL_ON_BRASS_OPTIONS = {
+    "upper": "steel",
+    "lower": "brass",
+    "hardness": "120 HV ± 10 %",
+    "mu0": 0.2,
+    "tau0": "50 MPa",
+    "mechanics": "half-space",
+}
 STEEL_ON_STEEL_OPTIONS = STEEL_ON_BRASS_OPTIONS | {
     "lower": "steel",
     "mu0": "0.2±0.01",
