@@ -52,7 +52,8 @@ def verdict_table(table: Path, titles: Sequence[str]) -> str:
     claims = [row for row in rows if row[0].startswith("**")]
     return (
         "\n".join(
-            _markdown_row(*(_verdict_badge(row[column]) for column in columns)) for row in (header, separator, *claims)
+            _markdown_row(*(_verdict_badge(row[column]).strip("*") for column in columns))
+            for row in (header, separator, *claims)
         )
         + "\n"
     )
