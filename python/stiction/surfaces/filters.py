@@ -119,7 +119,7 @@ def filtered(
 
 
 def validate_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Check a cutoff (µm), and return it. Its limits are half the spacing and `longest` times the shortest side."""
+    """Return a cutoff (µm) after checking that it is from half the spacing to `longest` times the shortest side."""
     side_lengths = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = validate_number(name, value, unit="µm", above=0)
     low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(side_lengths)

@@ -101,9 +101,9 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def disagreement(self) -> Floats:
-        """Mean ratio of the density of each scan to that of all other scans at shared wavelengths, shape (scans,).
+        """Mean ratio of the density of each scan to the density of all other scans at shared wavelengths.
 
-        The ratio is NaN for a scan without overlap.
+        The shape is (scans,), and the ratio is NaN for a scan without overlap.
         """
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         ratios = np.full(len(self.bands), np.nan)
@@ -155,7 +155,7 @@ class JoinedSpectrum(TextReprMixin):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """Generate a periodic Gaussian surface with this spectrum. Wavelengths outside the spectrum are absent.
+        """Generate a periodic Gaussian surface from the spectrum. Wavelengths outside the spectrum are absent.
 
         Parameters
         ----------

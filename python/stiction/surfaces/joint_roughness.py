@@ -40,7 +40,7 @@ class JointRoughness:
 
     @property
     def jrc(self) -> float:
-        """Joint roughness coefficient 32.2 + 32.47 log10 Z2; NaN outside the range for which it was fitted."""
+        """Joint roughness coefficient 32.2 + 32.47 log10 Z2, or NaN outside the range of the fitted formula."""
         deviation = abs(self.sampling_interval / SAMPLING_INTERVAL - 1)
         if not (MIN_Z2 <= self.z2 <= MAX_Z2 and deviation <= MAX_SAMPLING_INTERVAL_DEVIATION):
             return math.nan

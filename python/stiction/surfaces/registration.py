@@ -33,7 +33,7 @@ _PEAK_WIDTH_FRACTION = 0.05  # half width of a correlation peak, as a fraction o
 
 @dataclass(frozen=True)
 class Registration:
-    """Position of the upper face at which it fits the lower face best.
+    """Position at which the upper face fits the lower face best.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class _Position:
 
 
 def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
-    """Return the overlapping parts of two facing bodies at the position at which they fit best, and this position.
+    """Return the overlapping parts of two facing bodies where they fit best, and the registration with that position.
 
     The spacings of both bodies must be equal. The upper face is rotated (maps only), shifted, and tilted so that the
     gap has no slope on average. It is interpolated by a cubic spline unless it fits at whole points without a rotation.
@@ -375,7 +375,7 @@ def _has_min_overlap(upper: Any, lower: Any, position: _Position) -> bool:
 
 
 def _estimate_noise(gap: Any) -> float:
-    """Return the noise (µm) of a gap, from its fourth differences along the last axis, or 0 if they are unknown.
+    """Return the noise (µm) of a gap, from its fourth differences along the last axis, or 0 if it has none.
 
     Fourth differences of noise that is independent from point to point have 70 times its variance.
     """

@@ -570,7 +570,7 @@ def _independent_line_counts(transform: NDArray[np.complex128], *, periodic: boo
 
 
 def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
-    """Compare the noise of lines along x with that of lines along y. At least one of the two must contain noise.
+    """Compare the noise of lines along x with the noise of lines along y. At least one of both must contain noise.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -655,7 +655,7 @@ def _find_disturbance(
 
 
 def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> bool:
-    """Return whether a spectrum with the harmonics of a texture falls as fast as that of a surface below a wavelength.
+    """Return whether a spectrum with texture harmonics falls as fast below a wavelength as the spectrum of a surface.
 
     Noise that matters exceeds the harmonics at short wavelengths, and flattens this spectrum too. Cusps of unequal
     depth raise only the density between the harmonics.

@@ -284,7 +284,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
 
 
 def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Find the outliers of a profile that rise from it abruptly, unlike the bottom of a groove or the tip of a cusp.
+    """Find the outliers that rise abruptly from a profile, unlike the bottom of a groove or the tip of a cusp.
 
     A group of adjacent outliers is isolated if its deviation from the profile without outliers is large compared with
     the height of its flanks, or if a single step on its flanks makes up most of its height. Dips must also be deep,
@@ -297,7 +297,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
     min_height = _MIN_DEEP_SPIKE_RATIO * float(levelled(profile, "line").heights.std())
 
     def measure_from_flanks(heights: Floats, group: slice) -> Floats:
-        """Return heights near a group, measured from the line between two points of the profile beside it."""
+        """Return heights near a group of outliers, measured from a line between points on both sides."""
         start, stop = max(group.start - _NUM_FLANK_POINTS, 0), min(group.stop + _NUM_FLANK_POINTS, outliers.size)
         base = np.linspace(remaining_heights[start], remaining_heights[stop - 1], stop - start)
         return heights[start:stop] - base

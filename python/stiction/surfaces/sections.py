@@ -60,7 +60,7 @@ class SectionLengthError(ValueError):
 
 @dataclass(frozen=True, repr=False)
 class SectionFilters:
-    """Filters and section lengths used for roughness and waviness parameters, and the reason for this choice.
+    """Filters and section lengths used for roughness and waviness parameters, with the reason for their choice.
 
     Attributes
     ----------

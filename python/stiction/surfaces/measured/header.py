@@ -414,7 +414,7 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
 
 
 def _find_unit_after_height_name(line: str, is_profile: bool, has_size: bool) -> str | None:
-    """Return the unit after the name of the heights, as in "Z: nm" and "z 10 nm", whether it is known or not.
+    """Return the known or unknown unit after the name of the heights, as in "Z: nm" and "z 10 nm".
 
     Remarks and factors are not units.
     """
@@ -690,7 +690,7 @@ def _split_name(name: str) -> list[str]:
 
 
 def _find_unknown_unit(name: str) -> str | None:
-    """Return the words after the name of an axis if they may be its unit, unlike a remark or a profile number."""
+    """Return the words after the name of an axis if they may be a unit, unlike a remark or a profile number."""
     match = _REST_AFTER_NAME_PATTERN.fullmatch(name)
     if match is None:
         return None

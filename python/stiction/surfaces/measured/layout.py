@@ -17,7 +17,7 @@ MAX_DECLARED_COUNT = 100_000_000  # maximum number of points or lines that a hea
 def parse_header_number(
     header: Mapping[str, str], name: str, default: float | None = None, *, positive: bool = False
 ) -> float:
-    """Return the number at the start of a header value. With `positive`, it must be a possible factor or length.
+    """Return the number at the start of a header value. With `positive`, it must be a factor or length above 0.
 
     Raises `FormatError` if there is no such number.
     """

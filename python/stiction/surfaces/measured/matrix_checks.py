@@ -141,7 +141,7 @@ def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> s
 
 
 def _find_statistics(values: Floats) -> str | None:
-    """Describe rows or columns at a side of a matrix that are statistics of the others, or return None."""
+    """Describe rows or columns at a side of a matrix that are statistics of all others, or return None."""
     for axis, kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered in (("last", lines), ("first", lines[::-1])):

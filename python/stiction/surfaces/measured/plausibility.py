@@ -290,7 +290,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _count_copies(heights: Floats) -> int:
-    """Return how many times a file lists the same heights, one list after another. A wave has shorter periods."""
+    """Return how many times a file repeats its whole list of heights, unlike the short periods of a wave."""
     for copies in (2, 3):
         length = heights.shape[0] // copies
         if (

@@ -477,7 +477,7 @@ def _read_binary_file(path: Path) -> ReaderResult:
 
 
 def _read_instrument_or_text_file(path: Path, start: bytes, words: tuple[str, ...]) -> ReaderResult:
-    """Read a file with SurfaceTopography. If this fails and the file is text, read it as a table."""
+    """Read a file with SurfaceTopography or, if SurfaceTopography cannot read a text file, as a table."""
     try:
         return read_instrument_file(path)
     except FormatError as error:

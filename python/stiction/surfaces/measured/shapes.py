@@ -344,7 +344,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the first number of a column has fewer decimals than all others, or the last counts them."""
+    """Return a caveat if the first number of a column has fewer decimals than the rest, or the last counts the rest."""
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1
