@@ -130,7 +130,7 @@ class FrictionLaw:
         return np.asarray(elastic + frictional * fraction + adhesive * (area * fraction))
 
     def coefficient(self, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Compute the friction coefficient from contact sums. Arguments are those of `load`."""
+        """Compute the friction coefficient from contact sums, with the arguments of `load`."""
         tangential, normal = (self.load(name, sums, area, fraction) for name in ("tangential", "normal"))
         return np.asarray(tangential / normal)
 
@@ -153,7 +153,7 @@ class FrictionLaw:
         return np.minimum(coefficient, 2 / self.junction_growth) if self.uses_slip_lines else coefficient
 
     def growth_effect(self, hardness: float) -> float:
-        """Return the change of the coefficient of fully yielding contacts if they yield by slip lines.
+        """Return the change of the coefficient of fully yielding contacts due to yield by slip lines.
 
         The change is relative to contacts that do not grow, and negative if the softer body shears.
         """

@@ -236,7 +236,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def _separation_solutions(self) -> tuple[list[ContactSolution], str]:
-        """Contacts during separation, and the reason why the largest tension is uncertain ("" if it is certain)."""
+        """Contacts during separation, and the reason why the largest tension is uncertain, or "" if it is certain."""
         contact_solution = self._contact_solutions[int(np.argmin(self.load))]
         return solve_separation(contact_solution, tolerance=self._tolerance, record=self._record)
 

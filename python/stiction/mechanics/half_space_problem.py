@@ -254,7 +254,7 @@ class ContactSolution:
         return self._linear_response if free_mask is self.below_hardness else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the pressures (sum: 1 GPa) that displace all free points equally, and this displacement (µm)."""
+        """Return the pressures (sum: 1 GPa) that displace all free points equally, and the displacement (µm)."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free_mask), threads=solver_thread_count())
         return TiltResponse.solve(self.problem, self.on_grid(free_mask)).balanced_response()
@@ -289,7 +289,7 @@ def make_problem(
     upper: Profile | Surface, lower: Profile | Surface, effective_modulus: float, *, periodic: bool,
     compliance_share: float, hardness: float | None,
 ) -> HalfSpaceProblem:  # fmt: skip
-    """Create the contact problem of two surfaces on the same grid. The other arguments must have been checked."""
+    """Create the contact problem of two surfaces on the same grid. All arguments must have been checked before."""
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(f"upper and lower must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}")
     spacing = upper.spacings

@@ -35,7 +35,7 @@ class ContactLaw:
         cls.name = re.sub(r"(?<!^)(?=[A-Z])", "-", cls.__name__).lower()
 
     def parameters(self, effective_modulus: float) -> dict[str, float]:
-        """Return the parameters that the core requires for this law, including E* (GPa)."""
+        """Return the parameters of the law that the core requires, including E* (GPa)."""
         parameters = {item.name: validate_number(item.name, getattr(self, item.name)) for item in fields(self)}
         return {
             "effective_modulus": validate_number("effective_modulus", effective_modulus, unit="GPa", above=0),

@@ -281,7 +281,7 @@ def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
 
 
 def softest_material(*bodies: Material) -> Material | None:
-    """Return the material with the lowest hardness, or None if there are no materials or one has no hardness."""
+    """Return the material with the lowest hardness, or None without materials, or if a material has no hardness."""
     hardnesses = [(body.hardness, body) for body in bodies if body.hardness is not None]
     return min(hardnesses, key=lambda pair: pair[0])[1] if hardnesses and len(hardnesses) == len(bodies) else None
 
@@ -297,7 +297,7 @@ def is_coating_formula(name: str) -> bool:
 
 
 def _is_formula_of_another_material(name: str, other: Material) -> bool:
-    """Return whether a name is spelled like a formula, as "TiN" is, although its letters are those of a material."""
+    """Return whether a name such as "TiN" is spelled like a formula, although another material has the same letters."""
     letters = "".join(character for character in name if character.isalnum())
     exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(other))
     if letters in exact_names or letters in (letters.lower(), letters.upper()):

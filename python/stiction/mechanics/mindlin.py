@@ -59,7 +59,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return the mean of sin² for each elliptic contact. `compliance_ratio` accepts this mean as `transverse_fraction`.
+    """Return the mean of sin² for each elliptic contact, which is the `transverse_fraction` of `compliance_ratio`.
 
     The angles (rad) are between the motion and the larger axis.
     """
@@ -215,7 +215,7 @@ class HalfSpaceTangentialProblem:
 
     @cached_property
     def _solver(self) -> _core.HalfSpaceSolver:
-        """Solver for the tractions. A copy of the problem creates a new solver instead of sharing this one."""
+        """Solver for the tractions. A copy of the problem creates a new solver."""
         return _core.HalfSpaceSolver(
             np.zeros(self.shape),
             self.grids,

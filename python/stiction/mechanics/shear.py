@@ -304,7 +304,7 @@ class ShearBox:
     def _solve_step(
         self, offset: NDArray[np.int64], first: StepResult | None, previous: StepResult | None
     ) -> StepResult:
-        """Find the elastic load at which the normal load has its target, and return the contact there."""
+        """Find the elastic load at which the normal load reaches its target, and return the contact at this load."""
         upper, lower = self.faces_at(offset)
         gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
         first_contact_height = -float((gap if missing is None else gap[~missing]).min())

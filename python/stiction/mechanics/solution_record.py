@@ -32,7 +32,7 @@ class SolutionRecord:
         return compute()
 
     def read_state(self) -> StepResult | None:
-        """Return the stored state of the current step if an earlier computation was interrupted in it."""
+        """Return the stored state of the current step if an earlier computation was interrupted during the step."""
         return None
 
     def offer_state(self, get_state: Callable[[], StepResult]) -> None:
