@@ -215,7 +215,7 @@ def pair(
     missing_value : str or float, or several, optional
         Numbers or words that mark points without a height, "-9999".
     outliers : {"keep", "mask"}, optional
-        Treat up to 4 adjacent points beyond 6 robust deviations of their neighbors as missing. By default keep.
+        Treat up to 4 adjacent points beyond 6 robust deviations of their neighbours as missing. By default keep.
     crop : str or float, or several, µm, optional
         Region of the file to read: "10 um,60 um"; for a map, first along x, then along y.
     channel : str or float, or several, optional

@@ -59,7 +59,7 @@ MAX_HARMONICS = 1_000_000
 
 
 class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
-    """Keys of `[surfaces]` that all generated surfaces share, i.e. fractal dimension and amplitude."""
+    """Keys of `[surfaces]` that all generated surfaces share: fractal dimension and amplitude."""
 
     bodies: ClassVar[str] = "generated areas"  # term for the bodies in error messages
     is_areal: ClassVar[bool] = True

@@ -306,7 +306,7 @@ class InterfaceStrength:
 
 
 def compute_credible_interval(values: Floats, bound: float = -math.inf) -> ValueWithLimits:
-    """Return the median of the samples, and the limits of the interval that contains 95 % of them.
+    """Return the median of the samples, and the limits of the interval that contains 95 % of the samples.
 
     The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
     shortest interval is returned.
@@ -375,7 +375,7 @@ def write_interface(interface: InterfaceStrength, path: str | Path, about: Mappi
 
 
 def store_interface(interface: InterfaceStrength, folder: Path) -> Path:
-    """Write an interface to a directory for a study in this directory, and return the path of the file.
+    """Write the interface of a study to the directory of the study, and return the path of the file.
 
     Files of other interfaces in the directory belong to other studies and are kept.
     """
@@ -484,7 +484,7 @@ class InterfaceSettings(SettingsSection):
 
     @classmethod
     def from_source(cls, name_or_path: str) -> InterfaceSettings:
-        """Create the entry of a published interface or of a file. Raises a `ValueError` if there is none."""
+        """Create the entry of a published interface or of a file. Raises a `ValueError` if neither exists."""
         is_published = name_or_path in _published_interfaces()
         try:
             file = name_or_path if is_published else str(Path(name_or_path).resolve())

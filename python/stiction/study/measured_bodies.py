@@ -229,12 +229,12 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def scans(self) -> tuple[MeasuredBodySettings, ...]:
-        """All scans of the body, i.e. the scan in this file followed by scans of other places."""
+        """All scans of the body: the scan in the file of the entry, followed by scans of other places."""
         return self, *(self.others or ())
 
     @property
     def name(self) -> str:
-        """File name without its directory. If there are further scans, their number is appended."""
+        """File name without its directory, followed by the number of further scans, if any."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
     def _apply_to_scans(self, change: Callable[[MeasuredBodySettings], MeasuredBodySettings]) -> MeasuredBodySettings:
@@ -353,7 +353,7 @@ class MeasuredBodySettings(SettingsSection):
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def limit_cut_off(self, wavelength: float) -> float:
-        """Return the cutoff wavelength (µm) of the pair, limited to the largest cutoff allowed for this scan."""
+        """Return the cutoff wavelength (µm) of the pair, limited to the largest cutoff allowed for the scan."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated_fraction_and_gap(self) -> Floats:

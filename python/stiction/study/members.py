@@ -230,7 +230,7 @@ class PreparedBodies:
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)
 
     def attributes(self) -> BodyAttributes:
-        """Return the body attributes that a result stores, namely nominal area, history, grid and missing data."""
+        """Return the body attributes that a result stores: nominal area, history, grid and missing data."""
         properties = self.members(self._surfaces.reported_cut_off()).find_shared_properties()
         attributes: dict[str, Any] = {
             side: "\n".join(body.history)
@@ -272,7 +272,7 @@ class PreparedBodies:
 
     @cached_property
     def _drift_attributes(self) -> dict[str, Any]:
-        """Drift of the roughness along each body that has a single scan, if there is any.
+        """Drift of the roughness along each body that has a single scan and a drift.
 
         Each attribute contains the drift, and the fraction of the mean square slope of the gap due to the body.
         """

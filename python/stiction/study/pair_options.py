@@ -169,7 +169,7 @@ class PairProperties(Protocol):
 
     @property
     def has_surrogates(self) -> bool:
-        """True if the study generates surrogates, i.e. random surfaces that have the measured spectra."""
+        """True if the study generates surrogates, which are random surfaces with the measured spectra."""
 
     @property
     def scan_counts(self) -> tuple[int, int]:
@@ -536,7 +536,7 @@ class FileReadingOptions(OptionGroup):
         field=FormField(label="missing value", place="scan", example="-9999", size=9),
     )] = None  # fmt: skip
     outliers: Annotated[OutlierTreatment | None, PairOption(
-        "keep|mask", "Treat up to 4 adjacent points beyond 6 robust deviations of their neighbors as missing.",
+        "keep|mask", "Treat up to 4 adjacent points beyond 6 robust deviations of their neighbours as missing.",
         usual="keep",
         field=FormField(label="outliers", place="scan", empty="keep them", choices=(("mask", "leave them out"),)),
     )] = None  # fmt: skip

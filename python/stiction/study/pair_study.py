@@ -306,7 +306,7 @@ class MeasuredPair:
 
     @property
     def has_surrogates(self) -> bool:
-        """True if the study generates surrogates, i.e. random surfaces that have the measured spectra."""
+        """True if the study generates surrogates, which are random surfaces with the measured spectra."""
         return self.press_mode == "surrogates" or self.options.surrogates not in (None, "none")
 
     @cached_property
@@ -430,7 +430,7 @@ class MeasuredPair:
 
     @property
     def _max_cell_adhesion_force(self) -> float:
-        """Largest adhesive force (mN) on a grid cell, i.e. w/ρ times cell area (w: work, ρ: range of adhesion)."""
+        """Largest adhesive force (mN) on a grid cell: w/ρ times cell area (w: work, ρ: range of adhesion)."""
         num_points = int(np.prod(self._body_attributes.attributes["shape"]))
         spacings = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work_of_adhesion, study_range = (
@@ -474,7 +474,7 @@ class MeasuredPair:
 
     @cached_property
     def studies(self) -> list[Study]:
-        """Studies to compute: for the result and, if a check was requested, another with the other contact model."""
+        """Studies to compute: the study of the result and, if requested, a check with the other contact model."""
         contact_sections = [self._build_contact_section(mechanics) for mechanics in self.contact_models]
         load_texts = [exact_quantity_text(load, "mN") for load in self._choose_load_steps(contact_sections).tolist()]
         return [self._build_study(contact | {"load": load_texts}) for contact in contact_sections]
@@ -709,7 +709,7 @@ class MeasuredPair:
 
     @property
     def _adhesion_entries(self) -> dict[str, Quantity]:
-        """Entries of the section `[contact]` that describe adhesion, i.e. work of adhesion and range of adhesion.
+        """Entries of the section `[contact]` for the work of adhesion and the range of adhesion.
 
         Each must be a single value, because the contacts are computed for a single value.
         """
@@ -787,7 +787,7 @@ class MeasuredPair:
 
     @property
     def _area_loss(self) -> InputValue | None:
-        """Fraction of the true area that is lost under shear, or None if it is neither given nor usual."""
+        """Fraction of the true area that is lost under shear, or None if no fraction is given or usual."""
         value: Any = self.options.area_loss
         if self._hardness is not None:
             if value is not None:

@@ -1,4 +1,4 @@
-"""Studies, i.e. validated descriptions of a computation. They are read from TOML files or built in."""
+"""Studies: validated descriptions of a computation, which are read from TOML files or built in."""
 
 from __future__ import annotations
 
@@ -372,7 +372,7 @@ class Study(SettingsSection):
     @field_validator("contact", "friction", mode="before")
     @classmethod
     def _validate_dependent_section(cls, value: object, info: ValidationInfo) -> Any:
-        """Validate a section with the class that matches the surfaces; it is empty if the surfaces are invalid."""
+        """Validate a section with the class that matches the surfaces. Invalid surfaces give an empty section."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
             surfaces, value = GeneratedProfileSettings(), {}
@@ -424,7 +424,7 @@ class Study(SettingsSection):
         return self
 
     def _require_exact_inputs(self) -> None:
-        """Raise an error if an input of generated surfaces is uncertain, because their intervals do not include it."""
+        """Raise an error if an input of generated surfaces is uncertain, because their intervals ignore it."""
         for key, value in self.contact:
             if isinstance(value, InputValue) and not value.is_exact:
                 raise ValueError(f"contact.{key}: must be exact for generated surfaces, got {short_repr(value.text)}")

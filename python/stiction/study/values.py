@@ -193,7 +193,7 @@ class SettingsSectionVariant(SettingsSection):
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
-        """Return the keys that select this class, with the single value that each key allows."""
+        """Return the keys that select the class, with the single value that each key allows."""
         return {
             key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
             and get_args(field.annotation) == (field.default,)
