@@ -177,7 +177,7 @@ def compute_steep_point_load_fraction(solution: ContactSolution, slopes: PairSlo
 
 
 def compute_sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
-    """Return quantiles along the first axis, ignoring NaN. The first axis of the result is that of the probabilities.
+    """Return quantiles along the first axis, ignoring NaN. The first axis of the result contains the probabilities.
 
     The quantiles equal those of `numpy.nanquantile`, which loops over columns and takes ten times as long.
     """

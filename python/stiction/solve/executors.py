@@ -114,7 +114,7 @@ def evaluate_in_copy(function: Callable[[], _Result]) -> Iterator[Callable[[], _
 
 
 def _start_without_interrupts(process: ForkProcess) -> None:
-    """Start a copy of this process, which receives Ctrl-C only when it is ready for it."""
+    """Start a copy of this process, which receives Ctrl-C only when it can handle Ctrl-C."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         # Ignore a warning of Python 3.12 about threads of any library. OpenBLAS stops its threads in a copy.
@@ -125,7 +125,7 @@ def _start_without_interrupts(process: ForkProcess) -> None:
 
 
 def _can_be_copied() -> bool:
-    """Return whether a copy of this process is safe and has a core of its own.
+    """Return whether this process can be copied safely, and whether the copy can use another core.
 
     A copy has none of the other threads, which may hold locks. On macOS, system libraries do not work in copies.
     """

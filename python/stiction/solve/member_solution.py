@@ -143,7 +143,7 @@ def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: 
 
 
 def _list_profile_directions(contact: CommonContactSettings) -> list[ShearDirection]:
-    """Return the directions of motion along profiles, i.e. "+x", "-x" or both."""
+    """Return the directions of motion along profiles: "+x", "-x" or both."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.direction_angles()]
 
 

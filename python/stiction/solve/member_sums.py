@@ -156,7 +156,7 @@ class MemberSums:
 
     @cached_property
     def mean_elastic_loads(self) -> xarray.DataArray:
-        """Elastic load (mN) of each cell at each loading step, averaged over the members solved at this step."""
+        """Elastic load (mN) of each cell at each loading step, averaged over the members solved at the step."""
         return share(self.means(["normal_elastic"]))["normal_elastic"]
 
     def load_companion(self, read: Callable[[StoredResult], _Value | None]) -> _Value | None:

@@ -192,7 +192,7 @@ class _StoredRecord(SolutionRecord):
         return self._folder.is_dir()
 
     def _read_step(self, step: int) -> StepResult | None:
-        """Return a stored step, or None if this step or an earlier one is missing."""
+        """Return a stored step, or None if the step or an earlier step is missing."""
         result = _read_result(self._folder / f"{step:05d}.npz") if self._is_resuming and self._had_files else None
         self._is_resuming = result is not None
         return result

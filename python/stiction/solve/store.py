@@ -137,7 +137,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[BlockFile, int, int]]:
-        """List of blocks, each with the range of members to be read from it.
+        """List of blocks, each with the range of members to be read from the block.
 
         The ranges do not overlap, even if the blocks do.
         """
@@ -182,7 +182,7 @@ class StoredResult:
 
     @cached_property
     def first_block_content(self) -> BlockFileContent:
-        """Contents of the first block. The study in this block may differ from the study file in the directory."""
+        """Contents of the first block, whose study may differ from the study file in the directory."""
         return self._read_block(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
 
     def dataset(self) -> xarray.Dataset:
@@ -557,7 +557,7 @@ def remove_result(stored_result: StoredResult, claim: FolderClaim) -> None:
 
 
 def _check_resumable(stored_result: StoredResult) -> None:
-    """Raise a `StoreError` if the existing blocks prevent the computation of this study from being resumed."""
+    """Raise a `StoreError` if the existing blocks prevent a study from being resumed."""
     if not stored_result.blocks:
         return
     path, content, num_members = (
