@@ -481,7 +481,7 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
 
 
 def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Sequence[Any]) -> Floats:
-    """Return, for each of the named inputs, the intervals that would remain if this input were exact.
+    """Return the intervals that would remain if one of the named inputs were exact, for each of these inputs.
 
     An alternative preparation can have other inputs, such as a drift of the roughness. Without an input, the combined
     interval remains.

@@ -419,7 +419,7 @@ class CombinedIntervals:
     def _sample_friction(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0
     ) -> tuple[Floats, Floats]:
-        """Return samples of the coefficient, and of its upper limit, which is infinite if there is none.
+        """Return samples of the coefficient, and of its upper limit, which may be infinite.
 
         `strength_index` selects an entry of `strengths`, if there are any. If unresolved roughness may change
         the coefficient, it lies between the lowest and the highest coefficient for finer scans.
@@ -475,7 +475,7 @@ class CombinedIntervals:
     def _insert_interface_samples(
         self, inputs: InputValues, samples: _InputSamples, strength_index: int
     ) -> InputValues:
-        """Insert the joint samples of an interface, sorted by the coefficients that they give.
+        """Insert the joint samples of an interface, sorted by the coefficients that follow from mu0 and tau0.
 
         Their quantiles are therefore also quantiles of the coefficient.
         """
@@ -552,7 +552,7 @@ def compute_quantiles(
 
 
 def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:
-    """Extend `FRICTION_PERCENTILES` (last axis) by those of other samples: low ones downwards, high ones upwards.
+    """Extend low percentiles downwards and high percentiles upwards to the percentiles of other samples (last axis).
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

@@ -27,7 +27,7 @@ NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLV
 
 
 def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> list[float]:
-    """Return the loads (mN) at which a dataset from `Result.at` has no coefficient because they were not computed.
+    """Return the loads (mN) of a dataset from `Result.at` that have no coefficient because they were not computed.
 
     At a computed load, a point without a coefficient may be self-locked, for example. Such loads are not returned, and
     neither are negligible loads on adhesive bodies, for which there is a pull-off force.

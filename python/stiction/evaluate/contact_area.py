@@ -106,7 +106,7 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH,
     ) -> Floats:  # fmt: skip
-        """Return the true area (µm²) before shear. The hardness and the exponent are those of the study by default.
+        """Return the true area (µm²) before shear. By default, hardness and exponent have the values of the study.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Confidence intervals (95 %) for means over independent repetitions or over neighboring positions.
+"""Confidence intervals (95 %) for means over independent repetitions or over neighbouring positions.
 
 The script docs/scripts/intervals.py measures the coverage of the intervals, and their width relative to the best
 possible interval.
@@ -418,7 +418,7 @@ def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float
 
 
 def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean of correlated values measured at neighboring positions (first axis), with its interval.
+    """Return the mean of correlated values measured at neighbouring positions (first axis), with its interval.
 
     The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
     and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/uncertainty.md). The interval lies within the

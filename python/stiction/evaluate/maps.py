@@ -425,9 +425,10 @@ def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArra
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return the contact sums, followed by the sums for each named quantity. The first axes are those of the motion.
+    """Return the contact sums, followed by the sums for each named quantity.
 
-    If a quantity is stored directly, its values replace the area in its sums.
+    The first axes of each sum are sliding rule and direction. If a quantity is stored directly, its
+    values replace the area in its sums.
     """
     get_values_or_nan = partial(_get_values_or_nan, dataset, step_dimension=step_dimension)
     columns = {name: get_values_or_nan(name) for name in SUM_QUANTITIES}

@@ -32,7 +32,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 
 @dataclass(frozen=True, eq=False)
 class LoadNeighbors:
-    """Values of members at the computed loads just below and above each load, and the position between these loads.
+    """Values of members at the computed loads below and above each load, and the position between both loads.
 
     The position is the fraction of the distance in ln F; it is 0 at a computed load.
     """

@@ -1,4 +1,4 @@
-"""Values at one point of an `at_load` dataset, i.e. at one roughness or cutoff, load, mu0 and tau0."""
+"""Values at one point of an `at_load` dataset: at one roughness or cutoff, load, mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class SlidingRuleCoefficient(Estimate):
 
 
 def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
-    """Yield one dataset for each point, i.e. for each combination of roughness or cutoff, load, mu0 and tau0."""
+    """Yield one dataset for each combination of roughness or cutoff, load, mu0 and tau0."""
     cell_dims = [name for name in CELL_DIMENSIONS if name in at.dims]
     dims = [*cell_dims, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
     for indices in np.ndindex(*(at.sizes[name] for name in dims)):

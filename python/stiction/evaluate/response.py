@@ -234,7 +234,7 @@ class ContactResponse:
         )
 
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, ...]:
-        """Return the loading and the unloading stiffness, and those of closure, divided by those at the central inputs.
+        """Return ratios of stiffnesses (loading, unloading, closure) to their values at the central inputs.
 
         E*, the heights and the hardness together change the stiffness by similarity: it is that at the load over their
         factor. A hardness that does not have this factor changes it with the area. The stiffness keeps the measured
@@ -258,7 +258,7 @@ class ContactResponse:
         )
 
     def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
-        """Return the friction without an external load, divided by that at the central inputs.
+        """Return the ratio of the friction without an external load to its value at the central inputs.
 
         The attraction is that of the central inputs. The area changes as at the smallest computed load.
         """
@@ -288,7 +288,7 @@ class ContactResponse:
         return self.closure_curve.scale_stiffness(np.stack(ratios))
 
     def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
-        """Return the closure, divided by that at the central inputs.
+        """Return the ratio of the closure to its value at the central inputs.
 
         By similarity, it is that at the load over the change of E* and heights, times the height factor. `closures` is
         the result of `closures_at_computed_loads`.
@@ -300,5 +300,5 @@ class ContactResponse:
         return np.asarray(inputs.height_factor * closure / central)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities for the central inputs, after replacing some of these inputs."""
+        """Return all quantities for the central inputs, some of which may be replaced."""
         return self.evaluate(replace(self.central, **changes))

@@ -250,14 +250,14 @@ def _compute_limits(values: Floats) -> Floats:
 
 
 def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
-    """Extend the first limits to the value and to the other limits, and cut them at 0, except for dilation."""
+    """Extend the first limits to the value and all other limits, and raise negative limits to 0 except for dilation."""
     first, *other_limits = limits
     extended_limits = extend_intervals(first, *other_limits, np.stack([value, value], axis=-1))
     return extended_limits if "dilation" in name else np.maximum(extended_limits, 0.0)
 
 
 def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
-    """Return a copy of the test with intervals: those of curves as variables, those of single numbers as attributes."""
+    """Return a copy of the test with intervals: variables for curves, and attributes for single numbers."""
     attributes: dict[str, float] = {}
     displacement = test["displacement"].values
     for name in SUMMARY_NAMES:
