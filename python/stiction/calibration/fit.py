@@ -490,7 +490,7 @@ class CalibrationProblem:
 
     @cached_property
     def shared_hardness(self) -> Any:
-        """Uncertain hardness that all tests share, or None if there is no such hardness."""
+        """Uncertain hardness that all tests share, or None if the tests share no hardness."""
         first_area_factor = self._friction[0].area_factor
         area_factors = [equation.area_factor for equation in self._friction]
         names = {
@@ -504,7 +504,7 @@ class CalibrationProblem:
         )
 
     def _compute_hardness_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the hardness (GPa) that all tests share, or NaN if there is no such hardness."""
+        """Return samples of the hardness (GPa) that all tests share, or NaN if the tests share no hardness."""
         from scipy.special import ndtr
 
         first = self._friction[0]

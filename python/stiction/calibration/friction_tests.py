@@ -119,7 +119,7 @@ class _FrictionTestSums:
 
 @dataclass(frozen=True)
 class AreaFactor:
-    """Area factor, i.e. the ratio of true area to computed area, which depends on uncertain inputs."""
+    """Ratio of true contact area to computed contact area, which depends on uncertain inputs."""
 
     # Uncertain inputs by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
