@@ -155,7 +155,7 @@ def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
 def _find_neighbor_indices(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
     """Return the indices of the nearest computed height factors below and above the given factor.
 
-    Both indices are equal if the factor itself was computed. Returns None if the neighboring factors are too far apart.
+    Both indices are equal if the factor itself was computed. Returns None if neighbouring factors are too far apart.
     """
     upper = int(np.searchsorted(solved_factors, factor))
     if upper < solved_factors.size and solved_factors[upper] == factor:
