@@ -132,7 +132,7 @@ class Caveat:
 
 
 class LimitCheck(NamedTuple):
-    """Upper limit for a number, and the caveat that is issued if the number exceeds this limit.
+    """Upper limit for a number, and the caveat that is issued if the number exceeds the limit.
 
     The placeholder {} in the text stands for the number `about`.
     """

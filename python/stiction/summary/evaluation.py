@@ -58,7 +58,7 @@ NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
 class Evaluation(MemberSums):
-    """Contact sums of a study, the values evaluated from them, and further results stored alongside."""
+    """Contact sums of a study, the values evaluated from the sums, and further results stored alongside."""
 
     @cached_property
     def num_solved(self) -> int:
@@ -108,7 +108,7 @@ class Evaluation(MemberSums):
 
     @property
     def alternatives(self) -> dict[AlternativeName, Self]:
-        """Stored results for alternative preparations of the scans, by name. The combined interval includes them."""
+        """Stored results for alternative preparations of the scans, by name, which the combined interval includes."""
         return {name: self.of(sums) for name, sums in load_stored_alternatives(self).items()}
 
     @property

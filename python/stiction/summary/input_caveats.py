@@ -227,7 +227,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat. If it is a cutoff that exceeds the largest one (µm), return other advice."""
+    """Return the remedy of a caveat, or other advice if the remedy is a cutoff above the largest one (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -250,7 +250,7 @@ def _get_caveat_kind(caveat: Caveat) -> str:
 
 
 def _merge_caveat_texts(upper: Caveat, lower: Caveat) -> str:
-    """Merge the texts of two caveats of the same kind. Where the numbers in the texts differ, include both numbers."""
+    """Merge the texts of two caveats of the same kind. If a number differs between the texts, include both numbers."""
     other_numbers = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def merge_number(own_number: re.Match[str]) -> str:
@@ -343,7 +343,7 @@ def have_different_spectra(joined: JoinedSpectrum) -> bool:
 
 
 def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield a caveat if the spectra of scans disagree, and another one if all scans lack the same wavelengths."""
+    """Yield a caveat if the spectra of scans disagree, and a caveat if all scans lack the same wavelengths."""
     if have_different_spectra(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")

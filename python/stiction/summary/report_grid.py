@@ -1,4 +1,4 @@
-"""Loads, mu0 and tau0 that a report shows, and the values of the result at these loads, mu0 and tau0."""
+"""Loads, mu0 and tau0 that a report shows, and the evaluation of a result at these inputs."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ class ReportGrid:
 
 
 def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
-    """Return the values of mu0 and tau0 (GPa) that a report shows: those of the study and round values from 0."""
+    """Return the values of mu0 and tau0 (GPa) that a report shows: the values of the study, and round values from 0."""
     friction, is_measured = study.friction, study.is_measured
     names_with_range = set(Inputs.from_study(study).uncertain) | ({"mu0", "tau0"} if friction.interface else set())
     mu0, tau0 = np.array(friction.mu0, float), np.array([float(each) for each in friction.tau0])

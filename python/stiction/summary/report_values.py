@@ -228,7 +228,7 @@ QUANTITIES_BY_PANEL = {"friction": "friction_coefficient", "area": "contact_area
 
 
 def is_shown_in_report(name: str, values: Floats) -> bool:
-    """Return whether a report shows a quantity with these values."""
+    """Return whether a report shows a quantity, given its values."""
     return bool(np.isfinite(values).any() and (not QUANTITIES[name].is_omitted_if_zero or np.nan_to_num(values).any()))
 
 

@@ -335,7 +335,7 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Values at several cutoffs: those of the result itself or, if it has one cutoff, of its cutoff study."""
+        """Values at several cutoffs, from the result itself or, if the result has one cutoff, from its cutoff study."""
         return self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
 
     @cached_property
@@ -416,7 +416,7 @@ def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, a
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Extend the intervals at the first cutoff to include those at the second.
+    """Extend the intervals at the first cutoff to include the intervals at the second cutoff.
 
     The list begins with the points at the first cutoff. The other points are marked as covered.
     """
@@ -536,7 +536,7 @@ def summarize_point(
 
 
 def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
-    """Return the coefficient for a sliding rule, given the values of a point for this rule."""
+    """Return the coefficient for a sliding rule, given the values of a point for the rule."""
     name = "mean_friction" if "mean_friction" in table else "friction_coefficient"
     mean = read_estimate(table[name])
     interval_of_mean = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
@@ -561,7 +561,7 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return "ok" if all directions have this status, or otherwise the alphabetically first other status."""
+    """Return "ok" if all directions have the status "ok", and otherwise the alphabetically first other status."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 
