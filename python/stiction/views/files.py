@@ -29,7 +29,7 @@ OUTPUT_FILE_SIGNATURES = {
 
 
 def check_all_replaceable(folder: Path, file_marks: Mapping[str, bytes]) -> None:
-    """Raise a `ValueError` if a file exists and lacks the bytes that mark it as replaceable."""
+    """Raise a `ValueError` if an existing file lacks the bytes that mark a replaceable file."""
     for name, file_mark in file_marks.items():
         check_replaceable(folder / name, file_mark, ValueError)
 

@@ -169,7 +169,7 @@ def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
 
 
 def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG, PDF or SVG. Only figures of this package are overwritten.
+    """Write a figure as PNG, PDF or SVG. Only figures that stiction wrote are overwritten.
 
     Instruments store PNG files next to their data, so other images must never be replaced. Raises a `ValueError` if
     another file has the name, or if the file cannot be written.

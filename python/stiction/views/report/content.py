@@ -85,7 +85,7 @@ def common_facts(data: MeasuredReportData | GeneratedReportData) -> dict[str, An
 
 
 def _strength_limit(modulus: float) -> dict[str, Any]:
-    """Return the largest plausible tau0 (MPa), and the notice that a page shows above this value."""
+    """Return the largest plausible tau0 (MPa), and the notice that a page shows for a larger tau0."""
     ratio = friction.MAX_SHEAR_STRENGTH_RATIO
     text = f"τ0 is above {format_percent(ratio)} of the effective modulus, {format_with_unit(ratio * modulus, 'GPa')}."
     return {"limit": 1000 * ratio * modulus, "text": text}

@@ -121,7 +121,7 @@ def _value_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
 
 
 def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
-    """Return the numbers in the texts of caveats, at the points that have these caveats."""
+    """Return the numbers in the texts of caveats, at the points to which the caveats apply."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
         for check in filter(_has_number, caveats):
@@ -176,7 +176,7 @@ def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Flo
 
 
 def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -> dict[str, int]:
-    """Choose the initial cell and load of a page: those with the smallest relative interval of a valid value."""
+    """Choose the cell and load with the smallest relative interval of a valid value, which a page shows first."""
     is_valid, points = values.is_valid, values.estimates["friction"]
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     parameter_indices = [axis.find_index(value) for axis, value in zip(values.axes, strengths, strict=True)]

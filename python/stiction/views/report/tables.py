@@ -87,7 +87,7 @@ class NumberArray:
 
 
 def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDArray[np.int8]:
-    """Return the index of the format of each number, which `format_number` would choose for it."""
+    """Return the index of the format that `format_number` would choose for each number."""
     sizes = np.where(np.isnan(values) | (values == 0), 1.0, np.abs(values))
     minima = MIN_ROUNDED_TO_ONE * np.array([item.minimum for item in reversed(formats)])
     return (len(minima) - np.searchsorted(minima, sizes, side="right")).astype(np.int8)
