@@ -91,7 +91,7 @@ class Job:
         }  # fmt: skip
 
     def show(self, record: Any, files: Path | None, *, scope: str = "", counts: tuple[int, int] | None = None) -> None:
-        """Store the values of a result for the page, which then shows them.
+        """Store the values of a result, so that the page shows them.
 
         `files` is the directory with the files that the user can save, or None if they have not been written. `scope`
         describes the members of an intermediate result. `counts` contains the number of finished members and the number
@@ -141,7 +141,7 @@ class JobQueue:
         return job
 
     def page_data(self) -> list[dict[str, Any]]:
-        """Return the data of all jobs for the page. A waiting job states for which job it waits."""
+        """Return the data of all jobs for the page. A waiting job contains the job for which it waits."""
         records, previous_title = [], ""
         for job in self.jobs_by_number.values():
             record = job.page_data()
@@ -210,7 +210,7 @@ class JobQueue:
             task.add_done_callback(_print_unexpected_error)
 
         def show_values(record: str) -> None:
-            """Show the final values, so that they remain if the command fails while it draws."""
+            """Show the final values before figures are drawn, because drawing may fail."""
             monitor_task.cancel()
             job.activity = "drawing"
             job.show(_read_answer(job, record), None)
