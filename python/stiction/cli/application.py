@@ -45,7 +45,7 @@ def print_message(text: str, kind: str = "") -> None:
 
 
 def _redirect_to_null_device(stream: TextIO) -> None:
-    """Redirect a stream after a failed write. Otherwise, flushing it at exit would raise the same error again."""
+    """Redirect a stream after a failed write, because flushing the stream at exit would raise the same error."""
     with suppress(OSError):  # raised for a stream that has no file descriptor
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
@@ -323,7 +323,7 @@ def run_command_line() -> int:
 
 
 def _discard_unwritable_output() -> None:
-    """Discard output that cannot be written. At exit, it would lead to a traceback and to status 120."""
+    """Discard output that cannot be written, which would lead to a traceback and to status 120 at exit."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
