@@ -41,7 +41,7 @@ class Interval(NamedTuple):
     upper: float
 
     def extended_to(self, *others: tuple[float, float]) -> Interval:
-        """Return the smallest interval that includes this and other intervals; NaN as in `extend_intervals`."""
+        """Return the smallest interval that includes this interval and others, with NaN as in `extend_intervals`."""
         return Interval(*extend_intervals(self, *others).tolist()) if others else self
 
     def __str__(self) -> str:
@@ -254,7 +254,7 @@ def _count_significant_decimals(value: Floats, digits: int) -> Floats:
 
 
 def _find_decimal_exponents(value: Floats) -> Floats:
-    """Return the decimal exponents of numbers. The exponent of 0 is 0; those of NaN and infinity are not finite."""
+    """Return the decimal exponents of numbers: 0 for the number 0, and not finite for NaN and infinity."""
     size = np.abs(value)
     with np.errstate(divide="ignore"):
         exponents = np.where(size == 0, 0.0, np.floor(np.log10(size)))

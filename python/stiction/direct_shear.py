@@ -348,7 +348,7 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
 
 
 def _describe_inputs(setup: _TestSetup) -> str:
-    """Return text that identifies all inputs of a test: it differs if any input differs."""
+    """Return text that identifies all inputs of a test. Tests with different inputs have different texts."""
     box = setup.box
     checksums = [
         hashlib.sha256(face.heights_with_nan.tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
