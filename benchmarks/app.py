@@ -10,8 +10,8 @@ import tempfile
 import time
 from pathlib import Path
 
-BENCHMARK_FOLDER = Path(__file__).parent
-sys.path.insert(0, str(BENCHMARK_FOLDER.parent / "tests"))
+BENCHMARK_DIRECTORY = Path(__file__).parent
+sys.path.insert(0, str(BENCHMARK_DIRECTORY.parent / "tests"))
 from support import browser  # noqa: E402
 
 
@@ -28,11 +28,11 @@ def measure_wait_for_script(driver, script: str) -> float:
 
 
 def benchmark_rows() -> list[tuple[str, str]]:
-    with tempfile.TemporaryDirectory() as folder, browser.start_browser(f"{folder}/profile") as driver:
+    with tempfile.TemporaryDirectory() as directory, browser.start_browser(f"{directory}/profile") as driver:
         start = time.perf_counter()
         server = subprocess.Popen(
-            [sys.executable, "-m", "stiction", "app", "--demo"], cwd=folder, stderr=subprocess.PIPE, text=True,
-            env=os.environ | {"BROWSER": "true", "TMPDIR": folder},
+            [sys.executable, "-m", "stiction", "app", "--demo"], cwd=directory, stderr=subprocess.PIPE, text=True,
+            env=os.environ | {"BROWSER": "true", "TMPDIR": directory},
         )  # fmt: skip
         try:
             address = re.search(r"http:\S+", server.stderr.readline())[0]

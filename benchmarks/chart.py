@@ -7,7 +7,7 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE, NOT_OPPOSING_COLOUR, PAGE_WIDTH, save_figure
 
-DOCS_FOLDER = Path(__file__).resolve().parents[1] / "docs"
+DOCS_DIRECTORY = Path(__file__).resolve().parents[1] / "docs"
 
 RESULT_PATTERNS_BY_TASK = {
     "Pair of profiles: 150 000 points, 40 approaches": {"NumPy and SciPy": r"plain NumPy/SciPy program.*"},
@@ -58,7 +58,7 @@ def collect_relative_times(table: str) -> dict[str, dict[str, float]]:
 
 def draw_chart() -> None:
     """Draw a group of bars for each task, with stiction first."""
-    ratios_by_task = collect_relative_times((DOCS_FOLDER / "generated/performance.md").read_text(encoding="utf-8"))
+    ratios_by_task = collect_relative_times((DOCS_DIRECTORY / "generated/performance.md").read_text(encoding="utf-8"))
     with mpl.rc_context(MATPLOTLIB_STYLE):
         num_bars = sum(1 + len(group) for group in ratios_by_task.values())
         height = 3.2 * num_bars + 5.5 * len(ratios_by_task) + 11
@@ -84,7 +84,7 @@ def draw_chart() -> None:
         axes.set_xlabel("run time divided by the run time of stiction (one thread)")
         for side in ("top", "right", "left"):
             axes.spines[side].set_visible(False)
-        save_figure(figure, DOCS_FOLDER / "images/performance.png")
+        save_figure(figure, DOCS_DIRECTORY / "images/performance.png")
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ NUM_DIFFERENT_MEMBERS = 7
 """Number of different repetitions, which are stored again and again."""
 
 NUM_RUNS = 3
-"""Number of runs with and without a shared folder; the result is their median."""
+"""Number of runs with and without a shared directory; the result is their median."""
 
 _compute_real_block = runner.compute_block
 
@@ -36,18 +36,18 @@ _compute_real_block = runner.compute_block
 class StoredSumsReader:
     """Executor task that computes nothing: it reads stored sums from a file once per process."""
 
-    def __init__(self, path: str, has_shared_folder: bool) -> None:
+    def __init__(self, path: str, has_shared_directory: bool) -> None:
         self.path = path
-        self.has_shared_folder = has_shared_folder
+        self.has_shared_directory = has_shared_directory
 
-    def __call__(self, version: str, study: Study, folder: runner.SharedResultFolder, members: range) -> object:
+    def __call__(self, version: str, study: Study, directory: runner.SharedResultFolder, members: range) -> object:
         if self.path not in _read:
             _read[self.path] = pickle.loads(Path(self.path).read_bytes())
         runner.compute_member_arrays = lambda _, member: _read[self.path][member % NUM_DIFFERENT_MEMBERS]
         return _compute_real_block(
             version,
             study,
-            folder if self.has_shared_folder else runner.SharedResultFolder(Path("/nowhere"), ""),
+            directory if self.has_shared_directory else runner.SharedResultFolder(Path("/nowhere"), ""),
             members,
         )
 
@@ -68,20 +68,20 @@ def randomise_sums(sums: dict) -> list[dict]:
 
 
 def measure_storage_rates(
-    study: Study, sums: list[dict], executor: Executor, *, has_shared_folder: bool
+    study: Study, sums: list[dict], executor: Executor, *, has_shared_directory: bool
 ) -> tuple[float, float]:
     """Return the repetitions per second, and the processor seconds of the driver per repetition."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "sums.pickle"
+    with tempfile.TemporaryDirectory() as directory:
+        file = Path(directory) / "sums.pickle"
         file.write_bytes(pickle.dumps(sums))
-        runner.compute_block = StoredSumsReader(str(file), has_shared_folder)
+        runner.compute_block = StoredSumsReader(str(file), has_shared_directory)
         block_size = runner.choose_block_size(study)
         num_parts = -(-study.ensemble.repetitions // (block_size * NUM_BLOCKS))
         try:
             # Do not measure the first run, which loads all modules.
-            runner.compute_missing_blocks(study, Path(folder) / "r", part=(2, num_parts), executor=executor)
+            runner.compute_missing_blocks(study, Path(directory) / "r", part=(2, num_parts), executor=executor)
             start, driver_start = time.perf_counter(), time.process_time()
-            count = runner.compute_missing_blocks(study, Path(folder) / "r", part=(1, num_parts), executor=executor)
+            count = runner.compute_missing_blocks(study, Path(directory) / "r", part=(1, num_parts), executor=executor)
             return count / (time.perf_counter() - start), (time.process_time() - driver_start) / count
         finally:
             runner.compute_block = _compute_real_block
@@ -114,8 +114,8 @@ def benchmark_rows() -> list[tuple[str, str]]:
             )
             runs = [
                 (
-                    measure_storage_rates(study, members, executor, has_shared_folder=True),
-                    measure_storage_rates(study, members, executor, has_shared_folder=False),
+                    measure_storage_rates(study, members, executor, has_shared_directory=True),
+                    measure_storage_rates(study, members, executor, has_shared_directory=False),
                 )
                 for _ in range(NUM_RUNS)
             ]

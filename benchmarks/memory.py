@@ -30,9 +30,9 @@ COMMAND_ARGUMENTS_BY_NAME = {
 }
 
 
-def measure_peak_memory(folder: str, arguments: list[str]) -> float:
+def measure_peak_memory(directory: str, arguments: list[str]) -> float:
     """Return the peak memory (MiB) of a process together with its children."""
-    process = subprocess.Popen([sys.executable, *arguments], cwd=folder, stdout=subprocess.DEVNULL)
+    process = subprocess.Popen([sys.executable, *arguments], cwd=directory, stdout=subprocess.DEVNULL)
     peak_memory = 0.0
     while process.poll() is None:
         peak_memory = max(peak_memory, sum(map(resident_memory, find_process_tree(process.pid))))
@@ -64,7 +64,7 @@ def resident_memory(pid: int) -> int:
 def benchmark_rows() -> list[tuple[str, str]]:
     values = []
     for study_title, (name, *changes) in STUDY_ARGUMENTS_BY_TITLE.items():
-        with tempfile.TemporaryDirectory() as folder:
+        with tempfile.TemporaryDirectory() as directory:
             set_options = [argument for change in changes for argument in ("--set", change)]
             for command, arguments in COMMAND_ARGUMENTS_BY_NAME.items():
                 if command == "run":
@@ -73,5 +73,5 @@ def benchmark_rows() -> list[tuple[str, str]]:
                     command_line = ["-c", *arguments]
                 else:
                     command_line = ["-m", "stiction", *arguments]
-                values.append((f"{study_title}: {command}", f"{measure_peak_memory(folder, command_line):.0f} MiB"))
+                values.append((f"{study_title}: {command}", f"{measure_peak_memory(directory, command_line):.0f} MiB"))
     return values

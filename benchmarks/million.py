@@ -57,8 +57,8 @@ def benchmark_rows() -> list[tuple[str, str]]:
     original_functions = runner.compute_member_arrays, runner.estimate_member_time
     runner.compute_member_arrays, runner.estimate_member_time = create_synthetic_sums_function(STUDY), lambda _: 0.0
     try:
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "r"
+        with tempfile.TemporaryDirectory() as directory:
+            path = Path(directory) / "r"
             _, writing_time = call_and_time(lambda: compute_missing_blocks(STUDY, path))
             num_files = sum(len(files) for _, _, files in os.walk(path))
             stored_info, info_time = call_and_time(lambda: store.info(path))

@@ -24,19 +24,19 @@ COMMAND_ARGUMENTS = [
 """Command with 16 positions of 384 x 384 points, three loads, 12 directions, both rules, cutoffs, onset and figures."""
 
 
-def write_scans(folder: Path) -> None:
+def write_scans(directory: Path) -> None:
     for side in ("upper", "lower"):
         surface = self_affine_surface(
             7, hurst_exponent=0.8, rms=0.06, shape=(512, 512), spacing=0.02, longest_wavelength=5.0, side=side
         )
-        write_surface(surface, folder / f"{side}.npy")
+        write_surface(surface, directory / f"{side}.npy")
 
 
-def measure_command_times(folder: Path, output: str) -> tuple[float, float]:
+def measure_command_times(directory: Path, output: str) -> tuple[float, float]:
     """Return processor time and wall time of the command."""
     usage_before, wall_start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     command = Path(sys.executable).with_name("stiction")
-    subprocess.run([command, *COMMAND_ARGUMENTS, "--output", output], cwd=folder, check=True, capture_output=True)
+    subprocess.run([command, *COMMAND_ARGUMENTS, "--output", output], cwd=directory, check=True, capture_output=True)
     wall_time, usage_after = time.perf_counter() - wall_start, resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage_after.ru_utime + usage_after.ru_stime - usage_before.ru_utime - usage_before.ru_stime, wall_time
 
@@ -76,12 +76,12 @@ def measure_processor_time(task: Callable[[], None]) -> float:
 
 
 def benchmark_rows() -> list[tuple[str, str]]:
-    with tempfile.TemporaryDirectory() as temporary_folder:
-        folder = Path(temporary_folder)
-        write_scans(folder)
-        commands = [measure_command_times(folder, "0")]
+    with tempfile.TemporaryDirectory() as temporary_directory:
+        directory = Path(temporary_directory)
+        write_scans(directory)
+        commands = [measure_command_times(directory, "0")]
         study, cutoff_study = (
-            open_stored_result(folder / "0" / subfolder).study for subfolder in ("", CUTOFF_STUDY_FOLDER)
+            open_stored_result(directory / "0" / subdirectory).study for subdirectory in ("", CUTOFF_STUDY_FOLDER)
         )
         tasks = prepare_load_solver(study), prepare_load_solver(cutoff_study), lambda: compute_member_onsets(study)
         # Do not measure the first solution, which imports modules and computes kernels.
@@ -89,7 +89,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
         processor_times = []
         for round_index in range(NUM_TIMING_ROUNDS):
             processor_times.append([measure_processor_time(task) for task in tasks])
-            commands.append(measure_command_times(folder, str(round_index + 1)))
+            commands.append(measure_command_times(directory, str(round_index + 1)))
     command_time, wall_time = (statistics.median(column) for column in zip(*commands[1:], strict=True))
     position_time, cutoff_time, onset_time = (
         statistics.median(column) for column in zip(*processor_times, strict=True)

@@ -11,8 +11,8 @@ import xarray
 from stiction import Study, friction_map, run
 from stiction.views.report import save_report
 
-BENCHMARK_FOLDER = Path(__file__).parent
-sys.path.insert(0, str(BENCHMARK_FOLDER.parent / "tests"))
+BENCHMARK_DIRECTORY = Path(__file__).parent
+sys.path.insert(0, str(BENCHMARK_DIRECTORY.parent / "tests"))
 from support import browser  # noqa: E402
 
 NUM_KEY_PRESSES = 40
@@ -66,9 +66,9 @@ def measure_largest_error(driver, dataset: xarray.Dataset) -> float:
 
 
 def benchmark_rows() -> list[tuple[str, str]]:
-    dataset = run(Study.named("figure6"), store=BENCHMARK_FOLDER.parent / "build/figure6").dataset
-    with tempfile.TemporaryDirectory() as folder, browser.start_browser(f"{folder}/profile") as driver:
-        page = Path(folder) / "report.html"
+    dataset = run(Study.named("figure6"), store=BENCHMARK_DIRECTORY.parent / "build/figure6").dataset
+    with tempfile.TemporaryDirectory() as directory, browser.start_browser(f"{directory}/profile") as driver:
+        page = Path(directory) / "report.html"
         start = time.perf_counter()
         save_report(dataset, page)
         save_time = time.perf_counter() - start

@@ -4,7 +4,7 @@ import argparse
 from importlib import import_module
 from pathlib import Path
 
-BENCHMARK_FOLDER = Path(__file__).parent
+BENCHMARK_DIRECTORY = Path(__file__).parent
 BENCHMARK_NAMES = (
     "pair", "against", "areal", "half_space", "pair_of_maps", "growth", "cluster", "memory", "million", "report", "app",
 )  # fmt: skip
@@ -32,7 +32,7 @@ def main() -> None:
             lines.append(f"| {question} | {answer} |")
         lines.append("")
     if not names:
-        (BENCHMARK_FOLDER.parent / "docs/generated/performance.md").write_text("\n".join(lines), encoding="utf-8")
+        (BENCHMARK_DIRECTORY.parent / "docs/generated/performance.md").write_text("\n".join(lines), encoding="utf-8")
         import_module("chart").draw_chart()
 
 

@@ -20,10 +20,10 @@ endif()
 # The extension contains its own GSL with hidden symbols, so that switching off the error handler does not affect other
 # users of GSL in the process. The static libraries are taken from the directory of the library that was found, because
 # they match its headers. With a shared GSL all users in the process are affected.
-get_filename_component(gsl_folder ${GSL_LIBRARY} DIRECTORY)
-find_library(STICTION_GSL_ARCHIVE PATHS ${gsl_folder} NO_DEFAULT_PATH
+get_filename_component(gsl_directory ${GSL_LIBRARY} DIRECTORY)
+find_library(STICTION_GSL_ARCHIVE PATHS ${gsl_directory} NO_DEFAULT_PATH
   NAMES ${CMAKE_STATIC_LIBRARY_PREFIX}gsl${CMAKE_STATIC_LIBRARY_SUFFIX})
-find_library(STICTION_GSLCBLAS_ARCHIVE PATHS ${gsl_folder} NO_DEFAULT_PATH
+find_library(STICTION_GSLCBLAS_ARCHIVE PATHS ${gsl_directory} NO_DEFAULT_PATH
   NAMES ${CMAKE_STATIC_LIBRARY_PREFIX}gslcblas${CMAKE_STATIC_LIBRARY_SUFFIX})
 mark_as_advanced(STICTION_GSL_ARCHIVE STICTION_GSLCBLAS_ARCHIVE)
 if(STICTION_GSL_ARCHIVE AND STICTION_GSLCBLAS_ARCHIVE AND NOT STICTION_SHARED_GSL)
@@ -46,8 +46,8 @@ foreach(name IN ITEMS fftw3 fftw3f)
     message(FATAL_ERROR "FFTW ${STICTION_FFTW_OLDEST} or newer is needed to build stiction, in double and single precision, and was not found. "
       "Debian and Ubuntu: apt install libfftw3-dev. Fedora: fftw-devel. Homebrew and conda-forge: fftw.")
   endif()
-  get_filename_component(fftw_folder ${STICTION_${variable}} DIRECTORY)
-  find_library(STICTION_${variable}_ARCHIVE PATHS ${fftw_folder} NO_DEFAULT_PATH
+  get_filename_component(fftw_directory ${STICTION_${variable}} DIRECTORY)
+  find_library(STICTION_${variable}_ARCHIVE PATHS ${fftw_directory} NO_DEFAULT_PATH
     NAMES ${CMAKE_STATIC_LIBRARY_PREFIX}${name}${CMAKE_STATIC_LIBRARY_SUFFIX})
   mark_as_advanced(STICTION_${variable}_ARCHIVE)
   list(APPEND STICTION_FFTW_LIBRARIES ${STICTION_${variable}})

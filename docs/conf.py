@@ -64,10 +64,10 @@ os.environ["COLUMNS"] = "88"  # characters in a line of a code box on a wide scr
 
 def write_reference_pages(app: Sphinx) -> None:
     """Write the reference pages that are generated from the package."""
-    built_folder = Path(app.srcdir) / "built"
-    built_folder.mkdir(exist_ok=True)
+    built_directory = Path(app.srcdir) / "built"
+    built_directory.mkdir(exist_ok=True)
     for name, text in reference.render_pages(Path(app.srcdir)).items():
-        path = built_folder / name
+        path = built_directory / name
         if not path.exists() or path.read_text("utf-8") != text:
             path.write_text(text, encoding="utf-8")
 
@@ -106,7 +106,7 @@ def improve_accessibility(app: Sphinx, exception: Exception | None) -> None:
         page.write_text(text, encoding="utf-8")
 
 
-SCANS_FOLDER = ROOT / "examples/scans"
+SCANS_DIRECTORY = ROOT / "examples/scans"
 STEEL_ON_BRASS_OPTIONS = {
     "upper": "steel",
     "lower": "brass",
@@ -139,22 +139,22 @@ def write_example_reports(app: Sphinx, exception: Exception | None) -> None:
     from stiction import Study, pair, run
     from stiction.views.report import save_report
 
-    folder = Path(app.outdir) / "live"
-    folder.mkdir(exist_ok=True)
-    with tempfile.TemporaryDirectory() as folder_of_results:
+    directory = Path(app.outdir) / "live"
+    directory.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory() as directory_of_results:
         for name, (files, options) in EXAMPLE_REPORT_INPUTS.items():
-            scans = (SCANS_FOLDER / files.format(side) for side in ("upper", "lower"))
-            pair(*scans, **options, directory=Path(folder_of_results) / name).save_report(folder / f"{name}.html")
-    save_report(run(Study.named("quick")), folder / "study.html", name="quick")
-    command = ["stiction", "characterise", SCANS_FOLDER / "lapped_upper.csv", "--output", folder / "surface.html"]
+            scans = (SCANS_DIRECTORY / files.format(side) for side in ("upper", "lower"))
+            pair(*scans, **options, directory=Path(directory_of_results) / name).save_report(directory / f"{name}.html")
+    save_report(run(Study.named("quick")), directory / "study.html", name="quick")
+    command = ["stiction", "characterise", SCANS_DIRECTORY / "lapped_upper.csv", "--output", directory / "surface.html"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
 
 def check_for_build_paths(app: Sphinx, exception: Exception | None) -> None:
     """End the build with an error if a page contains a path of the build machine."""
-    folder_pattern = "|".join(re.escape(f"{folder}{os.sep}") for folder in (ROOT, tempfile.gettempdir()))
+    directory_pattern = "|".join(re.escape(f"{directory}{os.sep}") for directory in (ROOT, tempfile.gettempdir()))
     for page in sorted(Path(app.outdir).rglob("*.html")) if exception is None else ():
-        if match := re.search(rf"(?<![\w.])(?:{folder_pattern})", page.read_text("utf-8")):
+        if match := re.search(rf"(?<![\w.])(?:{directory_pattern})", page.read_text("utf-8")):
             raise SphinxError(f"{page.name} contains the path {match[0]}")
 
 

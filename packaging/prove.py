@@ -39,7 +39,9 @@ MAX_IMPORT_SECONDS = 5.0
 # Every Linux system with glibc has these dynamic libraries.
 SYSTEM_LIBRARY_PATTERN = re.compile(r"(libc|libm|libstdc\+\+|libgcc_s|ld-linux[\w-]*)\.so\.\d+")
 COMPILER_PATTERN = re.compile(r"([\w-]+-)?(cc|c\+\+|gcc|g\+\+|clang|clang\+\+|cpp|ld|as|cmake|ninja|g?make)(-[\d.]+)?")
-SYSTEM_PROGRAM_FOLDERS = [Path(folder) for folder in ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin")]
+SYSTEM_PROGRAM_DIRECTORIES = [
+    Path(directory) for directory in ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin")
+]
 
 # Print the visible compilers, Eigen, GSL and FFTW. The script runs inside the environment and, once, outside.
 INSPECTION_SCRIPT = """
@@ -100,7 +102,7 @@ def check_equal_names(description: str, actual: Iterable[str], expected: Iterabl
 # ---- Contents -------------------------------------------------------------------------------------------------------
 
 
-def check_wheel(wheel: Path, folder: Path) -> None:
+def check_wheel(wheel: Path, directory: Path) -> None:
     """Check that the wheel contains only the package and its licences, and that its extension is self-contained."""
     package = [
         str(path.relative_to(ROOT / "python"))
@@ -127,7 +129,7 @@ def check_wheel(wheel: Path, folder: Path) -> None:
             [*package, *extensions, *(f"{ARCHIVE_STEM}.dist-info/{name}" for name in metadata_files)],
         )
         check_metadata(archive.read(f"{ARCHIVE_STEM}.dist-info/METADATA"))
-        extension = Path(archive.extract(extensions[0], folder))
+        extension = Path(archive.extract(extensions[0], directory))
     if sys.platform == "linux":
         check_extension(extension)
         check_min_glibc(wheel)
@@ -181,7 +183,7 @@ def check_extension(extension: Path) -> None:
     if foreign_libraries or not needed_libraries:
         exit_with_error(f"the extension needs {', '.join(foreign_libraries) or 'no library at all'}")
     if re.search(r"\((RPATH|RUNPATH)\)", dynamic_section):
-        exit_with_error("the extension looks for libraries in a folder of its own")
+        exit_with_error("the extension looks for libraries in its own directory")
     exported_symbols = [
         line.split()[0] for line in run_command("nm", "-D", "--defined-only", "-P", extension).splitlines()
     ]
@@ -194,24 +196,24 @@ def check_extension(extension: Path) -> None:
 class IsolatedEnvironment:
     """New environment that hides this tree, compilers, Eigen, GSL and FFTW."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.bin = folder / "environment/bin"
-        tools_folder = folder / "tools"
-        tools_folder.mkdir()
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        self.bin = directory / "environment/bin"
+        tools_directory = directory / "tools"
+        tools_directory.mkdir()
         for name in ("sh", "bash", "cat", "setsid", "mount", "umount"):  # The tests need these programs.
             if result := shutil.which(name):
-                (tools_folder / name).symlink_to(result)
+                (tools_directory / name).symlink_to(result)
         inherited_variables = {
             name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))
         }
-        self.environment = inherited_variables | {"PATH": f"{self.bin}{os.pathsep}{tools_folder}"}
-        self.hides_by_mount = self.can_hide_folders()
-        run_command(sys.executable, "-m", "venv", folder / "environment")
+        self.environment = inherited_variables | {"PATH": f"{self.bin}{os.pathsep}{tools_directory}"}
+        self.hides_by_mount = self.can_hide_directories()
+        run_command(sys.executable, "-m", "venv", directory / "environment")
         # The option for dependency groups requires pip 25.1.
         self.install_from_wheels("pip>=25.1")
 
-    def can_hide_folders(self) -> bool:
+    def can_hide_directories(self) -> bool:
         """Return whether directories can be hidden by mounts. Mounts need root and affect no other process."""
         may_mount = sys.platform == "linux" and os.geteuid() == 0 and shutil.which("unshare") is not None
         return (
@@ -221,23 +223,23 @@ class IsolatedEnvironment:
 
     def hiding_script(self) -> str:
         """Return shell commands that hide directories behind empty directories, and files behind /dev/null."""
-        folders = [ROOT, *map(Path, ("/usr/include", "/usr/local/include", "/usr/share/eigen3", "/usr/lib/gcc"))]
+        directories = [ROOT, *map(Path, ("/usr/include", "/usr/local/include", "/usr/share/eigen3", "/usr/lib/gcc"))]
         programs = [
             program
-            for folder in {*SYSTEM_PROGRAM_FOLDERS, *map(Path, os.environ["PATH"].split(os.pathsep))}
-            if folder.is_dir()
-            for program in folder.iterdir()
+            for directory in {*SYSTEM_PROGRAM_DIRECTORIES, *map(Path, os.environ["PATH"].split(os.pathsep))}
+            if directory.is_dir()
+            for program in directory.iterdir()
             if COMPILER_PATTERN.fullmatch(program.name)
         ]
         libraries = [
             path
-            for folder in ("/usr/lib", "/usr/local/lib")
+            for directory in ("/usr/lib", "/usr/local/lib")
             for name in ("libgsl*", "libfftw3*")
-            for path in Path(folder).rglob(name)
+            for path in Path(directory).rglob(name)
         ]
         files = {path.resolve() for path in (*programs, *libraries) if path.is_file()}
         mount = shutil.which("mount")
-        lines = [f"{mount} -t tmpfs none {shlex.quote(str(path))}" for path in folders if path.is_dir()]
+        lines = [f"{mount} -t tmpfs none {shlex.quote(str(path))}" for path in directories if path.is_dir()]
         lines += [f"{mount} --bind /dev/null {shlex.quote(str(path))}" for path in sorted(files)]
         return "\n".join(["set -e", *lines, 'exec "$@"'])
 
@@ -246,19 +248,21 @@ class IsolatedEnvironment:
         hiding_command = (unshare, "--mount", "--propagation", "private", shell, "-c", self.hiding_script(), shell)
         wrapper_command = hiding_command if self.hides_by_mount else ()
         return run_command(
-            *command, cwd=cwd or self.folder, env=self.environment, quiet=quiet, wrapper_command=wrapper_command
+            *command, cwd=cwd or self.directory, env=self.environment, quiet=quiet, wrapper_command=wrapper_command
         )
 
     def check_outside_is_hidden(self) -> None:
         """Check that compilers and libraries that are visible outside the environment are hidden inside it."""
-        system_folders = os.pathsep.join(map(str, SYSTEM_PROGRAM_FOLDERS))
+        system_directories = os.pathsep.join(map(str, SYSTEM_PROGRAM_DIRECTORIES))
         if self.hides_by_mount:
-            visible_outside = run_command(sys.executable, "-c", INSPECTION_SCRIPT, system_folders, "/usr").splitlines()
+            visible_outside = run_command(
+                sys.executable, "-c", INSPECTION_SCRIPT, system_directories, "/usr"
+            ).splitlines()
             for file_name in ("c++", "cmake", "libgsl.a", "gsl_version.h", "libfftw3.a", "fftw3.h", "Eigen/Core"):
                 if not any(path.endswith(file_name) for path in visible_outside):
                     exit_with_error(f"no {file_name} was found here, so that hiding it shows nothing")
             visible_files = self.run_isolated(
-                self.bin / "python", "-I", "-c", INSPECTION_SCRIPT, system_folders, "/usr", "/opt", ROOT
+                self.bin / "python", "-I", "-c", INSPECTION_SCRIPT, system_directories, "/usr", "/opt", ROOT
             )
         else:
             visible_files = self.run_isolated(self.bin / "python", "-I", "-c", INSPECTION_SCRIPT, "")
@@ -275,7 +279,7 @@ class IsolatedEnvironment:
         code = "import stiction, stiction._core as core; print(stiction.__version__, stiction.__file__, core.__file__)"
         version, *files = self.run_isolated(self.bin / "python", "-I", "-c", code).split()
         for file in files:
-            if self.folder / "environment" not in Path(file).parents:
+            if self.directory / "environment" not in Path(file).parents:
                 exit_with_error(f"{file} is imported, which is not the installed wheel")
         if version != PROJECT_METADATA["version"]:
             exit_with_error(f"version {version} is imported, not {PROJECT_METADATA['version']}")
@@ -288,12 +292,12 @@ class IsolatedEnvironment:
     def run_quick_study(self) -> None:
         self.run_isolated(self.bin / "stiction", "run", "quick", "--output", "quick")
         for name in ("study.toml", "area.png"):
-            if not (self.folder / "quick" / name).exists():
+            if not (self.directory / "quick" / name).exists():
                 exit_with_error(f"stiction run quick wrote no {name}")
 
     def compute_sample_friction(self) -> None:
         """Compute the friction of the sample scans from text files and from files in an instrument format."""
-        shutil.copytree(ROOT / "examples/scans", self.folder / "scans")
+        shutil.copytree(ROOT / "examples/scans", self.directory / "scans")
         for finish, extension, hardness_options in (("lapped", "csv", []), ("ground", "x3p", ["--hardness", "2 GPa"])):
             scans = [f"scans/{finish}_{side}.{extension}" for side in ("upper", "lower")]
             output = self.run_isolated(
@@ -305,11 +309,11 @@ class IsolatedEnvironment:
 
     def run_tests(self, selected_tests: Iterable[str]) -> None:
         """Run the tests from a copy of the tree without the sources of the package."""
-        tests = self.folder / "tests"
+        tests = self.directory / "tests"
         ignored_names = shutil.ignore_patterns("build", ".*", "__pycache__")
         shutil.copytree(ROOT, tests, ignore=ignored_names)
-        for source_folder in ("python", "cpp"):
-            shutil.rmtree(tests / source_folder)
+        for source_directory in ("python", "cpp"):
+            shutil.rmtree(tests / source_directory)
         self.install_from_wheels("--group", f"{tests / 'pyproject.toml'}:test")
         self.check_installed()
         self.run_isolated(
@@ -320,19 +324,19 @@ class IsolatedEnvironment:
 
 def prove_wheel(wheel: Path, *, with_tests: bool, selected_tests: Iterable[str] = ()) -> None:
     start_time = time.perf_counter()
-    with tempfile.TemporaryDirectory(prefix="stiction-proof-") as temporary_folder:
-        folder = Path(temporary_folder).resolve()
-        check_wheel(wheel, folder)
+    with tempfile.TemporaryDirectory(prefix="stiction-proof-") as temporary_directory:
+        directory = Path(temporary_directory).resolve()
+        check_wheel(wheel, directory)
         print_message(
             f"{wheel.name}: the package alone, {wheel.stat().st_size / 1000:.0f} kB; no foreign library or symbol"
         )
-        environment = IsolatedEnvironment(folder)
+        environment = IsolatedEnvironment(directory)
         environment.check_outside_is_hidden()
         hiding_method = "a mount namespace and PATH" if environment.hides_by_mount else "PATH alone"
         print_message(
             f"installing it where neither compilers nor Eigen, GSL and FFTW are seen, hidden by {hiding_method}"
         )
-        copied_wheel = shutil.copy(wheel, folder)  # Copy the wheel first, because this tree will be hidden.
+        copied_wheel = shutil.copy(wheel, directory)  # Copy the wheel first, because this tree will be hidden.
         environment.install_from_wheels(copied_wheel)
         environment.check_installed()
         if (seconds := environment.measure_import_time()) > MAX_IMPORT_SECONDS:

@@ -14,7 +14,7 @@ import tomllib
 from collections.abc import Callable, Iterator
 
 from prove import PROJECT_METADATA, ROOT, exit_with_error, run_command
-from wheel import DIST_FOLDER, VERIFIED_COMMIT_FILE, describe_commit
+from wheel import DIST_DIRECTORY, VERIFIED_COMMIT_FILE, describe_commit
 
 VERSION = PROJECT_METADATA["version"]
 RELEASE_VERSION = VERSION.removesuffix(".dev0")
@@ -128,7 +128,7 @@ def wheel_problem() -> str | None:
     record = VERIFIED_COMMIT_FILE.read_text(encoding="utf-8") if VERIFIED_COMMIT_FILE.exists() else ""
     if record != f"{describe_commit()} with the tests\n":
         return f"./dev wheel, for {record.strip() or 'nothing'} was proven"
-    return None if list(DIST_FOLDER.glob("*.whl")) else f"{DIST_FOLDER.relative_to(ROOT)} is empty"
+    return None if list(DIST_DIRECTORY.glob("*.whl")) else f"{DIST_DIRECTORY.relative_to(ROOT)} is empty"
 
 
 def tag_problem() -> str | None:

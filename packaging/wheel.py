@@ -17,8 +17,8 @@ from pathlib import Path
 
 from prove import ARCHIVE_STEM, PYPROJECT, ROOT, check_equal_names, exit_with_error, print_message, run_command
 
-DIST_FOLDER = ROOT / "build/wheel/dist"
-UNVERIFIED_FOLDER = ROOT / "build/wheel/unproven"
+DIST_DIRECTORY = ROOT / "build/wheel/dist"
+UNVERIFIED_DIRECTORY = ROOT / "build/wheel/unproven"
 VERIFIED_COMMIT_FILE = ROOT / "build/wheel/proven.txt"
 """File that contains the last commit whose wheels were verified; packaging/release.py reads it."""
 
@@ -60,9 +60,9 @@ def describe_commit() -> str:
     return run_command("git", "describe", "--always", "--dirty", "--abbrev=40", "--match", "nothing").strip()
 
 
-def build_sdist(folder: Path) -> Path:
-    run_command(sys.executable, "-m", "build", "--sdist", "--outdir", folder, ROOT)
-    return folder / f"{ARCHIVE_STEM}.tar.gz"
+def build_sdist(directory: Path) -> Path:
+    run_command(sys.executable, "-m", "build", "--sdist", "--outdir", directory, ROOT)
+    return directory / f"{ARCHIVE_STEM}.tar.gz"
 
 
 def check_sdist(sdist: Path) -> int:
@@ -77,21 +77,21 @@ def check_sdist(sdist: Path) -> int:
     return len(tracked)
 
 
-def build_wheel(sdist: Path, python: Path, folder: Path) -> Path:
+def build_wheel(sdist: Path, python: Path, directory: Path) -> Path:
     """Build a wheel from the unpacked source distribution, in a directory whose name has a space."""
-    sources, wheel_folder = folder / "the sources", folder / "built"
+    sources, wheel_directory = directory / "the sources", directory / "built"
     shutil.unpack_archive(sdist, sources)
-    environment = folder / "building"
+    environment = directory / "building"
     run_command(python, "-m", "venv", environment)
     run_command(
         environment / "bin/python", "-m", "pip", "wheel", "--quiet", "--disable-pip-version-check", "--no-deps",
-        "--wheel-dir", wheel_folder, sources / ARCHIVE_STEM, cwd=folder,
+        "--wheel-dir", wheel_directory, sources / ARCHIVE_STEM, cwd=directory,
     )  # fmt: skip
-    (wheel,) = wheel_folder.glob("*.whl")
+    (wheel,) = wheel_directory.glob("*.whl")
     return wheel
 
 
-def repair_wheel(unrepaired_wheel: Path, folder: Path) -> Path:
+def repair_wheel(unrepaired_wheel: Path, directory: Path) -> Path:
     """Add the oldest manylinux tag that the symbols of the wheel allow; fail if a library would be bundled."""
     environment = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     run_command(
@@ -100,12 +100,12 @@ def repair_wheel(unrepaired_wheel: Path, folder: Path) -> Path:
         "auditwheel",
         "repair",
         "--wheel-dir",
-        folder / "repaired",
+        directory / "repaired",
         unrepaired_wheel,
-        cwd=folder,
+        cwd=directory,
         env=environment,
     )
-    (wheel,) = (folder / "repaired").glob("*.whl")
+    (wheel,) = (directory / "repaired").glob("*.whl")
     if not re.fullmatch(rf"{ARCHIVE_STEM}-cp(\d+)-cp\1-(manylinux\w+\.?)+\.whl", wheel.name):
         exit_with_error(f"{wheel.name}: not the name of a manylinux wheel for one Python")
     return wheel
@@ -124,38 +124,40 @@ def main() -> None:
     # Files in the archives have the time of the commit, so that builds are reproducible.
     os.environ["SOURCE_DATE_EPOCH"] = run_command("git", "log", "-1", "--format=%ct").strip()
     VERIFIED_COMMIT_FILE.unlink(missing_ok=True)
-    for folder in (DIST_FOLDER, UNVERIFIED_FOLDER):
-        shutil.rmtree(folder, ignore_errors=True)
-        folder.mkdir(parents=True)
+    for directory in (DIST_DIRECTORY, UNVERIFIED_DIRECTORY):
+        shutil.rmtree(directory, ignore_errors=True)
+        directory.mkdir(parents=True)
     interpreters = find_interpreters()
     print_message(f"for Python {', '.join(interpreters)}; {missing_versions_text(interpreters)}")
     failed_versions = []
-    with tempfile.TemporaryDirectory(prefix="stiction-wheel-") as temporary_folder:
-        folder = Path(temporary_folder).resolve()
-        sdist = build_sdist(folder)
+    with tempfile.TemporaryDirectory(prefix="stiction-wheel-") as temporary_directory:
+        directory = Path(temporary_directory).resolve()
+        sdist = build_sdist(directory)
         count = check_sdist(sdist)
         run_command(sys.executable, "-m", "twine", "check", "--strict", sdist)
         print_message(
             f"{sdist.name}: the {count} tracked files that it should hold, {sdist.stat().st_size / 1000:.0f} kB"
         )
         for version, python in interpreters.items():
-            version_folder = folder / version
-            version_folder.mkdir()
+            version_directory = directory / version
+            version_directory.mkdir()
             print_message(f"building the wheel for Python {version} from it")
-            wheel = repair_wheel(build_wheel(sdist, python, version_folder), version_folder)
+            wheel = repair_wheel(build_wheel(sdist, python, version_directory), version_directory)
             run_command(sys.executable, "-m", "twine", "check", "--strict", wheel)
             # The wheel is kept even if the verification fails, because building it takes a long time.
-            unproven_wheel = Path(shutil.copy(wheel, UNVERIFIED_FOLDER))
+            unproven_wheel = Path(shutil.copy(wheel, UNVERIFIED_DIRECTORY))
             with_tests = not options.quick and python == Path(sys.executable)
             if verify_wheel(unproven_wheel, python, with_tests=with_tests):
-                shutil.move(unproven_wheel, DIST_FOLDER)
+                shutil.move(unproven_wheel, DIST_DIRECTORY)
             else:
                 failed_versions.append(unproven_wheel.name)
-        shutil.copy(sdist, DIST_FOLDER)
-    for archive in sorted(DIST_FOLDER.iterdir()):
+        shutil.copy(sdist, DIST_DIRECTORY)
+    for archive in sorted(DIST_DIRECTORY.iterdir()):
         print_message(f"{archive.relative_to(ROOT)}")
     if failed_versions:
-        exit_with_error(f"not proven, and left in {UNVERIFIED_FOLDER.relative_to(ROOT)}: {', '.join(failed_versions)}")
+        exit_with_error(
+            f"not proven, and left in {UNVERIFIED_DIRECTORY.relative_to(ROOT)}: {', '.join(failed_versions)}"
+        )
     VERIFIED_COMMIT_FILE.write_text(
         f"{describe_commit()} {'without' if options.quick else 'with'} the tests\n", encoding="utf-8"
     )

@@ -48,12 +48,12 @@ def all_input_samples():
 @pytest.fixture(scope="session")
 def find_measured_file():
     """Return a function that returns the path of a measured file, and skips the test if the file is absent."""
-    folder = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
+    directory = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
     def find_file(name):
-        if not (folder / name).exists():
+        if not (directory / name).exists():
             pytest.skip(f"the measured file {name} is not in this tree")
-        return folder / name
+        return directory / name
 
     return find_file
 

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PACKAGE_FOLDER = ROOT / "python/stiction"
+PACKAGE_DIRECTORY = ROOT / "python/stiction"
 ARCHITECTURE_PAGE = ROOT / "ARCHITECTURE.md"
 
 
@@ -18,7 +18,7 @@ def parse_file(path):
 
 def test_architecture_page_has_a_row_for_each_package():
     text = ARCHITECTURE_PAGE.read_text("utf-8")
-    packages = {path.parent.name for path in PACKAGE_FOLDER.glob("*/__init__.py")}
+    packages = {path.parent.name for path in PACKAGE_DIRECTORY.glob("*/__init__.py")}
     listed = re.search(r"^\| package \|.*?\n\n", text, re.DOTALL | re.MULTILINE)[0]
     rows = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \| \S", listed, re.MULTILINE)
     assert {name for row in rows for name in re.findall(r"\w+", row)} == packages
@@ -30,14 +30,14 @@ def test_architecture_page_refers_only_to_existing_files():
     names += [
         f"python/stiction/{name}"
         for name in re.findall(r"`(\w+/\w+\.py)`", text)
-        if (PACKAGE_FOLDER / name.split("/")[0]).is_dir()
+        if (PACKAGE_DIRECTORY / name.split("/")[0]).is_dir()
     ]
     assert len(names) > 15
     assert [name for name in names if not (ROOT / name).exists()] == []
 
 
 def test_modules_state_their_purpose_in_their_first_line():
-    paths = [path for path in PACKAGE_FOLDER.rglob("*.py") if path.name != "__init__.py"]
+    paths = [path for path in PACKAGE_DIRECTORY.rglob("*.py") if path.name != "__init__.py"]
     assert [path for path in paths if not ast.get_docstring(parse_file(path))] == []
     headers = sorted((ROOT / "cpp/include/stiction").glob("*.hpp"))
     assert [path for path in headers if not path.read_text("utf-8").startswith("// ")] == []
@@ -58,7 +58,7 @@ def multiplies_strength(node):
 
 
 def test_friction_law_alone_multiplies_mu0_and_tau0():
-    sources = {path.relative_to(PACKAGE_FOLDER).as_posix(): path for path in PACKAGE_FOLDER.rglob("*.py")}
+    sources = {path.relative_to(PACKAGE_DIRECTORY).as_posix(): path for path in PACKAGE_DIRECTORY.rglob("*.py")}
     assert {
         name for name, path in sources.items() if any(multiplies_strength(node) for node in ast.walk(parse_file(path)))
     } == MODULES_WITH_THE_FRICTION_LAW
@@ -76,7 +76,7 @@ The law of a study comes from its inputs. The others build it from samples, for 
 
 
 def test_friction_law_of_a_study_is_built_from_its_inputs():
-    sources = {path.relative_to(PACKAGE_FOLDER).as_posix(): path for path in PACKAGE_FOLDER.rglob("*.py")}
+    sources = {path.relative_to(PACKAGE_DIRECTORY).as_posix(): path for path in PACKAGE_DIRECTORY.rglob("*.py")}
     calls = {
         name
         for name, path in sources.items()

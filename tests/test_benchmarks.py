@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-BENCHMARK_FOLDER = Path(__file__).parents[1] / "benchmarks"
+BENCHMARK_DIRECTORY = Path(__file__).parents[1] / "benchmarks"
 
 
 @pytest.fixture
 def benchmark_runner(monkeypatch):
-    monkeypatch.syspath_prepend(BENCHMARK_FOLDER)
+    monkeypatch.syspath_prepend(BENCHMARK_DIRECTORY)
     monkeypatch.delitem(sys.modules, "run", raising=False)
     import run
 

@@ -12,7 +12,7 @@ from support.generated_studies import empty_dataset
 
 CLAIMS_SCRIPT = Path(__file__).parents[1] / "docs/scripts/claims.py"
 if not CLAIMS_SCRIPT.exists():
-    pytest.skip("the folder docs is not in this tree", allow_module_level=True)
+    pytest.skip("the directory docs is not in this tree", allow_module_level=True)
 pytestmark = pytest.mark.docs
 _CLAIMS_MODULE_SPEC = importlib.util.spec_from_file_location("claims", CLAIMS_SCRIPT)
 claims = sys.modules["claims"] = importlib.util.module_from_spec(_CLAIMS_MODULE_SPEC)

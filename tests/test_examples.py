@@ -281,11 +281,11 @@ def shell_script(page):
     return "\n".join(parts) + "\n"
 
 
-def run_in_new_terminal(script, folder):
+def run_in_new_terminal(script, directory):
     """Run a script in a bash whose environment contains no directory of the tested package."""
-    environment = {"PATH": os.defpath, "HOME": str(folder), "LANG": "C.UTF-8", "MPLBACKEND": "agg"}
+    environment = {"PATH": os.defpath, "HOME": str(directory), "LANG": "C.UTF-8", "MPLBACKEND": "agg"}
     return subprocess.run(
-        ["bash", "-c", script], cwd=folder, env=environment, capture_output=True, text=True, timeout=600, check=False
+        ["bash", "-c", script], cwd=directory, env=environment, capture_output=True, text=True, timeout=600, check=False
     )
 
 
@@ -353,7 +353,7 @@ def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monke
 
 
 @pytest.mark.docs
-@pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the folder docs is not in this tree")
+@pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the directory docs is not in this tree")
 def test_documentation_page_about_measured_surfaces_shows_the_output_of_its_example(run_script_once):
     table = run_script_once(ROOT / "examples/characterise_profile.py")
     shown_outputs = [block.text for block in code_blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
@@ -428,7 +428,7 @@ def test_code_on_the_documentation_page_about_clusters_is_run_without_error(page
 def test_reference_documentation_lists_every_public_name():
     pages = sorted((ROOT / "docs/reference").glob("api_*.md"))
     if not pages:
-        pytest.skip("the folder docs is not in this tree")
+        pytest.skip("the directory docs is not in this tree")
     entry = re.compile(r"^\.\. (?:autoclass|autofunction):: (\S+)$", re.MULTILINE)
     listed_names = [name for page in pages for name in entry.findall(page.read_text(encoding="utf-8"))]
     assert len(listed_names) == len(set(listed_names))
@@ -439,7 +439,7 @@ def load_script(name):
     """Return a script of the documentation as a module."""
     path = ROOT / f"docs/scripts/{name}.py"
     if not path.exists():
-        pytest.skip("the folder docs is not in this tree")
+        pytest.skip("the directory docs is not in this tree")
     spec = importlib.util.spec_from_file_location(name, path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -454,7 +454,7 @@ MAX_GREY_DIFFERENCE = 5.0
 @pytest.mark.parametrize("name", ["conventions", "conventions_areas"])
 def test_drawings_of_conventions_equal_the_output_of_their_scripts(tmp_path, name):
     if not (ROOT / "docs/images").exists():
-        pytest.skip("the folder of pictures is not in this tree")
+        pytest.skip("the directory of pictures is not in this tree")
     drawing = load_script(name)
     drawing.save_figure(tmp_path / "now.png")
     difference = compare_images(str(drawing.IMAGE_FILE), str(tmp_path / "now.png"), MAX_GREY_DIFFERENCE)
@@ -462,8 +462,8 @@ def test_drawings_of_conventions_equal_the_output_of_their_scripts(tmp_path, nam
 
 
 def test_constants_named_in_the_guide_for_extensions_exist():
-    folders = ("python", "tests", "docs/scripts")
-    sources = "".join(path.read_text("utf-8") for folder in folders for path in (ROOT / folder).rglob("*.py"))
+    directories = ("python", "tests", "docs/scripts")
+    sources = "".join(path.read_text("utf-8") for directory in directories for path in (ROOT / directory).rglob("*.py"))
     constants = re.findall(r"`([A-Z][A-Z_]+)`", (ROOT / "docs/howto/extending.md").read_text("utf-8"))
     assert len(constants) > 5
     assert [name for name in constants if not re.search(rf"^{name}\b", sources, re.MULTILINE)] == []

@@ -10,7 +10,7 @@ from stiction import Surface, self_affine_surface
 
 pytestmark = pytest.mark.docs
 FRACTURES_NAMESPACE = runpy.run_path(str(Path(__file__).parents[1] / "docs/scripts/fractures.py"))
-DATA_FOLDER = os.environ.get("STICTION_FRACTURES")  # directory with the measured data that the script reads
+DATA_DIRECTORY = os.environ.get("STICTION_FRACTURES")  # directory with the measured data that the script reads
 EXPONENT_TOLERANCE = 0.15
 DOCUMENTED_STIFFNESS = {
     "vd1": ((37, 116), (48, 122)),
@@ -44,13 +44,13 @@ def test_random_roughness_has_the_spectrum_estimated_from_the_scan(hurst):
 
 
 @pytest.mark.skipif(
-    DATA_FOLDER is None, reason="the measured data are not available; STICTION_FRACTURES may name their folder"
+    DATA_DIRECTORY is None, reason="the measured data are not available; STICTION_FRACTURES may name their directory"
 )
 @pytest.mark.parametrize("name", list(DOCUMENTED_STIFFNESS))
 def test_experiment_with_fixed_settings_reproduces_documented_numbers(name):
-    folder, steps = Path(DATA_FOLDER), np.array([1.0, 2.0, 5.0, 10.0])
-    closure, _ = FRACTURES_NAMESPACE["compute_closure"](FRACTURES_NAMESPACE["read_gap"](folder, name), steps)
-    (load, stress), _ = FRACTURES_NAMESPACE["read_load_test"](folder, name)
+    directory, steps = Path(DATA_DIRECTORY), np.array([1.0, 2.0, 5.0, 10.0])
+    closure, _ = FRACTURES_NAMESPACE["compute_closure"](FRACTURES_NAMESPACE["read_gap"](directory, name), steps)
+    (load, stress), _ = FRACTURES_NAMESPACE["read_load_test"](directory, name)
     for expected, (closures, stresses) in zip(
         DOCUMENTED_STIFFNESS[name], ((closure, steps), (load, stress)), strict=True
     ):

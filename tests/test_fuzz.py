@@ -22,9 +22,9 @@ def test_random_study_files_are_run_or_rejected_without_traceback(tmp_path):
 
 @pytest.fixture(scope="module")
 def stored_result(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("pristine")
-    run(fuzzing.small_fuzz_study(), store=folder)
-    return folder
+    directory = tmp_path_factory.mktemp("pristine")
+    run(fuzzing.small_fuzz_study(), store=directory)
+    return directory
 
 
 def test_random_damage_to_a_store_is_detected_or_harmless(tmp_path, stored_result):

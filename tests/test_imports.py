@@ -13,7 +13,7 @@ import stiction
 import typer
 from stiction.cli import application
 
-PACKAGE_FOLDER = Path(stiction.__file__).parent
+PACKAGE_DIRECTORY = Path(stiction.__file__).parent
 FACADE = ("result", "pipeline", "measured_pair", "direct_shear")
 """Modules that users hold. They may import all layers except the user interfaces, and no layer imports them."""
 
@@ -44,7 +44,7 @@ def parse_file(path):
 
 def imported_names(source):
     """Yield the full names that a module imports from the package, also inside functions."""
-    for node in ast.walk(parse_file(PACKAGE_FOLDER / source)):
+    for node in ast.walk(parse_file(PACKAGE_DIRECTORY / source)):
         names = []
         if isinstance(node, ast.Import):
             names = [name.name for name in node.names]
@@ -60,8 +60,8 @@ def imported_names(source):
 
 
 MODULES = {
-    ".".join(path.relative_to(PACKAGE_FOLDER).with_suffix("").parts).removesuffix(".__init__"): path
-    for path in sorted(PACKAGE_FOLDER.rglob("*.py"))
+    ".".join(path.relative_to(PACKAGE_DIRECTORY).with_suffix("").parts).removesuffix(".__init__"): path
+    for path in sorted(PACKAGE_DIRECTORY.rglob("*.py"))
 }
 """Files of all modules, by their names in the package."""
 
@@ -96,7 +96,7 @@ def test_layers_import_only_from_lower_layers(layer):
 
 
 def test_layers_of_the_package_are_its_directories():
-    assert {path.parent.name for path in PACKAGE_FOLDER.glob("*/__init__.py")} == {*LAYERS} - {"facade"}
+    assert {path.parent.name for path in PACKAGE_DIRECTORY.glob("*/__init__.py")} == {*LAYERS} - {"facade"}
     assert {name for name in MODULES if "." not in name and not name.startswith("_")} == {*LAYERS, *FACADE} - {"facade"}
 
 
@@ -148,7 +148,7 @@ def test_imports_inside_functions_are_of_slow_modules_only():
 
 
 def test_modules_import_neither_the_package_itself_nor_relatively():
-    for source in (path.relative_to(PACKAGE_FOLDER) for path in MODULES.values()):
+    for source in (path.relative_to(PACKAGE_DIRECTORY) for path in MODULES.values()):
         list(imported_names(source))
 
 
@@ -170,7 +170,7 @@ ALLOWED_IMPORTS_OF_VIEWS = {
 
 def test_views_import_neither_stores_nor_readers_nor_statistics():
     assert set(MODULES) >= MODULES_RESTRICTED_FOR_VIEWS
-    for source in sorted(path.relative_to(PACKAGE_FOLDER) for path in (PACKAGE_FOLDER / "views").rglob("*.py")):
+    for source in sorted(path.relative_to(PACKAGE_DIRECTORY) for path in (PACKAGE_DIRECTORY / "views").rglob("*.py")):
         for name in imported_names(source):
             module, _, imported = name.removeprefix("stiction.").rpartition(".")
             if module in MODULES_RESTRICTED_FOR_VIEWS:
@@ -268,13 +268,13 @@ def test_preview_of_a_scan_loads_neither_matplotlib_nor_pydantic(tmp_path):
 
 
 def test_stub_of_the_package_lists_public_names_with_their_modules():
-    tree = ast.parse((PACKAGE_FOLDER / "__init__.pyi").read_text("utf-8"))
+    tree = ast.parse((PACKAGE_DIRECTORY / "__init__.pyi").read_text("utf-8"))
     assert {name.name: node.module for node in tree.body for name in node.names} == stiction._MODULES_BY_PUBLIC_NAME
 
 
 def test_public_names_are_imported_from_their_defining_modules():
     """Check that the stub of the package names the defining module of each public name."""
-    tree = ast.parse((PACKAGE_FOLDER / "__init__.pyi").read_text("utf-8"))
+    tree = ast.parse((PACKAGE_DIRECTORY / "__init__.pyi").read_text("utf-8"))
     for name, module in {name.asname: node.module for node in tree.body for name in node.names}.items():
         assert name in stiction.__all__
         assert name == "__version__" or getattr(stiction, name).__module__ == module
@@ -282,7 +282,7 @@ def test_public_names_are_imported_from_their_defining_modules():
 
 @pytest.mark.parametrize("layer", ["app", "cli"])
 def test_public_names_are_not_defined_in_command_line_and_app_layers(layer):
-    tree = ast.parse((PACKAGE_FOLDER / "__init__.pyi").read_text("utf-8"))
+    tree = ast.parse((PACKAGE_DIRECTORY / "__init__.pyi").read_text("utf-8"))
     assert [node.module for node in tree.body if node.module.startswith(f"stiction.{layer}")] == []
 
 
@@ -299,8 +299,8 @@ def test_command_group_lists_every_command_and_finds_its_module():
     assert group.get_command(None, "juggle") is None
 
 
-@pytest.mark.parametrize("folder", ["python", "tests", "benchmarks", "docs", "examples"])
-def test_docstrings_do_not_begin_like_a_continuation_of_the_line_above(folder):
+@pytest.mark.parametrize("directory", ["python", "tests", "benchmarks", "docs", "examples"])
+def test_docstrings_do_not_begin_like_a_continuation_of_the_line_above(directory):
     """Check this because a docstring must be understandable without the line above it."""
-    paths = sorted((Path(__file__).parent.parent / folder).rglob("*.py"))
+    paths = sorted((Path(__file__).parent.parent / directory).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

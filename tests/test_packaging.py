@@ -14,7 +14,7 @@ from stiction import read_profile, read_surface
 
 ROOT = Path(__file__).parents[1]
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-SAMPLE_SCANS_FOLDER = ROOT / "examples/scans"
+SAMPLE_SCANS_DIRECTORY = ROOT / "examples/scans"
 
 
 def load_script(path, monkeypatch):
@@ -153,10 +153,10 @@ MAX_HEIGHT_DIFFERENCE_IN_STEPS = 1.0
 
 
 def test_sample_scans_equal_the_output_of_their_script(tmp_path, monkeypatch):
-    make_script = load_script(SAMPLE_SCANS_FOLDER / "make.py", monkeypatch)
+    make_script = load_script(SAMPLE_SCANS_DIRECTORY / "make.py", monkeypatch)
     make_script.main(tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
-        path.name for path in SAMPLE_SCANS_FOLDER.iterdir() if path.suffix in (".csv", ".x3p")
+        path.name for path in SAMPLE_SCANS_DIRECTORY.iterdir() if path.suffix in (".csv", ".x3p")
     )
     for name, read_scan, converter_step in (
         ("lapped_{}.csv", read_profile, 1e-4), ("honed_{}.csv", read_profile, 1e-5),
@@ -164,7 +164,7 @@ def test_sample_scans_equal_the_output_of_their_script(tmp_path, monkeypatch):
     ):  # fmt: skip
         for side in make_script.SIDES:
             stored_scan, created_scan = (
-                read_scan(folder / name.format(side)) for folder in (SAMPLE_SCANS_FOLDER, tmp_path)
+                read_scan(directory / name.format(side)) for directory in (SAMPLE_SCANS_DIRECTORY, tmp_path)
             )
             assert stored_scan.spacing == created_scan.spacing
             np.testing.assert_allclose(

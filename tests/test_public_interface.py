@@ -229,7 +229,7 @@ ACCEPTED_NAME_CONFLICTS = {"load"}
 """Names that are also methods of xarray: ``result["load"]`` needs brackets, because ``result.load`` reads a file."""
 
 
-def create_datasets(upper, lower, function_result, folder):
+def create_datasets(upper, lower, function_result, directory):
     """Yield a dataset of every kind that public functions return or store."""
     options = {"mu0": 0.3, "effective_modulus": 10.0}
     areas = stiction.run(pair_study(upper, lower, load="1 mN", shifts=3, mechanics="asperities", **options))
@@ -252,20 +252,20 @@ def create_datasets(upper, lower, function_result, folder):
     roughness = stiction.scale_dependent_roughness(lower)
     datasets += [stiction.spectral_resolution(roughness, roughness, pressure=0.01, hardness=1.0, mu0=0.3)]
     datasets += [function_result.dataset, function_result.at("10 MPa"), member_values(function_result.source, [1.0])]
-    datasets += [contact_picture(function_result.source), xarray.load_dataset(folder / "onset.nc")]
+    datasets += [contact_picture(function_result.source), xarray.load_dataset(directory / "onset.nc")]
     return datasets
 
 
-def test_names_in_datasets_do_not_clash_with_xarray_methods(upper, lower, surface_folder):
+def test_names_in_datasets_do_not_clash_with_xarray_methods(upper, lower, surface_directory):
     stored_result = pair(
-        surface_folder / "upper.npy",
-        surface_folder / "lower.npy",
-        directory=surface_folder / "kept",
+        surface_directory / "upper.npy",
+        surface_directory / "lower.npy",
+        directory=surface_directory / "kept",
         **PAIR_ARGUMENTS | {"onset": 2, "mu0": 0.2},
     )
     result = {
         str(name)
-        for dataset in create_datasets(upper, lower, stored_result, surface_folder / "kept")
+        for dataset in create_datasets(upper, lower, stored_result, surface_directory / "kept")
         for name in (*dataset.dims, *dataset.variables)
     }
     result |= set(QUANTITIES)
@@ -478,36 +478,36 @@ COMMAND_OPTIONS = (
 
 
 @pytest.fixture(scope="module")
-def surface_folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("notebook")
+def surface_directory(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("notebook")
     for side in ("upper", "lower"):
-        write_surface(create_surface(side), folder / f"{side}.npy")
-    return folder
+        write_surface(create_surface(side), directory / f"{side}.npy")
+    return directory
 
 
 @pytest.fixture(scope="module")
-def command_result(surface_folder):
+def command_result(surface_directory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stiction.views.figures.draw_figures", lambda *_, **__: [])
         completed = call_stiction(
-            "pair", "upper.npy", "lower.npy", *COMMAND_OPTIONS, "--output", "command", cwd=surface_folder
+            "pair", "upper.npy", "lower.npy", *COMMAND_OPTIONS, "--output", "command", cwd=surface_directory
         )
     assert completed.returncode == 0, completed
-    return open_result(surface_folder / "command")
+    return open_result(surface_directory / "command")
 
 
 @pytest.fixture(scope="module")
-def function_result(surface_folder):
+def function_result(surface_directory):
     return pair(
-        surface_folder / "upper.npy",
-        surface_folder / "lower.npy",
+        surface_directory / "upper.npy",
+        surface_directory / "lower.npy",
         mechanics="asperities",
-        directory=surface_folder / "function",
+        directory=surface_directory / "function",
         **PAIR_ARGUMENTS,
     )
 
 
-def test_pair_function_and_pair_command_give_equal_results(command_result, function_result, surface_folder):
+def test_pair_function_and_pair_command_give_equal_results(command_result, function_result, surface_directory):
     assert function_result.study == command_result.study
     xarray.testing.assert_identical(function_result.dataset, command_result.dataset)
     assert function_result.to_dataframe().equals(command_result.to_dataframe())
@@ -516,12 +516,12 @@ def test_pair_function_and_pair_command_give_equal_results(command_result, funct
         [point_record(point) for point in result.summary().points] for result in (function_result, command_result)
     ]
     assert records[0] == records[1]
-    stored_result = open_result(surface_folder / "function")
+    stored_result = open_result(surface_directory / "function")
     assert (stored_result.value, stored_result.assessment) == (function_result.value, function_result.assessment)
 
 
-def test_command_at_reads_a_result_of_the_pair_function(function_result, surface_folder):
-    completed = check_stiction("at", "function", "--load", "10 MPa", cwd=surface_folder)
+def test_command_at_reads_a_result_of_the_pair_function(function_result, surface_directory):
+    completed = check_stiction("at", "function", "--load", "10 MPa", cwd=surface_directory)
     assert f"{function_result.value:.2f}" in completed.stdout
 
 
@@ -633,20 +633,20 @@ def test_pair_function_warns_about_a_flipped_surface(upper, lower):
         pair(flipped(upper), lower, mechanics="asperities", **PAIR_ARGUMENTS)
 
 
-def test_pair_function_replaces_a_result_of_another_study_only_on_request(function_result, surface_folder, tmp_path):
-    folder = tmp_path / "result"
-    options = PAIR_ARGUMENTS | {"mechanics": "asperities", "directory": folder}
-    pair(surface_folder / "upper.npy", surface_folder / "lower.npy", **options)
+def test_pair_function_replaces_a_result_of_another_study_only_on_request(function_result, surface_directory, tmp_path):
+    directory = tmp_path / "result"
+    options = PAIR_ARGUMENTS | {"mechanics": "asperities", "directory": directory}
+    pair(surface_directory / "upper.npy", surface_directory / "lower.npy", **options)
     assert pair(
-        surface_folder / "upper.npy", surface_folder / "lower.npy", **options | {"mu0": 0.1}
+        surface_directory / "upper.npy", surface_directory / "lower.npy", **options | {"mu0": 0.1}
     ).study.friction.mu0 == (0.1,)
     other_options = options | {"effective_modulus": "70 GPa"}
     with pytest.raises(ValueError, match="contains another study") as caught:
-        pair(surface_folder / "upper.npy", surface_folder / "lower.npy", **other_options)
+        pair(surface_directory / "upper.npy", surface_directory / "lower.npy", **other_options)
     assert "\n" not in str(caught.value)
     assert (
         pair(
-            surface_folder / "upper.npy", surface_folder / "lower.npy", **other_options, replace=True
+            surface_directory / "upper.npy", surface_directory / "lower.npy", **other_options, replace=True
         ).study.contact.effective_modulus
         == 70
     )

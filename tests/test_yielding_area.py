@@ -36,7 +36,7 @@ FINITE_ELEMENT_AREAS = {
 @pytest.fixture(scope="module")
 def script():
     if not SCRIPT.exists():
-        pytest.skip("the folder docs is not in this tree")
+        pytest.skip("the directory docs is not in this tree")
     spec = importlib.util.spec_from_file_location("yielding_area", SCRIPT)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # the decorator of dataclasses needs the module

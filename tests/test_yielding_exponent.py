@@ -43,7 +43,7 @@ MAP_AREAS = {
 @pytest.fixture(scope="module")
 def script():
     if not SCRIPTS.exists():
-        pytest.skip("the folder docs is not in this tree")
+        pytest.skip("the directory docs is not in this tree")
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(SCRIPTS)
         yield importlib.import_module("yielding_exponent")

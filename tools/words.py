@@ -33,8 +33,8 @@ MIN_SENTENCE_WORDS = 7  # minimum number of words in a drawn sentence of the doc
 MAX_COMMITS = 200  # number of newest commits whose subjects are drawn
 MAX_SAMPLE_LENGTH = 300  # maximum number of printed characters of a sentence
 MAX_FUNCTION_LINES = 40  # Longer functions are excluded, because a reader could not explain them quickly.
-PYTHON_FOLDERS = ("python/stiction", "tests", "benchmarks", "docs", "examples", "packaging", "tools", "dev")
-IMPORTABLE_FOLDERS = ("python/stiction", "tests/support", "tests/reference", "packaging", "tools")
+PYTHON_DIRECTORIES = ("python/stiction", "tests", "benchmarks", "docs", "examples", "packaging", "tools", "dev")
+IMPORTABLE_DIRECTORIES = ("python/stiction", "tests/support", "tests/reference", "packaging", "tools")
 
 TextsByPath = Mapping[str, str]
 """Texts of files by their path in the tree."""
@@ -72,16 +72,16 @@ def is_python(name: str) -> bool:
     return name == "dev" or name.endswith(".py")
 
 
-def is_in_folders(name: str, folders: tuple[str, ...]) -> bool:
-    return any(name == folder or name.startswith(f"{folder}/") for folder in folders)
+def is_in_directories(name: str, directories: tuple[str, ...]) -> bool:
+    return any(name == directory or name.startswith(f"{directory}/") for directory in directories)
 
 
 def iterate_syntax_nodes(
-    files: TextsByPath, folders: tuple[str, ...] = PYTHON_FOLDERS
+    files: TextsByPath, directories: tuple[str, ...] = PYTHON_DIRECTORIES
 ) -> Iterator[tuple[str, ast.AST]]:
     """Yield the path of each Python file with each node of its syntax tree."""
     for name, text in sorted(files.items()):
-        if is_python(name) and is_in_folders(name, folders):
+        if is_python(name) and is_in_directories(name, directories):
             for node in list_syntax_nodes(text):
                 yield name, node
 
@@ -249,34 +249,36 @@ def print_sample(seed: int, number: int, functions: int) -> None:
 # ---- Check ----------------------------------------------------------------------------------------------------------
 
 
-def rejected_words(words_by_folder: Mapping[str, list[str]], path: str) -> set[str]:
-    """Return the words that are rejected in a file: those of `all` and of every folder that contains the file."""
+def rejected_words(words_by_directory: Mapping[str, list[str]], path: str) -> set[str]:
+    """Return the words that are rejected in a file: those of `all` and of every directory that contains the file."""
     return set(
         chain.from_iterable(
-            words for folder, words in words_by_folder.items() if folder == "all" or is_in_folders(path, (folder,))
+            words
+            for directory, words in words_by_directory.items()
+            if directory == "all" or is_in_directories(path, (directory,))
         )
     )
 
 
-def find_name_faults(files: TextsByPath, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
-    words_by_path = {path: rejected_words(words_by_folder, path) for path in files}
+def find_name_faults(files: TextsByPath, words_by_directory: Mapping[str, list[str]]) -> Iterator[str]:
+    words_by_path = {path: rejected_words(words_by_directory, path) for path in files}
     for path, node in iterate_syntax_nodes(files):
         for kind, name in bound_names(node):
             if name.strip("_").lower() in words_by_path[path]:
                 yield f"{path}:{getattr(node, 'lineno', 1)}: {name} is no noun of the field, for a {kind}"
 
 
-def find_test_name_faults(files: TextsByPath, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
+def find_test_name_faults(files: TextsByPath, words_by_directory: Mapping[str, list[str]]) -> Iterator[str]:
     for path, node in iterate_syntax_nodes(files, ("tests",)):
         if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
             first_word = node.name.split("_")[1]
-            if first_word in rejected_words(words_by_folder, path):
+            if first_word in rejected_words(words_by_directory, path):
                 yield f"{path}:{node.lineno}: {node.name} does not begin with the unit that is tested"
 
 
-def find_first_word_faults(files: TextsByPath, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
+def find_first_word_faults(files: TextsByPath, words_by_directory: Mapping[str, list[str]]) -> Iterator[str]:
     for place, sentence in chain(docstring_summaries(files), comments(files)):
-        if sentence.split()[0] in rejected_words(words_by_folder, place.split(":")[0]):
+        if sentence.split()[0] in rejected_words(words_by_directory, place.split(":")[0]):
             yield f"{place}: {sentence[:60]!r} does not begin with a verb or with the thing that it describes"
 
 
@@ -293,7 +295,7 @@ def modules_by_repeated_constant(files: TextsByPath) -> dict[str, set[str]]:
     """Return the modules of each constant that several modules define with different values."""
     modules: dict[str, dict[str, str]] = {}
     for path, text in sorted(files.items()):
-        if not is_python(path) or not is_in_folders(path, IMPORTABLE_FOLDERS):
+        if not is_python(path) or not is_in_directories(path, IMPORTABLE_DIRECTORIES):
             continue
         module = list_syntax_nodes(text)[0]
         assert isinstance(module, ast.Module)

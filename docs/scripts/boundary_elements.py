@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import t as student
 
-DOCS_FOLDER = Path(__file__).parents[1]
-sys.path.insert(0, str(DOCS_FOLDER.parent / "tests"))
+DOCS_DIRECTORY = Path(__file__).parents[1]
+sys.path.insert(0, str(DOCS_DIRECTORY.parent / "tests"))
 
 from reference.boundary_elements import (  # noqa: E402  also used by tests
     EFFECTIVE_MODULUS,
@@ -204,7 +204,7 @@ def main() -> None:
         "over all H.",
     )
     text = "\n\n".join(f"{heading}\n\n" + "\n".join(rows) for heading, rows in zip(headings, tables, strict=True))
-    (DOCS_FOLDER / "generated/boundary_elements.md").write_text(text + "\n", encoding="utf-8")
+    (DOCS_DIRECTORY / "generated/boundary_elements.md").write_text(text + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -930,10 +930,10 @@ def write_tables(
     """Write the tables of claims, variants and, optionally, columns, from the results in a directory."""
     changes = dict(changes)
 
-    def load_or_compute_result(study: Study, folder: str) -> xarray.Dataset:
-        if not (results / folder / "study.toml").exists():
-            return run(study.with_changes(changes), store=results / folder).dataset
-        return open_result(results / folder).dataset
+    def load_or_compute_result(study: Study, directory: str) -> xarray.Dataset:
+        if not (results / directory / "study.toml").exists():
+            return run(study.with_changes(changes), store=results / directory).dataset
+        return open_result(results / directory).dataset
 
     result = load_or_compute_result(claims_study(), "figure7")
     outcomes = judge_claims(result)

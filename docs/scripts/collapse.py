@@ -39,9 +39,9 @@ from stiction._core import patches_of
 from stiction.mechanics.friction import FrictionLaw
 from stiction.mechanics.patches import grid_slopes, patch_sums
 
-DOCS_FOLDER = Path(__file__).parents[1]
-RESULTS_FILE = DOCS_FOLDER.parent / "build/collapse.jsonl"
-DATA_FOLDER = Path(os.environ.get("STICTION_TEST_DATA", DOCS_FOLDER.parents[1] / "shared/data"))
+DOCS_DIRECTORY = Path(__file__).parents[1]
+RESULTS_FILE = DOCS_DIRECTORY.parent / "build/collapse.jsonl"
+DATA_DIRECTORY = Path(os.environ.get("STICTION_TEST_DATA", DOCS_DIRECTORY.parents[1] / "shared/data"))
 """Directory of measured maps; cases whose file is missing are left out."""
 
 EFFECTIVE_MODULUS = 10.0
@@ -194,7 +194,7 @@ def rms_gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
 
 def load_map_pairs(case: dict) -> list[BodyPair]:
     """Return pairs of quarters of a map; the upper one is flipped."""
-    surface = levelled(read_surface(DATA_FOLDER / case["file"]), "plane")
+    surface = levelled(read_surface(DATA_DIRECTORY / case["file"]), "plane")
     half_shape = [size // 2 for size in surface.heights.shape]
     corners = product((0, half_shape[0]), (0, half_shape[1]))
     quarter_maps = [
@@ -206,7 +206,7 @@ def load_map_pairs(case: dict) -> list[BodyPair]:
 
 def load_profile_pairs(case: dict) -> list[BodyPair]:
     """Return pairs of quarters of a profile; the upper one is flipped."""
-    line = levelled(read_profile(DATA_FOLDER / case["file"]), "line")
+    line = levelled(read_profile(DATA_DIRECTORY / case["file"]), "line")
     quarter_length = len(line) // 4
     quarter_maps = [
         Profile(line.heights[k * quarter_length : (k + 1) * quarter_length], spacing=line.spacing) for k in range(4)
@@ -341,7 +341,7 @@ def load_or_compute_case_results() -> list[dict]:
     """Return the result of every case whose data exist. Results that are not stored are computed."""
     RESULTS_FILE.parent.mkdir(exist_ok=True)
     stored_results = load_results()
-    cases = [case for case in iterate_cases() if "file" not in case or (DATA_FOLDER / case["file"]).exists()]
+    cases = [case for case in iterate_cases() if "file" not in case or (DATA_DIRECTORY / case["file"]).exists()]
     missing_cases = [case for case in cases if json.dumps(case) not in stored_results]
     with RESULTS_FILE.open("a", encoding="utf-8") as file, ProcessPoolExecutor(2) as pool:
         for index, row in enumerate(pool.map(compute_case_results, missing_cases), start=1):
@@ -541,7 +541,7 @@ def draw_friction_and_deviations(points: list[dict]) -> None:
     for ax in axes[2:]:
         ax.axhline(0, color="0.1", lw=0.8, zorder=0)
     figure.legend(loc="outside lower center", ncols=4, fontsize=6.5, frameon=False)
-    figure.savefig(DOCS_FOLDER / "images/collapse.png")
+    figure.savefig(DOCS_DIRECTORY / "images/collapse.png")
 
 
 def draw_limits_of_closed_form(points: list[dict]) -> None:
@@ -597,14 +597,14 @@ def draw_limits_of_closed_form(points: list[dict]) -> None:
         ax.xaxis.label.set_fontsize(8)
         ax.yaxis.label.set_fontsize(8)
         ax.legend(fontsize=5.5, frameon=False)
-    figure.savefig(DOCS_FOLDER / "images/collapse_limits.png")
+    figure.savefig(DOCS_DIRECTORY / "images/collapse_limits.png")
 
 
 def write_case_means(points: list[dict]) -> None:
     """Write the means over the pairs of every case."""
     column_names = sorted({key for point in points for key in point if key not in ("case", "together")})
     column_names = ["family", "of", *(key for key in column_names if key != "family")]
-    with (DOCS_FOLDER / "generated/collapse.csv").open("w", encoding="utf-8", newline="") as file:
+    with (DOCS_DIRECTORY / "generated/collapse.csv").open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, column_names, lineterminator="\n")
         writer.writeheader()
         for point in points:
@@ -632,7 +632,7 @@ def main() -> None:
         "different roughness, stiffness and spectra, and for steep slopes.",
         "\n".join(render_limit_rows(points)),
     ]
-    (DOCS_FOLDER / "generated/collapse.md").write_text("\n\n".join(text) + "\n", encoding="utf-8")
+    (DOCS_DIRECTORY / "generated/collapse.md").write_text("\n\n".join(text) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 
-IMAGE_FOLDER = Path(__file__).resolve().parents[1] / "images"
+IMAGE_DIRECTORY = Path(__file__).resolve().parents[1] / "images"
 FIGURE_WIDTH, FIGURE_HEIGHT = 170.0, 84.0  # mm
 BOX_HEIGHT = 12.0  # mm
 LIGHT_COLOURS = {"text": "0.1", "line": "0.35", "question": "#e8eef5", "answer": "#dcefe6"}
@@ -74,4 +74,4 @@ def draw_figure(dark: bool) -> Figure:
 
 if __name__ == "__main__":
     for name, dark in (("decision", False), ("decision_dark", True)):
-        draw_figure(dark).savefig(IMAGE_FOLDER / f"{name}.png", dpi=200, facecolor="none" if dark else "white")
+        draw_figure(dark).savefig(IMAGE_DIRECTORY / f"{name}.png", dpi=200, facecolor="none" if dark else "white")

@@ -23,7 +23,7 @@ from stiction.views.style import (
 )
 
 ROOT = Path(__file__).resolve().parents[2]
-SCANS_FOLDER = ROOT / "examples/scans"
+SCANS_DIRECTORY = ROOT / "examples/scans"
 EXAMPLE_PAIR_OPTIONS = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
 """Options of `pair` in the example of README, without the load."""
 CURVE_LOADS = np.geomspace(1.0, 100.0, 9)
@@ -45,13 +45,13 @@ DARK_STYLE = {
 
 def compute_friction():
     """Return the coefficient and the ends of its combined interval at every load, by sliding rule."""
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as directory:
         result = pair(
-            SCANS_FOLDER / "lapped_upper.csv",
-            SCANS_FOLDER / "lapped_lower.csv",
+            SCANS_DIRECTORY / "lapped_upper.csv",
+            SCANS_DIRECTORY / "lapped_lower.csv",
             load=CURVE_LOADS.tolist(),
             onset=0,
-            directory=folder,
+            directory=directory,
             **EXAMPLE_PAIR_OPTIONS,
         )
         quoted_points = result.summary().reported_points
@@ -61,7 +61,9 @@ def compute_friction():
 
 def solve_contact():
     """Return x and heights of the lower profile, and the solution of one pair under MARKED_LOAD."""
-    upper, lower = (levelled(read_profile(SCANS_FOLDER / f"lapped_{side}.csv"), "line") for side in ("upper", "lower"))
+    upper, lower = (
+        levelled(read_profile(SCANS_DIRECTORY / f"lapped_{side}.csv"), "line") for side in ("upper", "lower")
+    )
     curve = half_space(flipped(upper), lower, [MARKED_LOAD], effective_modulus=78.7, hardness=1.27, boundary="free")
     return lower.x, lower.heights, curve.contact(0)
 

@@ -1,8 +1,8 @@
 """Draw docs/images/fractures.png and print the tables of explanation/experiments.md on two fractures in granodiorite.
 
-    python docs/scripts/fractures.py FOLDER [SPECIMEN ...]
+    python docs/scripts/fractures.py DIRECTORY [SPECIMEN ...]
 
-FOLDER contains vd1.npz (gap_um, spacing_um) and vd1-closure.csv (number, displacement in mm, nominal stress in MPa;
+DIRECTORY contains vd1.npz (gap_um, spacing_um) and vd1-closure.csv (number, displacement in mm, nominal stress in MPa;
 loading, then unloading), and the same for vd2, from github.com/danielvogler/hm_coupled_fracture_response.
 """
 
@@ -38,9 +38,9 @@ FIT_WAVELENGTH_RANGE = 1e3, 10e3  # µm; range of wavelengths for the fit of the
 MIN_STRESS = 0.2  # MPa; lowest measured stress
 
 
-def read_gap(folder, name, *, square=True):
+def read_gap(directory, name, *, square=True):
     """Return the gap (µm) in the largest square of the disc, or in the whole disc with missing points outside."""
-    with np.load(folder / f"{name}.npz") as archive:
+    with np.load(directory / f"{name}.npz") as archive:
         heights, spacing = archive["gap_um"].astype(float), float(archive["spacing_um"])
     side_length = int(DISC_DIAMETER / (np.sqrt(2) if square else 1) / spacing)
     first_indices = [(count - side_length) // 2 for count in heights.shape]
@@ -53,9 +53,9 @@ def read_gap(folder, name, *, square=True):
     return Surface(square_heights, spacing=spacing, missing=distance > DISC_DIAMETER / 2)
 
 
-def read_load_test(folder, name):
+def read_load_test(directory, name):
     """Return displacement (mm) and stress (MPa) of loading and unloading."""
-    number, displacement, stress = np.loadtxt(folder / f"{name}-closure.csv", delimiter=",", skiprows=2).T
+    number, displacement, stress = np.loadtxt(directory / f"{name}-closure.csv", delimiter=",", skiprows=2).T
     top = int(stress.argmax())
     assert (np.diff(number) == 1).all()
     return (displacement[: top + 1], stress[: top + 1]), (displacement[top:], stress[top:])
@@ -134,9 +134,9 @@ def change_heights(gap, change):
     return Surface(change(gap.heights), spacing=gap.spacing)
 
 
-def list_gap_variants(folder, name):
+def list_gap_variants(directory, name):
     """Return the variants: label, kind of uncertainty or None, gap, and arguments of `compute_closure`."""
-    gap, generator = read_gap(folder, name), np.random.default_rng(1)
+    gap, generator = read_gap(directory, name), np.random.default_rng(1)
     yield "frozen settings", "", gap, {}
     for young in (10.0, 12.0):
         yield f"E = {young:g} GPa", "E", gap, {"young": young}
@@ -144,7 +144,7 @@ def list_gap_variants(folder, name):
     yield "tilt fixed as scanned", "tilt", gap, {"tilt": "fixed"}
     yield "tilt fixed after a plane is removed", "tilt", levelled(gap, "plane"), {"tilt": "fixed"}
     yield "tilt fixed, periodic", "tilt", gap, {"tilt": "fixed", "boundary": "periodic"}
-    yield "whole disc", "tilt", read_gap(folder, name, square=False), {}
+    yield "whole disc", "tilt", read_gap(directory, name, square=False), {}
     yield "heights random within 4 µm", "digitising", change_heights(
         gap, lambda z: z + generator.uniform(-DIGITISING_STEP / 2, DIGITISING_STEP / 2, z.shape)
     ), {}  # fmt: skip
@@ -163,16 +163,16 @@ def list_gap_variants(folder, name):
     yield "form removed (second degree)", "", levelled(gap, "quadratic"), {}
 
 
-def main(folder, names):
+def main(directory, names):
     results = {}
     for name in names:
-        (loading_displacement, stress), (unloading_displacement, unloading_stress) = read_load_test(folder, name)
+        (loading_displacement, stress), (unloading_displacement, unloading_stress) = read_load_test(directory, name)
         measured_stiffness = [
             secant_stiffness(loading_displacement, stress, stress_range)
             for stress_range in (LOW_STRESS_RANGE, HIGH_STRESS_RANGE)
         ]
-        hurst, _ = estimate_spectrum(read_gap(folder, name))
-        clipped_fraction = float((read_gap(folder, name).heights >= 1e3).mean())
+        hurst, _ = estimate_spectrum(read_gap(directory, name))
+        clipped_fraction = float((read_gap(directory, name).heights >= 1e3).mean())
         print(
             f"\n**{name}**: Hurst exponent of the gap {hurst:.2f}, "
             f"{100 * clipped_fraction:.1f} % of its points are clipped.\n"
@@ -190,7 +190,7 @@ def main(folder, names):
         print(f"| measured, unloading | {unloading_stiffness[0]:.0f} | | {unloading_stiffness[1]:.0f} | | |")
         stresses = np.unique(np.concatenate([stress, LOW_STRESS_RANGE, HIGH_STRESS_RANGE]))
         curves_by_kind = {}
-        for label, uncertainty_kind, gap, options in list_gap_variants(folder, name):
+        for label, uncertainty_kind, gap, options in list_gap_variants(directory, name):
             closure, curve = compute_closure(gap, stresses, **options)
             computed_stiffness = [
                 secant_stiffness(closure, stresses, stress_range)

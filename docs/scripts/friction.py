@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from stiction import gentle_friction, random_phases, weierstrass_mandelbrot_moments, weierstrass_mandelbrot_surface
 from stiction.solve import store
 
-DOCS_FOLDER = Path(__file__).parents[1]
-RESULTS_FOLDER = DOCS_FOLDER.parent / "build/claims/columns"
+DOCS_DIRECTORY = Path(__file__).parents[1]
+RESULTS_DIRECTORY = DOCS_DIRECTORY.parent / "build/claims/columns"
 MU0, TAU0, AMPLITUDE = 0.4, 0.2, 0.1
 MAP_SIDE_POINTS, EXTENT = 256, 10.0
 CURVE_STYLES = {
@@ -86,7 +86,7 @@ def main() -> None:
     figure = Figure(figsize=(7.2, 4.1), dpi=200, layout="constrained")
     axes = figure.subplots(2, 4, sharex=True).ravel()
     for name in CURVE_STYLES:
-        dataset = store.read(RESULTS_FOLDER / name)
+        dataset = store.read(RESULTS_DIRECTORY / name)
         sliding = "opposing" if "sliding" in dataset.dims else None
         with np.errstate(divide="ignore", invalid="ignore"):
             result = ResampledMeans(dataset, AMPLITUDE, sliding=sliding)
@@ -122,7 +122,7 @@ def main() -> None:
     for ax in axes[4:]:
         ax.set_xlabel("D", fontsize=7.5)
     axes[1].legend(fontsize=5.6, frameon=False, loc="upper left", handlelength=1.4, borderaxespad=0.2)
-    figure.savefig(DOCS_FOLDER / "images/friction.png")
+    figure.savefig(DOCS_DIRECTORY / "images/friction.png")
 
 
 if __name__ == "__main__":

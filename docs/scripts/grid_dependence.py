@@ -20,7 +20,7 @@ from stiction.views.style import (
     save_figure,
 )
 
-DOCS_FOLDER = Path(__file__).parents[1]
+DOCS_DIRECTORY = Path(__file__).parents[1]
 POINT_COUNTS = (37_500, 75_000, 150_000, 300_000, 600_000)
 FRACTAL_DIMENSIONS = [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7]
 MU0 = 0.4
@@ -101,7 +101,7 @@ def write_claim_table() -> None:
             lower, upper = np.quantile(ratios[1:, index], [0.025, 0.975])
             cells.append(f"{ratios[0, index]:.2f} [{lower:.2f}, {upper:.2f}]")
         lines.append(f"| {dimension:.1f} | {' | '.join(cells)} |")
-    (DOCS_FOLDER / "generated/grid_claim.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (DOCS_DIRECTORY / "generated/grid_claim.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def main() -> None:
@@ -165,8 +165,8 @@ def draw_figure() -> None:
     for ax in axes[-1]:
         ax.set_xlabel("points (thousands)")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), title="$D$\nbands: 95 %", loc="outside right center")
-    save_figure(figure, DOCS_FOLDER / "images/grid_dependence.png")
-    (DOCS_FOLDER / "generated/grid_dependence.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    save_figure(figure, DOCS_DIRECTORY / "images/grid_dependence.png")
+    (DOCS_DIRECTORY / "generated/grid_dependence.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from scipy.stats import t as student
 from stiction import HertzCylinder, Profile, Surface, half_space, press, self_affine, self_affine_surface
 
-DOCS_FOLDER = Path(__file__).parents[1]
+DOCS_DIRECTORY = Path(__file__).parents[1]
 
 EFFECTIVE_MODULUS = 10.0
 RMS_SLOPE = 0.1
@@ -195,7 +195,7 @@ def draw_figure(results: dict) -> None:
         )
     figure.legend(handles=legend_handles, loc="outside lower center", ncols=3, fontsize=7.5, frameon=False)
     figure.supylabel("asperities / half-space", fontsize=9)
-    figure.savefig(DOCS_FOLDER / "images/half_space.png")
+    figure.savefig(DOCS_DIRECTORY / "images/half_space.png")
 
 
 def format_tables(results: dict) -> str:
@@ -249,7 +249,7 @@ def main(workers: int = 1) -> None:
         jobs = {key: [pool.submit(compute_pair_results, *key, k) for k in range(PAIR_COUNTS[key[:2]])] for key in keys}
         results = {key: np.array([job.result() for job in item]) for key, item in jobs.items()}
     draw_figure(results)
-    (DOCS_FOLDER / "generated/half_space.md").write_text(format_tables(results), encoding="utf-8")
+    (DOCS_DIRECTORY / "generated/half_space.md").write_text(format_tables(results), encoding="utf-8")
 
 
 if __name__ == "__main__":

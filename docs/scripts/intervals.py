@@ -7,8 +7,8 @@ import numpy as np
 from scipy.special import stdtrit
 from stiction.evaluate.intervals import average_correlated_values
 
-DOCS_FOLDER = Path(__file__).parent.parent
-sys.path.insert(0, str(DOCS_FOLDER.parent / "tests"))
+DOCS_DIRECTORY = Path(__file__).parent.parent
+sys.path.insert(0, str(DOCS_DIRECTORY.parent / "tests"))
 
 from reference.neighbours import (  # noqa: E402
     DISTRIBUTION_NAMES,
@@ -85,7 +85,7 @@ def main():
                         f"{_format_bold(f'{width:.2f}', width > MAX_WIDTH_RATIO)}"
                     )
                 lines.append(f"| {distribution} | {positions} | {correlation:g} | {' | '.join(cells)} |")
-    (DOCS_FOLDER / "generated/intervals.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (DOCS_DIRECTORY / "generated/intervals.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _format_bold(text, is_bold):

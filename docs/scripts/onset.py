@@ -17,7 +17,7 @@ from scipy.stats import t as student
 from stiction import Study, Surface, half_space, press, run, self_affine_surface
 from stiction._estimate import Estimate
 
-DOCS_FOLDER = Path(__file__).parents[1]
+DOCS_DIRECTORY = Path(__file__).parents[1]
 
 EFFECTIVE_MODULUS = 10.0
 MU0 = 0.3
@@ -329,7 +329,7 @@ def draw_figure() -> None:
         axes.tick_params(labelsize=6, width=0.4)
         axes.xaxis.label.set_size(7)
         axes.yaxis.label.set_size(7)
-    figure.savefig(DOCS_FOLDER / "images/onset.png")
+    figure.savefig(DOCS_DIRECTORY / "images/onset.png")
     print(
         f"mu_s {onset.sliding_load / onset.normal_load:.4f}, creep {1e3 * onset.displacement_at_sliding:.3g} nm, "
         f"at half of it {100 * onset.slipped_load[19]:.0f} % of the load slips, stiffness {onset.stiffness:.3g} mN/µm"
@@ -345,7 +345,7 @@ def main(*names: str) -> None:
         "dimension": compute_onset_over_dimension,
     }
     for name in names or tables:
-        table_path = DOCS_FOLDER / f"generated/onset_{name}.md"
+        table_path = DOCS_DIRECTORY / f"generated/onset_{name}.md"
         table_path.write_text("\n".join(tables[name]()) + "\n", encoding="utf-8")
     if not names:
         draw_figure()

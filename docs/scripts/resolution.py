@@ -20,8 +20,8 @@ from stiction import (
     surface_spectrum,
 )
 
-DOCS_FOLDER = Path(__file__).parent.parent
-RESULTS_FOLDER = Path("resolution")
+DOCS_DIRECTORY = Path(__file__).parent.parent
+RESULTS_DIRECTORY = Path("resolution")
 LARGE_MAP_SIDE_POINTS, SMALL_MAP_SIDE_POINTS, SPACING = 1024, 512, 0.01  # spacing in µm
 EFFECTIVE_MODULUS, HARDNESS, MU0, TAU0 = 115.0, 4.0, 0.2, 0.2  # GPa
 PRESSURE, HIGH_PRESSURE = 0.02, 0.2  # GPa
@@ -201,7 +201,7 @@ def compute_joined_spectrum():
     )
     first_scans = [scans[name][0] for name in scans]
     joined_first_scans = joined_spectrum(first_scans, tip_radii=[None, None, radius], names=list(scans))
-    save_figure(joined_spectrum_figure(joined_first_scans), DOCS_FOLDER / "images/characterise_joined.png")
+    save_figure(joined_spectrum_figure(joined_first_scans), DOCS_DIRECTORY / "images/characterise_joined.png")
     q, _, density = surface_spectrum(surface, periodic=True).waves()
     bin_half_width = 10 ** (0.5 / BANDS_PER_DECADE)
     true_density = []
@@ -222,12 +222,12 @@ def compute_joined_spectrum():
 
 
 def save_results(name, results):
-    RESULTS_FOLDER.mkdir(exist_ok=True)
-    (RESULTS_FOLDER / f"{name}.json").write_text(json.dumps(results), encoding="utf-8")
+    RESULTS_DIRECTORY.mkdir(exist_ok=True)
+    (RESULTS_DIRECTORY / f"{name}.json").write_text(json.dumps(results), encoding="utf-8")
 
 
 def load_results(name):
-    return json.loads((RESULTS_FOLDER / f"{name}.json").read_text(encoding="utf-8"))
+    return json.loads((RESULTS_DIRECTORY / f"{name}.json").read_text(encoding="utf-8"))
 
 
 def render_coarser_cutoff_rows(rows):
@@ -439,7 +439,7 @@ def write_page():
         "",
         *render_spectrum_rows(joined_results),
     ]
-    (DOCS_FOLDER / "generated/resolution.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (DOCS_DIRECTORY / "generated/resolution.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     draw_figure(rows_by_exponent, joined_results)
 
 
@@ -489,7 +489,7 @@ def draw_figure(rows_by_exponent, joined_results):
     )
     axes[2].set_title("One surface, three instruments")
     axes[2].legend(fontsize=7.5)
-    figure.savefig(DOCS_FOLDER / "images/resolution.png", dpi=110)
+    figure.savefig(DOCS_DIRECTORY / "images/resolution.png", dpi=110)
 
 
 if __name__ == "__main__":

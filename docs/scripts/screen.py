@@ -5,7 +5,7 @@ import sys
 import tempfile
 
 import matplotlib as mpl
-from first import EXAMPLE_PAIR_OPTIONS, ROOT, SCANS_FOLDER
+from first import EXAMPLE_PAIR_OPTIONS, ROOT, SCANS_DIRECTORY
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
@@ -39,18 +39,18 @@ LABELLED_LINE_PARTS = [
 
 def run_readme_example() -> list[str]:
     """Return the lines that README's example prints."""
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as directory:
         command = [
             sys.executable,
             "-m",
             "stiction",
             "pair",
-            SCANS_FOLDER / "lapped_upper.csv",
-            SCANS_FOLDER / "lapped_lower.csv",
+            SCANS_DIRECTORY / "lapped_upper.csv",
+            SCANS_DIRECTORY / "lapped_lower.csv",
         ]
         completed = subprocess.run(
             [*command, *COMMAND_OPTIONS],
-            cwd=folder,
+            cwd=directory,
             capture_output=True,
             check=True,
             text=True,

@@ -13,10 +13,10 @@ import tempfile
 from pathlib import Path
 
 import stiction as st
-from first import EXAMPLE_PAIR_OPTIONS, ROOT, SCANS_FOLDER
+from first import EXAMPLE_PAIR_OPTIONS, ROOT, SCANS_DIRECTORY
 from stiction.views.report import save_report
 
-IMAGE_FOLDER = ROOT / "docs/images"
+IMAGE_DIRECTORY = ROOT / "docs/images"
 WINDOW_WIDTH = 1280  # px
 IMAGE_HEIGHTS = {"report": 1180, "app_scans": 900, "app_answer": 1000}  # px
 
@@ -33,31 +33,31 @@ def save_screenshot(driver, name: str, height: int) -> None:
     """Save the upper part of the page, from its top."""
     clip_area = {"x": 0, "y": 0, "width": WINDOW_WIDTH, "height": height, "scale": 1}
     completed = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip_area})
-    (IMAGE_FOLDER / f"{name}.png").write_bytes(base64.b64decode(completed["data"]))
+    (IMAGE_DIRECTORY / f"{name}.png").write_bytes(base64.b64decode(completed["data"]))
 
 
-def save_report_screenshots(driver, folder: Path) -> None:
+def save_report_screenshots(driver, directory: Path) -> None:
     """Draw the report of README's pair, light and dark."""
     result = st.pair(
-        SCANS_FOLDER / "lapped_upper.csv",
-        SCANS_FOLDER / "lapped_lower.csv",
-        directory=folder / "pair",
+        SCANS_DIRECTORY / "lapped_upper.csv",
+        SCANS_DIRECTORY / "lapped_lower.csv",
+        directory=directory / "pair",
         load="50 MPa",
         **EXAMPLE_PAIR_OPTIONS,
     )
-    save_report(result, folder / "report.html")
+    save_report(result, directory / "report.html")
     for suffix, dark in (("", False), ("_dark", True)):
         set_theme(driver, dark)
-        browser.open_page(driver, folder / "report.html", width=WINDOW_WIDTH)
+        browser.open_page(driver, directory / "report.html", width=WINDOW_WIDTH)
         save_screenshot(driver, f"report{suffix}", IMAGE_HEIGHTS["report"])
 
 
-def save_app_screenshots(driver, folder: Path) -> None:
+def save_app_screenshots(driver, directory: Path) -> None:
     """Draw the app with its two sample surfaces: the form, and the result of the half-space model."""
     wait_until = lambda script: browser.wait_for(driver, lambda driver: driver.execute_script(f"return {script}"))  # noqa: E731
     server = subprocess.Popen(
-        [sys.executable, "-m", "stiction", "app", "--demo"], cwd=folder, stderr=subprocess.PIPE, text=True,
-        env=os.environ | {"BROWSER": "true", "TMPDIR": f"{folder}"},
+        [sys.executable, "-m", "stiction", "app", "--demo"], cwd=directory, stderr=subprocess.PIPE, text=True,
+        env=os.environ | {"BROWSER": "true", "TMPDIR": f"{directory}"},
     )  # fmt: skip
     try:
         address = re.search(r"http:\S+", server.stderr.readline())[0]
@@ -82,9 +82,9 @@ def save_app_screenshots(driver, folder: Path) -> None:
 
 
 def main() -> None:
-    with tempfile.TemporaryDirectory() as folder, browser.start_browser(f"{folder}/profile") as driver:
-        save_report_screenshots(driver, Path(folder))
-        save_app_screenshots(driver, Path(folder))
+    with tempfile.TemporaryDirectory() as directory, browser.start_browser(f"{directory}/profile") as driver:
+        save_report_screenshots(driver, Path(directory))
+        save_app_screenshots(driver, Path(directory))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from stiction import Surface, self_affine_surface, shear_test
 from stiction.surfaces.joint_roughness import measure_joint_roughness
 
-DOCS_FOLDER = Path(__file__).parents[1]
+DOCS_DIRECTORY = Path(__file__).parents[1]
 
 JRC_VALUES = (4, 8, 12, 16, 18)
 JRC_ERROR = 1.0  # half of the range of JRC that each of the ten typical profiles of Barton and Choubey spans
@@ -53,7 +53,7 @@ def main() -> None:
     for jrc, law, angles in zip(JRC_VALUES, barton, rows, strict=True):
         cells = [f"{column.min():.0f}° to {column.max():.0f}°" for column in angles.T]
         lines.append(f"| {jrc} | {law:.0f}° | {' | '.join(cells)} |")
-    (DOCS_FOLDER / "generated/shear_barton.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (DOCS_DIRECTORY / "generated/shear_barton.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     figure = Figure(figsize=(4.2, 3.0), dpi=200, layout="constrained")
     axes = figure.subplots()
     half_width = JRC_ERROR * math.log10(STRENGTH / NORMAL_STRESS)
@@ -67,7 +67,7 @@ def main() -> None:
     axes.text(JRC_VALUES[-1], BASIC_ANGLE - 1, "basic friction angle", color="0.4", ha="right", va="top")
     axes.set(xlabel="JRC of the lower face (Tse & Cruden)", ylabel="friction angle (degrees)", ylim=(0, 90))
     axes.legend(frameon=False, loc="lower left", ncols=2, fontsize=8, columnspacing=1)
-    figure.savefig(DOCS_FOLDER / "images/shear_barton.png")
+    figure.savefig(DOCS_DIRECTORY / "images/shear_barton.png")
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from stiction.views.style import (
     UPPER_BODY_COLOUR,
 )
 
-IMAGE_FOLDER = Path(__file__).resolve().parents[1] / "images"
+IMAGE_DIRECTORY = Path(__file__).resolve().parents[1] / "images"
 FIGURE_WIDTH, FIGURE_HEIGHT = 170.0, 44.0  # mm
 ASPERITY_RADIUS = 1.0  # asperity radius, the unit of all lengths
 UPPER_OFFSETS = np.array(
@@ -94,4 +94,4 @@ def draw_figure(dark: bool) -> Figure:
 
 if __name__ == "__main__":
     for name, dark in (("sliding_rules", False), ("sliding_rules_dark", True)):
-        draw_figure(dark).savefig(IMAGE_FOLDER / f"{name}.png", dpi=200, facecolor="none" if dark else "white")
+        draw_figure(dark).savefig(IMAGE_DIRECTORY / f"{name}.png", dpi=200, facecolor="none" if dark else "white")

@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 from stiction import JacksonGreen, Profile, Surface, force_and_area, half_space, self_affine, self_affine_surface
 from stiction.mechanics.hardness import yielded_area
 
-DOCS_FOLDER = Path(__file__).parents[1]
+DOCS_DIRECTORY = Path(__file__).parents[1]
 
 POISSON_RATIO = 0.3
 EFFECTIVE_MODULUS = 1 / (1 - POISSON_RATIO**2)
@@ -619,7 +619,7 @@ def format_cases(points: list[Point]) -> list[str]:
 def write_points(points: list[Point]) -> None:
     """Write areas divided by the finite-element area, one row for each load of each case."""
     names = [name for name in points[0].ratios if name not in ("n = 2", "n = 2.5")]
-    with (DOCS_FOLDER / "generated/yielding_area.csv").open("w", encoding="utf-8", newline="") as file:
+    with (DOCS_DIRECTORY / "generated/yielding_area.csv").open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["case", "x", "A/A0", "patches", "area by nodes", *names])
         for point in points:
@@ -724,7 +724,7 @@ def draw_figure(points: list[Point]) -> None:
         ax.set_title(FORM_TITLES[form], fontsize=9)
     axes[0].set_ylabel("area / area by finite elements", fontsize=9)
     axes[0].legend(fontsize=7.5, frameon=False)
-    figure.savefig(DOCS_FOLDER / "images/yielding_area.png")
+    figure.savefig(DOCS_DIRECTORY / "images/yielding_area.png")
 
 
 def main(directory: Path) -> None:
@@ -769,13 +769,13 @@ def main(directory: Path) -> None:
         *format_opposing(opposing),
         "",
     ]
-    (DOCS_FOLDER / "generated/yielding_area.md").write_text("\n".join(text), encoding="utf-8")
+    (DOCS_DIRECTORY / "generated/yielding_area.md").write_text("\n".join(text), encoding="utf-8")
     write_points(points)
     draw_figure(summarized)
 
 
 if __name__ == "__main__":
-    store = Path(sys.argv[1]) if sys.argv[1:] else DOCS_FOLDER.parent / "build/yielding_area"
+    store = Path(sys.argv[1]) if sys.argv[1:] else DOCS_DIRECTORY.parent / "build/yielding_area"
     if sys.argv[2:]:
         store.mkdir(parents=True, exist_ok=True)
         for case_name in sys.argv[2:]:

@@ -32,7 +32,7 @@ from yielding_area import (
     combine_from_onset,
 )  # fmt: skip
 
-DOCS_FOLDER = Path(__file__).parents[1]
+DOCS_DIRECTORY = Path(__file__).parents[1]
 
 NUM_FINE_POINTS = 160
 """Points per side of the grid on which the half-space model is solved."""
@@ -345,10 +345,10 @@ def main(directory: Path, finite_elements: Path) -> None:
         *format_depth(results),
         "",
     ]
-    (DOCS_FOLDER / "generated/yielding_exponent.md").write_text("\n".join(text), encoding="utf-8")
+    (DOCS_DIRECTORY / "generated/yielding_exponent.md").write_text("\n".join(text), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    build = DOCS_FOLDER.parent / "build"
+    build = DOCS_DIRECTORY.parent / "build"
     defaults = [build / "yielding_exponent", build / "yielding_area"]
     main(*(Path(sys.argv[k + 1]) if len(sys.argv) > k + 1 else default for k, default in enumerate(defaults)))

@@ -1,6 +1,6 @@
 """Write the sample scans in this directory: generated faces in instrument file formats.
 
-    python examples/scans/make.py FOLDER
+    python examples/scans/make.py DIRECTORY
 
 There are two stylus profiles of honed steel and two of lapped steel as text, and two interferometer maps of ground
 steel as X3P. They have the tilt of an unlevelled specimen, instrument noise, and heights in whole converter steps. The
@@ -92,13 +92,13 @@ def write_x3p(path: Path, height_steps: np.ndarray) -> None:
             archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
 
 
-def main(folder: Path) -> None:
+def main(directory: Path) -> None:
     """Write the six scan files."""
-    folder.mkdir(parents=True, exist_ok=True)
+    directory.mkdir(parents=True, exist_ok=True)
     for side in SIDES:
         for finish in TRACE_OPTIONS:
-            (folder / f"{finish}_{side}.csv").write_text(stylus_trace_text(finish, side), encoding="utf-8")
-        write_x3p(folder / f"ground_{side}.x3p", create_map_in_converter_steps(side))
+            (directory / f"{finish}_{side}.csv").write_text(stylus_trace_text(finish, side), encoding="utf-8")
+        write_x3p(directory / f"ground_{side}.x3p", create_map_in_converter_steps(side))
 
 
 if __name__ == "__main__":

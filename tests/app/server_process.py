@@ -15,14 +15,14 @@ from urllib.parse import quote
 from stiction import self_affine_surface, write_surface
 
 MAX_WAITING_TIME = 60.0  # seconds
-BLOCKING_SITECUSTOMIZE_FOLDER = Path(__file__).parent / "member_block"
+BLOCKING_SITECUSTOMIZE_DIRECTORY = Path(__file__).parent / "member_block"
 
 
 class ServerProcess:
     """Server process with its address, cookie and key."""
 
-    def __init__(self, process, folder):
-        self.process, self.folder, self.cookie, self.key = process, folder, "", ""
+    def __init__(self, process, directory):
+        self.process, self.directory, self.cookie, self.key = process, directory, "", ""
         start_message = process.stderr.readline() + process.stderr.readline()
         self.port, self.token = re.search(r"http://127\.0\.0\.1:(\d+)/\?token=(\S+)", start_message).groups()
         self.origin = f"http://127.0.0.1:{self.port}"
@@ -83,16 +83,16 @@ class ServerProcess:
     @contextlib.contextmanager
     def block_commands(self, member):
         """Block commands at the given ensemble member until the context ends."""
-        blocking_file = self.folder / "hold"
+        blocking_file = self.directory / "hold"
         blocking_file.write_text(str(member))
         try:
             yield blocking_file.unlink
         finally:
             blocking_file.unlink(missing_ok=True)
 
-    def find_private_folders(self):
+    def find_private_directories(self):
         """Return the private working directories of the servers."""
-        return sorted((self.folder / "tmp").glob("stiction-app-*"))
+        return sorted((self.directory / "tmp").glob("stiction-app-*"))
 
 
 def wait_until(compute_value, is_met):
@@ -105,21 +105,21 @@ def wait_until(compute_value, is_met):
 
 
 @contextlib.contextmanager
-def start_server(folder, *options, code=""):
+def start_server(directory, *options, code=""):
     """Start a server in a directory that also contains its temporary files.
 
     The server is started by the command `stiction app`, or by `code` if it is given.
     """
-    (folder / "tmp").mkdir(exist_ok=True)
+    (directory / "tmp").mkdir(exist_ok=True)
     arguments = ["-c", code] if code else ["-m", "stiction", "app", *options]
-    environment = {"TMPDIR": folder / "tmp", "BROWSER": "true", "XDG_DATA_HOME": folder}
-    environment |= {"PYTHONPATH": BLOCKING_SITECUSTOMIZE_FOLDER, "STICTION_TEST_HOLD": folder / "hold"}
+    environment = {"TMPDIR": directory / "tmp", "BROWSER": "true", "XDG_DATA_HOME": directory}
+    environment |= {"PYTHONPATH": BLOCKING_SITECUSTOMIZE_DIRECTORY, "STICTION_TEST_HOLD": directory / "hold"}
     process = subprocess.Popen(
-        [sys.executable, *arguments], cwd=folder, stderr=subprocess.PIPE, text=True,
+        [sys.executable, *arguments], cwd=directory, stderr=subprocess.PIPE, text=True,
         env=os.environ | {name: str(value) for name, value in environment.items()},
     )  # fmt: skip
     try:
-        yield ServerProcess(process, folder)
+        yield ServerProcess(process, directory)
     finally:
         if process.poll() is None:
             process.send_signal(signal.SIGTERM)
@@ -130,13 +130,13 @@ def start_server(folder, *options, code=""):
             process.stderr.close()
 
 
-def write_maps(folder, num_rows=24):
+def write_maps(directory, num_rows=24):
     """Write two small rough height maps, and return their paths."""
     paths = []
     for side in ("upper", "lower"):
         surface = self_affine_surface(
             5, hurst_exponent=0.8, rms=0.02, shape=(num_rows, num_rows), spacing=0.1, side=side
         )
-        paths.append(folder / f"{side}_face.csv")
+        paths.append(directory / f"{side}_face.csv")
         write_surface(surface, paths[-1])
     return paths

@@ -157,11 +157,11 @@ def read_displayed_result(driver):
     return interval_by_rule, driver.execute_script("return document.getElementById('sentence')?.textContent")
 
 
-def run_shown_command(driver, folder, monkeypatch):
+def run_shown_command(driver, directory, monkeypatch):
     """Run the command line that the page shows on the same files, and return its values and its sentence."""
     command_line = driver.find_element("id", "command").get_property("textContent")
     monkeypatch.setattr(result_output, "write_figures", lambda *_, **__: None)
-    completed = check_stiction(*shlex.split(command_line)[1:], "--json", cwd=folder)
+    completed = check_stiction(*shlex.split(command_line)[1:], "--json", cwd=directory)
     return extract_first_answer(json.loads(completed.stdout))
 
 
@@ -385,7 +385,7 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
     app, empty_page, map_files, monkeypatch
 ):
     """After each step, the app shows the result that the command prints: upload, compute, change mu0, save, reload."""
-    roughness = json.loads(call_stiction("characterise", map_files[0], "--json", cwd=app.folder).stdout)["values"]
+    roughness = json.loads(call_stiction("characterise", map_files[0], "--json", cwd=app.directory).stdout)["values"]
     height = format_with_unit(next(item["value"] for item in roughness if item["name"] == "Sq"), "um")
     assert f"Sq {height}," in drop_scan_file(empty_page, "upper", map_files[0])["hint"]
     assert "Sq" in choose_scan(empty_page, "lower", map_files[1])["hint"]
@@ -448,7 +448,7 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
         assert (
             body.decode().lower().startswith(expected_start.lower()) or expected_start in body.decode().splitlines()[0]
         )
-        assert str(app.folder) not in body.decode(), name
+        assert str(app.directory) not in body.decode(), name
     assert extract_first_answer(json.loads(app.request("GET", f"/jobs/{job}/result.json")[2])) == expected
 
     assert (
@@ -460,17 +460,17 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
     wait_until(lambda: read_displayed_result(empty_page), lambda current_result: current_result == expected)
     wait_until(lambda: read_scan_texts(empty_page, "upper")["hint"], lambda hint: height in hint)
 
-    # The saved study contains no private paths of the server, so that it runs in any folder with these files.
+    # The saved study contains no private paths of the server, so that it runs in any directory with these files.
     (map_files[0].parent / "study.toml").write_bytes(app.request("GET", f"/jobs/{job}/study.toml")[2])
     check_stiction("run", "study.toml", "--part=1/2", "--output=again", cwd=map_files[0].parent)
 
 
-def write_fitting_faces(folder):
+def write_fitting_faces(directory):
     """Write a rough face and its mate as they would be scanned, and return their paths."""
     face = self_affine_surface(
         4, hurst_exponent=0.8, rms=1000.0, shape=(64, 64), spacing=500.0, shortest_wavelength=3000.0
     )
-    paths = [folder / f"{side}_half.csv" for side in ("upper", "lower")]
+    paths = [directory / f"{side}_half.csv" for side in ("upper", "lower")]
     for path, body in zip(paths, (Surface(-face.heights[::-1], spacing=face.spacing), face), strict=True):
         write_surface(body, path)
     return paths
@@ -538,9 +538,9 @@ def test_stopped_job_is_stored_and_can_be_resumed(empty_page, tmp_path, app):
     stopped_job = app.list_jobs()[-1]
     assert 8 < stopped_job["finished"] < 280
     assert f"{stopped_job['finished']} of 280 are finished" in empty_page.find_element("id", "answer").text
-    studies = app.find_private_folders()[0].glob("results/*/pair/study.toml")
-    (folder,) = [path.parent for path in studies if "repetitions = 280" in path.read_text("utf-8")]
-    info = call_stiction("info", folder, "--json", cwd=app.folder)
+    studies = app.find_private_directories()[0].glob("results/*/pair/study.toml")
+    (directory,) = [path.parent for path in studies if "repetitions = 280" in path.read_text("utf-8")]
+    info = call_stiction("info", directory, "--json", cwd=app.directory)
     assert read_displayed_result(empty_page) == extract_first_answer(json.loads(info.stdout))
     with app.block_commands(200):
         press_start_button(empty_page)
@@ -724,10 +724,10 @@ def test_profile_preview_and_computed_fractal_dimension_follow_changes_of_form_v
 
 def test_app_lists_and_opens_results_in_the_working_directory(empty_page, app):
     changes = {"ensemble.repetitions": 2, "surfaces.points": 3000}
-    run(Study.named("quick").with_changes(changes), store=app.folder / "mine")
-    (app.folder / "broken").mkdir()
-    (app.folder / "broken" / "study.toml").write_text("surfaces = 3\n")
-    (app.folder / "broken" / "blocks").mkdir()
+    run(Study.named("quick").with_changes(changes), store=app.directory / "mine")
+    (app.directory / "broken").mkdir()
+    (app.directory / "broken" / "study.toml").write_text("surfaces = 3\n")
+    (app.directory / "broken" / "blocks").mkdir()
     empty_page.find_element("css selector", "#there > summary").click()
     button = wait_until(lambda: empty_page.find_elements("css selector", "#results li:last-child button"), bool)[0]
     assert "a study, 2 of 2" in empty_page.find_element("id", "results").text
@@ -781,6 +781,6 @@ def test_server_stops_after_its_last_window_is_closed(tmp_path, tmp_path_factory
         driver.get(server.address)
         driver.get("about:blank")
         assert server.process.wait(MAX_WAITING_TIME) == 0
-        assert server.find_private_folders() == []
+        assert server.find_private_directories() == []
         with contextlib.suppress(OSError):
             assert server.request("GET", "/")[0] is None

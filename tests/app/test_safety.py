@@ -114,13 +114,13 @@ def _network_address():
     "name", ["../../etc/x", "..%2f..%2fx.csv", "/etc/cron.d/x", "..", "", "a\\..\\b.csv", "\0x.csv", "x" * 5000, "-r"]
 )
 def test_upload_with_any_file_name_stays_inside_the_upload_directory(app, name):
-    paths_before = {path for path in app.folder.rglob("*") if "files" not in path.parts}
+    paths_before = {path for path in app.directory.rglob("*") if "files" not in path.parts}
     status, _, body = app.request("PUT", f"/scans?name={quote(name)}", b"x (um),z (um)\n0,0\n1,1\n" + name.encode())
     assert status == 200
-    (private_folder,) = app.find_private_folders()
-    (stored_file,) = (private_folder / "files" / json.loads(body)["scan"]).iterdir()
+    (private_directory,) = app.find_private_directories()
+    (stored_file,) = (private_directory / "files" / json.loads(body)["scan"]).iterdir()
     assert len(stored_file.name) <= 60
-    assert {path for path in app.folder.rglob("*") if "files" not in path.parts} == paths_before
+    assert {path for path in app.directory.rglob("*") if "files" not in path.parts} == paths_before
 
 
 @pytest.mark.parametrize(
@@ -174,7 +174,7 @@ def test_invalid_entry_is_reported_with_its_option_before_a_job_is_added(app, ma
     response = app.post_json("/jobs", {"command": "pair", "options": list(options.items()), **map_scans})
     assert response["option"] == option
     assert response["error"].startswith(reason)
-    assert str(app.folder) not in response["error"]
+    assert str(app.directory) not in response["error"]
     assert len(app.list_jobs()) == num_jobs
 
 
@@ -269,7 +269,7 @@ def test_oversized_upload_is_rejected_before_it_is_received(app):
     assert app.resident_memory() < MAX_SERVER_MEMORY
     assert (
         wait_until(
-            lambda: list(app.find_private_folders()[0].glob("*.partial")), lambda partial_files: not partial_files
+            lambda: list(app.find_private_directories()[0].glob("*.partial")), lambda partial_files: not partial_files
         )
         == []
     )
@@ -277,16 +277,16 @@ def test_oversized_upload_is_rejected_before_it_is_received(app):
 
 
 def test_desktop_menu_entry_starts_the_app(app):
-    (app.folder / "applications").touch()
+    (app.directory / "applications").touch()
     status, _, body = app.request("POST", "/menu", b"")
     assert (status, b"File exists" in body) == (400, True)
-    (app.folder / "applications").unlink()
+    (app.directory / "applications").unlink()
     status, _, body = app.request("POST", "/menu", b"")
     assert status == 200
-    desktop_entry = (app.folder / "applications" / "stiction.desktop").read_text("utf-8")
-    assert json.loads(body)["file"] == str(app.folder / "applications" / "stiction.desktop")
+    desktop_entry = (app.directory / "applications" / "stiction.desktop").read_text("utf-8")
+    assert json.loads(body)["file"] == str(app.directory / "applications" / "stiction.desktop")
     arguments = dict(line.split("=", 1) for line in desktop_entry.splitlines()[1:])
-    assert arguments["Path"] == str(app.folder)
+    assert arguments["Path"] == str(app.directory)
     command = [*shlex.split(arguments["Exec"]), "--help"]
     assert "two scans" in subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
@@ -329,12 +329,12 @@ def test_server_survives_a_thousand_simultaneous_requests(app):
 def test_temporary_directory_is_private_and_is_removed_when_the_server_stops(tmp_path):
     with start_server(tmp_path) as server:
         server.log_in()
-        (private_folder,) = server.find_private_folders()
-        assert stat.S_IMODE(private_folder.stat().st_mode) == 0o700
+        (private_directory,) = server.find_private_directories()
+        assert stat.S_IMODE(private_directory.stat().st_mode) == 0o700
         server.post_json("/demo", {})
         server.process.send_signal(signal.SIGINT)
         assert server.process.wait(60) == 0
-        assert server.find_private_folders() == []
+        assert server.find_private_directories() == []
 
 
 @pytest.mark.soak
@@ -342,7 +342,7 @@ def test_unfinished_uploads_are_included_in_the_storage_limit(app):
     header_lines = (
         f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
     )
-    (private_folder,) = app.find_private_folders()
+    (private_directory,) = app.find_private_directories()
     for _ in range(2):  # The second round of uploads can only succeed if the first round has released its storage.
         with ExitStack() as stack:
             for _ in range(6):
@@ -350,9 +350,11 @@ def test_unfinished_uploads_are_included_in_the_storage_limit(app):
                 client.sendall(
                     f"PUT /scans?name=x HTTP/1.1\r\n{header_lines}\r\nContent-Length: 300000000\r\n\r\n1".encode()
                 )
-            wait_until(lambda: len(list(private_folder.glob("*.partial"))), lambda count: count == 6)
+            wait_until(lambda: len(list(private_directory.glob("*.partial"))), lambda count: count == 6)
             assert app.request("PUT", "/scans?name=x", b"", Content_Length="300000000")[0] == 413
-        assert wait_until(lambda: list(private_folder.glob("*.partial")), lambda partial_files: not partial_files) == []
+        assert (
+            wait_until(lambda: list(private_directory.glob("*.partial")), lambda partial_files: not partial_files) == []
+        )
 
 
 @pytest.mark.soak
@@ -364,14 +366,14 @@ def test_upload_to_a_full_disk_is_rejected_and_removed(app):
     finally:
         resource.prlimit(app.process.pid, resource.RLIMIT_FSIZE, limits)
     assert (status, b"File too large" in body) == (400, True)
-    assert list(app.find_private_folders()[0].glob("*.partial")) == []
+    assert list(app.find_private_directories()[0].glob("*.partial")) == []
 
 
 def test_result_with_undecodable_name_is_listed_but_not_opened(app):
     for name in (b"fine", b"bad\xff"):
-        folder = os.path.join(os.fsencode(app.folder), name)
-        os.makedirs(os.path.join(folder, b"blocks"))
-        with open(os.path.join(folder, b"study.toml"), "wb"):
+        directory = os.path.join(os.fsencode(app.directory), name)
+        os.makedirs(os.path.join(directory, b"blocks"))
+        with open(os.path.join(directory, b"study.toml"), "wb"):
             pass
     status, _, body = app.request("GET", "/results")
     assert status == 200
@@ -441,14 +443,14 @@ def fake_pair_command(monkeypatch):
         if arguments[0] != "stiction":  # this process reads the finished part of a stopped job
             return '{"answer": "finished part", "finished": 1, "total": 2}'
         assert arguments[1] == "pair"
-        folder = Path(arguments[-1].removeprefix("--output="))
-        run(Study.named("quick").with_changes(SMALL_ENSEMBLE), store=folder)
+        directory = Path(arguments[-1].removeprefix("--output="))
+        run(Study.named("quick").with_changes(SMALL_ENSEMBLE), store=directory)
         for name in ("report.html", "result.csv"):
-            (folder / name).write_text(f"{name} of {folder}")
-        record = json.dumps({"command": str(folder), "points": answers})
+            (directory / name).write_text(f"{name} of {directory}")
+        record = json.dumps({"command": str(directory), "points": answers})
         on_record(record)
         if "--fail" in arguments:
-            raise jobs.RejectedRequestError(f"{folder}/report.html: No space left on device")
+            raise jobs.RejectedRequestError(f"{directory}/report.html: No space left on device")
         return record
 
     monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
@@ -509,7 +511,7 @@ def test_values_of_a_finished_pair_are_not_replaced_by_an_intermediate_result(tm
     assert job.error == "the report of this result could not be written: the command ended"
 
 
-@pytest.mark.parametrize("failing_source", ["preview", "folder"])
+@pytest.mark.parametrize("failing_source", ["preview", "directory"])
 def test_unexpected_error_of_an_intermediate_result_is_logged_while_the_command_continues(
     tmp_path, monkeypatch, caplog, failing_source
 ):
@@ -517,14 +519,14 @@ def test_unexpected_error_of_an_intermediate_result_is_logged_while_the_command_
 
     async def run_module(arguments, on_record=None, **_):
         if arguments[0] != "stiction":
-            return json.dumps({"answer": {}, "finished": 1, "total": 9} if failing_source == "folder" else {})
+            return json.dumps({"answer": {}, "finished": 1, "total": 9} if failing_source == "directory" else {})
         while not caplog.records:
             await asyncio.sleep(0.01)
         on_record('{"points": [{"reported": true, "caveats": []}]}')
         raise jobs.RejectedRequestError("the command ended")
 
-    def open_stored_result(folder):
-        raise AttributeError(f"no attribute of {folder.name}") if failing_source == "folder" else ValueError
+    def open_stored_result(directory):
+        raise AttributeError(f"no attribute of {directory.name}") if failing_source == "directory" else ValueError
 
     async def check():
         job = JobQueue(tmp_path).add("a pair", ["pair"], preview=([], []))
@@ -536,7 +538,7 @@ def test_unexpected_error_of_an_intermediate_result_is_logged_while_the_command_
     assert asyncio.run(check()).error.endswith("the command ended")
     (record,) = caplog.records
     assert record.levelname == "ERROR"
-    assert record.exc_info[0] is {"preview": KeyError, "folder": AttributeError}[failing_source]
+    assert record.exc_info[0] is {"preview": KeyError, "directory": AttributeError}[failing_source]
 
 
 def test_job_with_an_unexpected_error_fails_with_a_message_and_is_logged(tmp_path, monkeypatch, caplog):
@@ -583,11 +585,11 @@ def test_pair_job_that_is_stopped_while_its_files_are_copied_shows_its_stored_re
 ):
     copying, may_continue, open_stored_result = threading.Event(), threading.Event(), jobs.open_stored_result
 
-    def open_after_signal(folder):
-        if threading.current_thread() is not threading.main_thread() and (folder / "report.html").exists():
+    def open_after_signal(directory):
+        if threading.current_thread() is not threading.main_thread() and (directory / "report.html").exists():
             copying.set()
             assert may_continue.wait(60)
-        return open_stored_result(folder)
+        return open_stored_result(directory)
 
     async def check():
         queue = JobQueue(tmp_path)
@@ -646,12 +648,14 @@ def test_server_at_its_request_limit_rejects_further_requests_with_a_message(app
     header_lines = (
         f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
     )
-    (private_folder,) = app.find_private_folders()
+    (private_directory,) = app.find_private_directories()
     with ExitStack() as stack:
         for _ in range(MAX_CONCURRENT_REQUESTS):
             client = stack.enter_context(socket.create_connection(("127.0.0.1", int(app.port))))
             client.sendall(f"PUT /scans?name=x HTTP/1.1\r\n{header_lines}\r\nContent-Length: 9\r\n\r\n1".encode())
-        wait_until(lambda: len(list(private_folder.glob("*.partial"))), lambda count: count == MAX_CONCURRENT_REQUESTS)
+        wait_until(
+            lambda: len(list(private_directory.glob("*.partial"))), lambda count: count == MAX_CONCURRENT_REQUESTS
+        )
         status, _, body = app.request("GET", "/jobs")
         assert (status, f"already has {MAX_CONCURRENT_REQUESTS} requests" in body.decode()) == (503, True)
         assert app.request("GET", "/jobs", cookie="")[0] == 403

@@ -28,8 +28,8 @@ PAIR_ARGUMENTS = {
 
 
 @pytest.fixture(scope="module")
-def results_folder(tmp_path_factory, no_figures):
-    """Folder with two profiles, two maps and three results: of a study, of the profiles and of the maps."""
+def results_directory(tmp_path_factory, no_figures):
+    """Directory with two profiles, two maps and three results: of a study, of the profiles and of the maps."""
     path = tmp_path_factory.mktemp("results")
     for side in ("upper", "lower"):
         scan = self_affine(1, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side)
@@ -64,10 +64,10 @@ LOAD_AND_PARAMETER_CASES = {
 
 
 @pytest.mark.parametrize("name", LOAD_AND_PARAMETER_CASES)
-def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(results_folder, name):
+def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(results_directory, name):
     options, loads, friction_parameters = LOAD_AND_PARAMETER_CASES[name]
-    output_record = json.loads(get_stiction_output("at", name, *options, "--json", cwd=results_folder))
-    stored_result = open_stored_result(results_folder / name)
+    output_record = json.loads(get_stiction_output("at", name, *options, "--json", cwd=results_directory))
+    stored_result = open_stored_result(results_directory / name)
     if name == "maps":
         loads = [8e-3 * output_record["nominal_area"]]
     expected_points = at_load(stored_result, loads, **friction_parameters)
@@ -84,21 +84,21 @@ def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(result
         assert [rule["coefficient"]["value"] for rule in answer["rules"]] == pytest.approx(
             [rule.value for rule in point.rules]
         )
-    text = get_stiction_output("at", name, *options, cwd=results_folder)
+    text = get_stiction_output("at", name, *options, cwd=results_directory)
     first_rule = expected_points[0].rules[0]
     assert str(first_rule) in text
     assert expected_points[0].assessment in text
 
 
-def test_command_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_status(results_folder):
-    record = json.loads(get_stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_folder))
+def test_command_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_status(results_directory):
+    record = json.loads(get_stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_directory))
     assert [(answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["points"]] == [(0.3, 0.0), (0.3, 0.02)]
-    text = get_stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_folder)
+    text = get_stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_directory)
     assert text.splitlines()[0].endswith("τ0 = 0, 100 MPa (--tau0).")
     assert [line.split()[0] for line in text.splitlines()[1:6]] == ["D", "1", "1", "1.2", "1.2"]
     record = json.loads(
         get_stiction_output(
-            "at", "study", "--load", "1 uN,1 N", "--d", "1.3", "--mu0", "0.3", "--json", cwd=results_folder
+            "at", "study", "--load", "1 uN,1 N", "--d", "1.3", "--mu0", "0.3", "--json", cwd=results_directory
         )
     )
     assert [answer["status"] for answer in record["points"]] == ["ok", "ok", "not-reached", "not-reached"]
@@ -109,54 +109,58 @@ def test_command_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_st
     [("study", ("--load", "1 N", "--d", "1.3")), ("maps", ("--load", "1 Pa")), ("maps", ("--load", "1 Pa,1 TPa"))],
 )
 @pytest.mark.parametrize("json_options", [(), ("--json",)])
-def test_command_at_rejects_loads_that_are_all_outside_the_computed_loads(results_folder, name, options, json_options):
-    completed = call_stiction("at", name, *options, *json_options, cwd=results_folder)
+def test_command_at_rejects_loads_that_are_all_outside_the_computed_loads(
+    results_directory, name, options, json_options
+):
+    completed = call_stiction("at", name, *options, *json_options, cwd=results_directory)
     assert_rejected(completed, "no values at ", "the computed loads are ")
     assert completed.stdout == ""
 
 
 @pytest.mark.parametrize("more_options", [(), ("--scale-heights", "1")])
-def test_command_at_omits_loads_outside_the_computed_loads_with_a_warning(results_folder, more_options):
+def test_command_at_omits_loads_outside_the_computed_loads_with_a_warning(results_directory, more_options):
     arguments = ("at", "maps", *more_options, "--tau0", "0 MPa")
-    completed = check_stiction(*arguments, "--load", "1 Pa,10 MPa", cwd=results_folder, without_figures=True)
-    assert completed.stdout == get_stiction_output(*arguments, "--load", "10 MPa", cwd=results_folder)
+    completed = check_stiction(*arguments, "--load", "1 Pa,10 MPa", cwd=results_directory, without_figures=True)
+    assert completed.stdout == get_stiction_output(*arguments, "--load", "10 MPa", cwd=results_directory)
     assert completed.stderr.count("no values at ") == 1
     assert "(1 Pa)" in completed.stderr
 
 
-def test_command_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_study(results_folder):
-    record = json.loads(get_stiction_output("at", "maps", "--json", cwd=results_folder))
-    study = open_stored_result(results_folder / "maps").study
+def test_command_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_study(results_directory):
+    record = json.loads(get_stiction_output("at", "maps", "--json", cwd=results_directory))
+    study = open_stored_result(results_directory / "maps").study
     expected_conditions = [
         (float(load), 0.3, float(tau0)) for load in study.friction.load for tau0 in study.friction.tau0
     ]
     assert [
         (answer["at"]["load"], answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["points"]
     ] == expected_conditions
-    record = json.loads(get_stiction_output("at", "study", "--load", "1 uN", "--json", cwd=results_folder))
-    friction = open_stored_result(results_folder / "study").study.friction
+    record = json.loads(get_stiction_output("at", "study", "--load", "1 uN", "--json", cwd=results_directory))
+    friction = open_stored_result(results_directory / "study").study.friction
     assert {answer["at"]["tau0"] for answer in record["points"]} == {0.0, 0.1}
     assert {answer["at"]["mu0"] for answer in record["points"]} == set(friction.mu0)
 
 
-def test_command_at_prints_friction_in_the_direction_given_by_an_option(results_folder):
+def test_command_at_prints_friction_in_the_direction_given_by_an_option(results_directory):
     arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
-    record = json.loads(get_stiction_output(*arguments, "--direction", "30", "--json", cwd=results_folder))
-    assert "the upper body moves at 30°" in get_stiction_output(*arguments, "--direction", "30", cwd=results_folder)
-    assert "the mean over 12 directions and 3 positions" in get_stiction_output(*arguments, cwd=results_folder)
-    dataset = at_load(open_stored_result(results_folder / "maps"), [record["points"][0]["at"]["load"]], tau0=[0.0])
+    record = json.loads(get_stiction_output(*arguments, "--direction", "30", "--json", cwd=results_directory))
+    assert "the upper body moves at 30°" in get_stiction_output(*arguments, "--direction", "30", cwd=results_directory)
+    assert "the mean over 12 directions and 3 positions" in get_stiction_output(*arguments, cwd=results_directory)
+    dataset = at_load(open_stored_result(results_directory / "maps"), [record["points"][0]["at"]["load"]], tau0=[0.0])
     expected = dataset["friction_coefficient"].sel(direction=30.0, sliding="all", statistic="mean").squeeze()
     assert record["points"][0]["rules"][0]["coefficient"]["value"] == pytest.approx(float(expected))
 
 
-def test_command_at_accepts_comma_separated_values_and_repeated_options(results_folder):
+def test_command_at_accepts_comma_separated_values_and_repeated_options(results_directory):
     arguments = ("at", "study", "--tau0", "0 MPa,100 MPa", "--json")
     record_of_lists = json.loads(
-        get_stiction_output(*arguments, "--load", "1 uN,2 uN", "--mu0", "0.3,0.4", "--d", "1.3,1.0", cwd=results_folder)
+        get_stiction_output(
+            *arguments, "--load", "1 uN,2 uN", "--mu0", "0.3,0.4", "--d", "1.3,1.0", cwd=results_directory
+        )
     )
     record_of_repeated_options = json.loads(
         get_stiction_output(
-            *arguments, "--load", "1 uN", "--load", "2 uN", "--mu0", "0.4", "--d", "1", cwd=results_folder
+            *arguments, "--load", "1 uN", "--load", "2 uN", "--mu0", "0.4", "--d", "1", cwd=results_directory
         )
     )
     conditions = [answer["at"] for answer in record_of_lists["points"]]
@@ -190,27 +194,27 @@ def test_command_at_accepts_comma_separated_values_and_repeated_options(results_
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),
     ],
 )
-def test_error_from_command_at_names_the_rejected_option(results_folder, arguments, expected_words):
-    assert_rejected(call_stiction("at", *arguments, cwd=results_folder), *expected_words)
+def test_error_from_command_at_names_the_rejected_option(results_directory, arguments, expected_words):
+    assert_rejected(call_stiction("at", *arguments, cwd=results_directory), *expected_words)
 
 
 # ---- info, export, run, plot -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
-def test_info_command_writes_json_with_the_same_schema_for_every_result(results_folder, name):
-    record = json.loads(get_stiction_output("info", name, "--json", cwd=results_folder))
+def test_info_command_writes_json_with_the_same_schema_for_every_result(results_directory, name):
+    record = json.loads(get_stiction_output("info", name, "--json", cwd=results_directory))
     assert list(record)[:3] == ["schema", "stiction", "command"]
     assert (record["schema"], record["command"]) == (SCHEMA_VERSION, "info")
     assert (
         record["finished"]
         == record["repetitions"]
-        == open_stored_result(results_folder / name).study.ensemble.repetitions
+        == open_stored_result(results_directory / name).study.ensemble.repetitions
     )
     assert record["values"]
     assert all({"assessment", "caveats", "sentence"} <= set(answer) for answer in record["points"])
-    assert get_stiction_output("report", name, "--output", f"{name}.html", cwd=results_folder)
-    text = get_stiction_output("info", name, cwd=results_folder)
+    assert get_stiction_output("report", name, "--output", f"{name}.html", cwd=results_directory)
+    text = get_stiction_output("info", name, cwd=results_directory)
     assert f"{record['finished']} of {record['repetitions']} finished" in text
     if name == "study":
         assert text.count("μ_s [95 %] at ") == 2, "a table for each amplitude"
@@ -223,8 +227,8 @@ def test_info_command_writes_json_with_the_same_schema_for_every_result(results_
     assert len(set(loads)) == {"maps": 2, "lines": 1}[name]
 
 
-def test_height_scaling_requires_the_compute_option_and_prints_a_table_or_json(results_folder, tmp_path):
-    shutil.copytree(results_folder / "maps", tmp_path / "maps")
+def test_height_scaling_requires_the_compute_option_and_prints_a_table_or_json(results_directory, tmp_path):
+    shutil.copytree(results_directory / "maps", tmp_path / "maps")
     arguments = ("at", "maps", "--scale-heights", "0.5,1,2", "--load", "10 MPa", "--mu0", "0.25")
     assert_rejected(
         call_stiction(*arguments, cwd=tmp_path),
@@ -270,54 +274,58 @@ def test_height_scaling_requires_the_compute_option_and_prints_a_table_or_json(r
         ("study", ("--scale-heights", "2", "--load", "1 uN", "--compute"), "needs two measured surfaces"),
     ],
 )  # fmt: skip
-def test_height_scaling_rejects_invalid_options(results_folder, name, arguments, expected_message):
-    assert_rejected(call_stiction("at", name, *arguments, cwd=results_folder), expected_message)
+def test_height_scaling_rejects_invalid_options(results_directory, name, arguments, expected_message):
+    assert_rejected(call_stiction("at", name, *arguments, cwd=results_directory), expected_message)
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
-def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_folder, name, tmp_path):
-    get_stiction_output("export", name, str(tmp_path / "r.nc"), cwd=results_folder)
+def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_directory, name, tmp_path):
+    get_stiction_output("export", name, str(tmp_path / "r.nc"), cwd=results_directory)
     with xarray.open_dataset(tmp_path / "r.nc", engine="h5netcdf") as exported_dataset:
         exported_dataset = exported_dataset.load()
-    dataset = open_stored_result(results_folder / name).dataset()
+    dataset = open_stored_result(results_directory / name).dataset()
     assert set(dataset.data_vars) == set(exported_dataset.data_vars)
     for variable in dataset.data_vars:
         assert exported_dataset[variable].equals(dataset[variable]), variable
-    get_stiction_output("export", name, str(tmp_path / "r.csv"), cwd=results_folder)
+    get_stiction_output("export", name, str(tmp_path / "r.csv"), cwd=results_directory)
     rows = list(csv.DictReader((tmp_path / "r.csv").read_text(encoding="utf-8").splitlines()))
-    record = json.loads(get_stiction_output("info", name, "--json", cwd=results_folder))
+    record = json.loads(get_stiction_output("info", name, "--json", cwd=results_directory))
     assert {row["assessment"] for row in rows} == {answer["assessment"] for answer in record["points"]}
     for file_name in ("r.nc", "r.csv"):
-        assert_rejected(call_stiction("export", name, str(tmp_path / file_name), cwd=results_folder), "already exists")
+        assert_rejected(
+            call_stiction("export", name, str(tmp_path / file_name), cwd=results_directory), "already exists"
+        )
     for file_name in ("r.xlsx", "r"):
-        assert_rejected(call_stiction("export", name, file_name, cwd=results_folder), "must end in .nc", ".csv")
+        assert_rejected(call_stiction("export", name, file_name, cwd=results_directory), "must end in .nc", ".csv")
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports")
 @pytest.mark.parametrize("name", ["lines", "maps"])
-def test_command_run_adds_repetitions_to_a_result_directory(results_folder, name, tmp_path):
-    shutil.copytree(results_folder / name, tmp_path / name)
+def test_command_run_adds_repetitions_to_a_result_directory(results_directory, name, tmp_path):
+    shutil.copytree(results_directory / name, tmp_path / name)
     num_repetitions = open_stored_result(tmp_path / name).study.ensemble.repetitions
     get_stiction_output(
-        "run", str(tmp_path / name), "--set", f"ensemble.repetitions={num_repetitions + 2}", cwd=results_folder
+        "run", str(tmp_path / name), "--set", f"ensemble.repetitions={num_repetitions + 2}", cwd=results_directory
     )
     assert open_stored_result(tmp_path / name).finished_members.size == num_repetitions + 2
-    assert_rejected(call_stiction("run", str(tmp_path / name), "--set", "friction.mu0=[-1]", cwd=results_folder), "mu0")
+    assert_rejected(
+        call_stiction("run", str(tmp_path / name), "--set", "friction.mu0=[-1]", cwd=results_directory), "mu0"
+    )
 
 
 def test_plot_command_writes_figures_in_the_requested_formats_to_the_output_directory(
-    results_folder, tmp_path, monkeypatch
+    results_directory, tmp_path, monkeypatch
 ):
     calls = []
 
-    def record_call(_, output_folder, *, formats):
-        calls.append((output_folder, formats))
-        return [output_folder / "a.pdf"]
+    def record_call(_, output_directory, *, formats):
+        calls.append((output_directory, formats))
+        return [output_directory / "a.pdf"]
 
     monkeypatch.setattr("stiction.views.figures.draw_figures", record_call)
     text = get_stiction_output(
-        "plot", "lines", "--output", str(tmp_path / "figures"), "--format", "pdf,svg", cwd=results_folder
+        "plot", "lines", "--output", str(tmp_path / "figures"), "--format", "pdf,svg", cwd=results_directory
     )
     assert text.splitlines() == [f"wrote {tmp_path / 'figures' / 'a.pdf'}"]
     assert calls == [(tmp_path / "figures", ("pdf", "svg"))]
-    assert_rejected(call_stiction("plot", "lines", "--format", "bmp", cwd=results_folder), "formats must be")
+    assert_rejected(call_stiction("plot", "lines", "--format", "bmp", cwd=results_directory), "formats must be")

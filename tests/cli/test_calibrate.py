@@ -35,14 +35,14 @@ def ball_test_rows():
 
 
 @pytest.fixture(scope="module")
-def two_finishes_folder(tmp_path_factory):
-    """Folder with results of two elastic pairs, a ground and a lapped one, and a table of their friction forces."""
-    folder = tmp_path_factory.mktemp("finishes")
+def two_finishes_directory(tmp_path_factory):
+    """Directory with results of two elastic pairs, a ground and a lapped one, and a table of their friction forces."""
+    directory = tmp_path_factory.mktemp("finishes")
     rows = []
     for name, rms in (("ground", 0.04), ("lapped", 0.01)):
         for side, seed in (("upper", 1), ("lower", 2)):
             surface = self_affine_surface(seed, hurst_exponent=0.8, rms=rms, shape=(48, 48), spacing=0.1, side=side)
-            write_surface(surface, folder / f"{name}_{side}.csv")
+            write_surface(surface, directory / f"{name}_{side}.csv")
         check_stiction(
             "pair",
             f"{name}_upper.csv",
@@ -63,17 +63,17 @@ def two_finishes_folder(tmp_path_factory):
             0,
             "-o",
             name,
-            cwd=folder,
+            cwd=directory,
             without_figures=True,
             without_report=True,
         )
-        result = Result(open_stored_result(folder / name))
+        result = Result(open_stored_result(directory / name))
         for load in (40, 80, 160):
             friction = result.at(f"{load} MPa", mu0=TRUE_MU0, tau0="300 MPa")["mean_friction"].sel(sliding="all")
             coefficient, force = float(friction.sel(statistic="mean").squeeze()), 1e-3 * load * result.nominal_area
             rows.append((1e-3 * force, 1e3 * force * coefficient, 20 * force * coefficient, name, f"{name} {load}", 1))
-    write_table(folder / "forces.csv", rows, "load (N),force (uN),uncertainty (uN),pair,run,slid")
-    return folder
+    write_table(directory / "forces.csv", rows, "load (N),force (uN),uncertainty (uN),pair,run,slid")
+    return directory
 
 
 def test_calibrate_command_recovers_and_stores_mu0_and_tau0_of_ball_tests(tmp_path):
@@ -91,15 +91,17 @@ def test_calibrate_command_recovers_and_stores_mu0_and_tau0_of_ball_tests(tmp_pa
     assert (tmp_path / "film.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_calibrate_command_requires_two_surface_finishes_to_separate_mu0_from_tau0(two_finishes_folder):
+def test_calibrate_command_requires_two_surface_finishes_to_separate_mu0_from_tau0(two_finishes_directory):
     arguments = ["forces.csv", "--pair", "ground", "--pair", "lapped/", "--sliding", "all", "--json"]
-    record = json.loads(check_stiction("calibrate", *arguments, cwd=two_finishes_folder, without_figures=True).stdout)
+    record = json.loads(
+        check_stiction("calibrate", *arguments, cwd=two_finishes_directory, without_figures=True).stdout
+    )
     assert (record["kind"], record["separated"]) == ("interface", True)
     values = {item["name"]: item for item in record["values"]}
     assert values["mu0"]["lower"] < TRUE_MU0 < values["mu0"]["upper"]
     assert values["tau0"]["lower"] < 0.3 < values["tau0"]["upper"]
     single_pair = check_stiction(
-        "calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=two_finishes_folder
+        "calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=two_finishes_directory
     )
     assert "The tests determine only the sum μ0 + τ0 A/F" in " ".join(single_pair.stdout.split())
     assert "smooth ball" in single_pair.stdout

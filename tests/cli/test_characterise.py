@@ -38,7 +38,7 @@ def surface():
 
 
 @pytest.fixture
-def scans_folder(tmp_path, profile, surface):
+def scans_directory(tmp_path, profile, surface):
     write_profile(profile, tmp_path / "scan.csv")
     np.save(tmp_path / "heights.npy", profile.heights)
     np.save(tmp_path / "map.npy", surface.heights)
@@ -68,26 +68,26 @@ def normalize_whitespace(text):
     return " ".join(text.split())
 
 
-def test_characterise_command_and_library_give_equal_results_for_a_profile(scans_folder, profile):
+def test_characterise_command_and_library_give_equal_results_for_a_profile(scans_directory, profile):
     levelled_profile = levelled(profile, "line")
-    history, output_table, figure = run_characterise("scan.csv", cwd=scans_folder)
+    history, output_table, figure = run_characterise("scan.csv", cwd=scans_directory)
     assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled_profile))
     assert history == [
         "read from scan.csv",
         "spacing 0.01 µm (header and positions agree)",
         levelled_profile.history[-1],
     ]
-    assert figure == scans_folder / "scan.png"
+    assert figure == scans_directory / "scan.png"
     assert imread(figure).shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
     history, output_table, figure = run_characterise(
-        "heights.npy", "--unit", "um", "--spacing", "10 nm", cwd=scans_folder
+        "heights.npy", "--unit", "um", "--spacing", "10 nm", cwd=scans_directory
     )
     assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled_profile))
     assert history == ["read from heights.npy", levelled_profile.history[-1]]
 
 
 @pytest.mark.parametrize("file_name", ["scan.csv", "map.npy"])
-def test_characterise_command_prints_at_most_40_lines_without_verbose_option(scans_folder, file_name):
+def test_characterise_command_prints_at_most_40_lines_without_verbose_option(scans_directory, file_name):
     options = ("--unit", "um", "--spacing", "50 nm,100 nm") if file_name == "map.npy" else ()
     short_lines, all_lines = (
         check_stiction(
@@ -97,7 +97,7 @@ def test_characterise_command_prints_at_most_40_lines_without_verbose_option(sca
             "-o",
             f"{name}.html",
             *verbosity,
-            cwd=scans_folder,
+            cwd=scans_directory,
             without_figures=True,
         ).stdout.splitlines()
         for name, verbosity in (("short", ()), ("all", ("--verbose",)))
@@ -111,46 +111,46 @@ def test_characterise_command_prints_at_most_40_lines_without_verbose_option(sca
     assert set(short_lines) - {f"{num_omitted}{ending}", "wrote short.html, without a figure"} <= set(all_lines)
 
 
-def test_characterise_command_applies_options_for_units_levelling_band_and_output(scans_folder, profile):
+def test_characterise_command_applies_options_for_units_levelling_band_and_output(scans_directory, profile):
     profile_in_nm = Profile(profile.heights / 1000, spacing=0.01)
     history, output_table, figure = run_characterise(
         "heights.npy", "--unit", "um,nm", "--spacing", "0.01um", "--level", "quadratic", "--band", "0.1 um, 5000nm",
-        "--output", "mine.PNG", cwd=scans_folder,
+        "--output", "mine.PNG", cwd=scans_directory,
     )  # fmt: skip
     assert normalize_whitespace(output_table) == normalized_table(
         characterisation_text(levelled(profile_in_nm, "quadratic"), band=(0.1, 5.0))
     )
     assert history[-1] == "levelled by a parabola"
-    assert figure == scans_folder / "mine.PNG"
-    history, output_table, _ = run_characterise("scan.csv", "--level", "none", cwd=scans_folder)
+    assert figure == scans_directory / "mine.PNG"
+    history, output_table, _ = run_characterise("scan.csv", "--level", "none", cwd=scans_directory)
     assert normalize_whitespace(output_table) == normalized_table(characterisation_text(profile))
     assert not any("levelled" in step for step in history)
 
 
-def test_characterise_command_fills_or_masks_missing_points_and_selects_columns(scans_folder, profile):
-    lines = (scans_folder / "scan.csv").read_text(encoding="utf-8").splitlines()
+def test_characterise_command_fills_or_masks_missing_points_and_selects_columns(scans_directory, profile):
+    lines = (scans_directory / "scan.csv").read_text(encoding="utf-8").splitlines()
     lines[100] = lines[100].split(",")[0] + ",nan"
-    (scans_folder / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
-    assert_rejected(call_stiction("characterise", "gaps.csv", cwd=scans_folder), "1 of 3000 heights", "interpolate")
+    (scans_directory / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
+    assert_rejected(call_stiction("characterise", "gaps.csv", cwd=scans_directory), "1 of 3000 heights", "interpolate")
     for missing, history_word in (("interpolate", "interpolated"), ("mask", "masked")):
-        history, output_table, _ = run_characterise("gaps.csv", "--missing", missing, cwd=scans_folder)
+        history, output_table, _ = run_characterise("gaps.csv", "--missing", missing, cwd=scans_directory)
         assert any(
             f"1 missing points {history_word}, 0.033 % of all points" in step and "0.98 µm to 0.99 µm" in step
             for step in history
         )
         assert "outliers none" in normalize_whitespace(output_table)
-    lines = (scans_folder / "scan.csv").read_text(encoding="utf-8").splitlines()
+    lines = (scans_directory / "scan.csv").read_text(encoding="utf-8").splitlines()
     header_index = lines.index("x (um),z (um)")
     data_lines = [f"{index},{line},7" for index, line in enumerate(lines[header_index + 1 :])]
-    (scans_folder / "wide.csv").write_text("\n".join(["n,x (um),z (um),t (s)", *data_lines]), encoding="utf-8")
-    history, output_table, _ = run_characterise("wide.csv", "--columns", "x,z", cwd=scans_folder)
+    (scans_directory / "wide.csv").write_text("\n".join(["n,x (um),z (um),t (s)", *data_lines]), encoding="utf-8")
+    history, output_table, _ = run_characterise("wide.csv", "--columns", "x,z", cwd=scans_directory)
     assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled(profile, "line")))
     assert history[:2] == ["read from wide.csv", "columns 1 (x (um)), 2 (z (um))"]
 
 
-def test_characterise_command_prints_the_roughness_of_a_map_and_of_its_profiles(scans_folder, surface):
+def test_characterise_command_prints_the_roughness_of_a_map_and_of_its_profiles(scans_directory, surface):
     options = ["map.npy", "--unit", "um", "--spacing", "0.05 um,0.1 um"]
-    history, output_table, figure = run_characterise(*options, cwd=scans_folder)
+    history, output_table, figure = run_characterise(*options, cwd=scans_directory)
     assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled(surface, "plane")))
     assert history == ["read from map.npy", "levelled by a plane"]
     assert imread(figure).shape[1] == pytest.approx(170 / 25.4 * 300, abs=2)
@@ -159,71 +159,71 @@ def test_characterise_command_prints_the_roughness_of_a_map_and_of_its_profiles(
     assert rows["number"].split() == ["60", "90"]
     assert float(rows["Sq"].split()[0]) == pytest.approx(np.std(levelled(surface, "plane").heights), rel=1e-3)
     for option, profile in (("--row", surface.row(7)), ("--column", surface.column(7))):
-        history, output_table, _ = run_characterise(*options, option, 7, cwd=scans_folder)
+        history, output_table, _ = run_characterise(*options, option, 7, cwd=scans_directory)
         assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled(profile, "line")))
         assert history == ["read from map.npy", f"{option[2:]} 7", "levelled by a line"]
 
 
-def test_characterise_command_overwrites_only_its_own_figures(scans_folder):
-    run_characterise("scan.csv", cwd=scans_folder)
-    inode_before = (scans_folder / "scan.png").stat().st_ino
-    run_characterise("scan.csv", "--band", "0.1 um,1 um", cwd=scans_folder)
-    assert (scans_folder / "scan.png").stat().st_ino != inode_before
+def test_characterise_command_overwrites_only_its_own_figures(scans_directory):
+    run_characterise("scan.csv", cwd=scans_directory)
+    inode_before = (scans_directory / "scan.png").stat().st_ino
+    run_characterise("scan.csv", "--band", "0.1 um,1 um", cwd=scans_directory)
+    assert (scans_directory / "scan.png").stat().st_ino != inode_before
     photograph = b"\x89PNG\r\n\x1a\n of the instrument"
-    (scans_folder / "scan.png").write_bytes(photograph)
-    assert_rejected(call_stiction("characterise", "scan.csv", cwd=scans_folder), "scan.png: already exists")
-    assert (scans_folder / "scan.png").read_bytes() == photograph
+    (scans_directory / "scan.png").write_bytes(photograph)
+    assert_rejected(call_stiction("characterise", "scan.csv", cwd=scans_directory), "scan.png: already exists")
+    assert (scans_directory / "scan.png").read_bytes() == photograph
 
 
-def test_command_line_shown_in_a_characterisation_report_omits_directories(scans_folder):
+def test_command_line_shown_in_a_characterisation_report_omits_directories(scans_directory):
     options = ["--level", "quadratic", "--tip", "2 um"]
     completed = call_stiction(
-        "characterise", scans_folder / "scan.csv", *options, cwd=scans_folder, without_figures=True
+        "characterise", scans_directory / "scan.csv", *options, cwd=scans_directory, without_figures=True
     )
     assert completed.stdout.endswith("wrote scan.html\nwrote scan.png\n")
-    page = (scans_folder / "scan.html").read_text(encoding="utf-8")
+    page = (scans_directory / "scan.html").read_text(encoding="utf-8")
     assert "stiction characterise scan.csv --tip &#x27;2 um&#x27; --level quadratic" in page
-    assert str(scans_folder) not in page
+    assert str(scans_directory) not in page
     completed = call_stiction(
-        "characterise", "scan.csv", "--json", "-o", "alone.html", cwd=scans_folder, without_figures=True
+        "characterise", "scan.csv", "--json", "-o", "alone.html", cwd=scans_directory, without_figures=True
     )
     assert completed.stderr == "stiction: wrote alone.html, without a figure\n"
-    (scans_folder / "alone.html").write_text("<p>of another program</p>", encoding="utf-8")
-    completed = call_stiction("characterise", "scan.csv", "-o", "alone.html", cwd=scans_folder)
+    (scans_directory / "alone.html").write_text("<p>of another program</p>", encoding="utf-8")
+    completed = call_stiction("characterise", "scan.csv", "-o", "alone.html", cwd=scans_directory)
     assert_rejected(completed, "alone.html: already exists")
 
 
-def test_characterise_command_writes_json_and_figure_in_one_run(scans_folder):
-    completed = check_stiction("characterise", "scan.csv", "--json", "-o", "look.png", cwd=scans_folder)
+def test_characterise_command_writes_json_and_figure_in_one_run(scans_directory):
+    completed = check_stiction("characterise", "scan.csv", "--json", "-o", "look.png", cwd=scans_directory)
     assert completed.stderr == "stiction: wrote look.html\nstiction: wrote look.png\n"
-    assert imread(scans_folder / "look.png").std() > 0.05
+    assert imread(scans_directory / "look.png").std() > 0.05
     record = json.loads(completed.stdout)
     assert record["command"] == "characterise"
     assert record == json.loads(
-        call_stiction("characterise", "scan.csv", "--json", cwd=scans_folder, without_figures=True).stdout
+        call_stiction("characterise", "scan.csv", "--json", cwd=scans_directory, without_figures=True).stdout
     )
-    assert not (scans_folder / "scan.png").exists()
+    assert not (scans_directory / "scan.png").exists()
     for value in record["values"]:
         assert list(value) == ["name", "value", "unit", "lower", "upper", "kind", "at", "status"]
         assert value["at"] == {"file": "scan.csv"}
 
 
-def test_characterise_command_summarises_several_files_in_one_table(scans_folder):
+def test_characterise_command_summarises_several_files_in_one_table(scans_directory):
     files = ["scan.csv", "map.npy"]
     options = ["--unit", "um", "--spacing", "10 nm"]
-    completed = check_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=scans_folder)
+    completed = check_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=scans_directory)
     assert [line.partition(":")[0] for line in completed.stdout.splitlines()] == [*files, "wrote finishes.csv, 2 files"]
-    rows = list(csv.DictReader((scans_folder / "finishes.csv").read_text(encoding="utf-8").splitlines()))
+    rows = list(csv.DictReader((scans_directory / "finishes.csv").read_text(encoding="utf-8").splitlines()))
     assert [row["type"] for row in rows] == ["profile", "surface"]
     assert [row["points"] for row in rows] == ["3000", "60 x 90"]
-    record = json.loads(call_stiction("characterise", *files, *options, "--json", cwd=scans_folder).stdout)
+    record = json.loads(call_stiction("characterise", *files, *options, "--json", cwd=scans_directory).stdout)
     for row in rows:
         values = {value["name"]: value for value in record["values"] if value["at"]["file"] == row["file"]}
         for name, value in values.items():
             title = name if value["unit"] == "1" else f"{name} ({value['unit']})"
             assert row[title] == "" or float(row[title]) == pytest.approx(value["value"], rel=1e-8)
     assert rows[0]["Sq (um)"] == rows[1]["Pq (um)"] == ""
-    completed = call_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=scans_folder)
+    completed = call_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=scans_directory)
     assert_rejected(completed, "finishes.csv: already exists")
 
 
@@ -264,9 +264,9 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_folder
         (["scan.csv", "--output", "none/a.png"], "cannot be written: No such file or directory"),
     ],
 )
-def test_characterise_command_rejects_invalid_input(scans_folder, arguments, expected_message):
-    (scans_folder / "empty.csv").touch()
-    completed = call_stiction("characterise", *arguments, cwd=scans_folder, without_figures=True)
+def test_characterise_command_rejects_invalid_input(scans_directory, arguments, expected_message):
+    (scans_directory / "empty.csv").touch()
+    completed = call_stiction("characterise", *arguments, cwd=scans_directory, without_figures=True)
     assert_rejected(completed, expected_message)
     assert len(completed.stderr.splitlines()) == 1
     assert completed.stderr.startswith("stiction: ")
@@ -297,33 +297,33 @@ def test_characterise_command_reads_an_atomic_force_microscope_map(find_measured
 # ---- Scales ---------------------------------------------------------------------------------------------------------
 
 
-def test_characterise_command_filters_a_scan_at_a_cutoff_and_reports_a_blunt_tip(scans_folder, profile):
+def test_characterise_command_filters_a_scan_at_a_cutoff_and_reports_a_blunt_tip(scans_directory, profile):
     filtered_profile = cut_off(levelled(profile, "line"), 0.5)
-    history, output_table, _ = run_characterise("scan.csv", "--cutoff", "500 nm", "--tip", "1 um", cwd=scans_folder)
+    history, output_table, _ = run_characterise("scan.csv", "--cutoff", "500 nm", "--tip", "1 um", cwd=scans_directory)
     assert history[-1] == filtered_profile.history[-1]
     assert normalized_table(characterisation_text(filtered_profile, tip_radius=1.0)) == normalize_whitespace(
         output_table
     )
-    _, table_of_blunt_tip, _ = run_characterise("scan.csv", "--tip", "100 um", cwd=scans_folder)
+    _, table_of_blunt_tip, _ = run_characterise("scan.csv", "--tip", "100 um", cwd=scans_directory)
     assert "sharper tip" in table_of_blunt_tip
     assert "tip does not resolve wavelengths below" in normalize_whitespace(table_of_blunt_tip)
-    assert_rejected(call_stiction("characterise", "scan.csv", "--cutoff", "20 um", cwd=scans_folder), "--cutoff")
+    assert_rejected(call_stiction("characterise", "scan.csv", "--cutoff", "20 um", cwd=scans_directory), "--cutoff")
 
 
-def test_characterise_command_joins_spectra_of_several_scans(scans_folder):
+def test_characterise_command_joins_spectra_of_several_scans(scans_directory):
     surface = self_affine_surface(2, hurst_exponent=0.8, rms=0.05, shape=(256, 256), spacing=0.02)
     fine_heights, coarse_heights = surface.heights[:128, :128], surface.heights[::4, ::4]
-    write_surface(Surface(coarse_heights, spacing=0.08), scans_folder / "coarse.npy")
-    write_surface(Surface(fine_heights, spacing=0.02), scans_folder / "fine.npy")
+    write_surface(Surface(coarse_heights, spacing=0.08), scans_directory / "coarse.npy")
+    write_surface(Surface(fine_heights, spacing=0.02), scans_directory / "fine.npy")
     arguments = ["fine.npy", "coarse.npy", "--together"]
-    assert_rejected(call_stiction("characterise", "fine.npy", "--together", cwd=scans_folder), "--together")
-    completed = check_stiction("characterise", *arguments, cwd=scans_folder)
+    assert_rejected(call_stiction("characterise", "fine.npy", "--together", cwd=scans_directory), "--together")
+    completed = check_stiction("characterise", *arguments, cwd=scans_directory)
     assert "wavelengths used" in completed.stdout
-    assert (scans_folder / "joined.png").read_bytes().startswith(b"\x89PNG")
-    check_stiction("characterise", *arguments, "--output", "spectra.svg", cwd=scans_folder, without_figures=True)
-    assert (scans_folder / "spectra.svg").exists()
+    assert (scans_directory / "joined.png").read_bytes().startswith(b"\x89PNG")
+    check_stiction("characterise", *arguments, "--output", "spectra.svg", cwd=scans_directory, without_figures=True)
+    assert (scans_directory / "spectra.svg").exists()
     assert_rejected(
-        call_stiction("characterise", *arguments, "--output", "spectra.doc", cwd=scans_folder), "must end in"
+        call_stiction("characterise", *arguments, "--output", "spectra.doc", cwd=scans_directory), "must end in"
     )
     spectrum = joined_spectrum(
         [
@@ -331,10 +331,10 @@ def test_characterise_command_joins_spectra_of_several_scans(scans_folder):
             for heights, spacing in ((fine_heights, 0.02), (coarse_heights, 0.08))
         ]
     )
-    with (scans_folder / "joined.csv").open() as file:
+    with (scans_directory / "joined.csv").open() as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     np.testing.assert_allclose([float(row["C2D (um4)"]) for row in rows], spectrum.density, rtol=1e-6)
-    record = json.loads(call_stiction("characterise", *arguments, "--json", cwd=scans_folder).stdout)
+    record = json.loads(call_stiction("characterise", *arguments, "--json", cwd=scans_directory).stdout)
     assert [scan["file"] for scan in record["scans"]] == ["fine.npy", "coarse.npy"]
     np.testing.assert_allclose(record["spectrum"]["rms_gradient"], spectrum.roughness().gradient)
 
@@ -398,17 +398,25 @@ def test_characterise_command_ignores_spikes_in_several_scans_and_names_the_scan
     assert f"{caveat['text']}; {caveat['remedy']}" in " ".join(output.split())
 
 
-def test_dry_run_option_prints_the_layout_and_unit_and_point_count_of_each_file(scans_folder):
+def test_dry_run_option_prints_the_layout_and_unit_and_point_count_of_each_file(scans_directory):
     completed = check_stiction(
-        "characterise", "scan.csv", "heights.npy", "--unit", "um", "--spacing", "10 nm", "--dry-run", cwd=scans_folder
+        "characterise",
+        "scan.csv",
+        "heights.npy",
+        "--unit",
+        "um",
+        "--spacing",
+        "10 nm",
+        "--dry-run",
+        cwd=scans_directory,
     )
     first_line, second_line = completed.stdout.splitlines()
     assert first_line.startswith(
         "scan.csv: positions and heights; 3000 points; 10 nm apart; heights from column 1 (z (um)) in um"
     )
     assert second_line.startswith("heights.npy: NumPy array; 3000 points; 10 nm apart")
-    assert not list(scans_folder.glob("*.png"))
-    completed = check_stiction("characterise", "scan.csv", "--dry-run", "--json", cwd=scans_folder)
+    assert not list(scans_directory.glob("*.png"))
+    completed = check_stiction("characterise", "scan.csv", "--dry-run", "--json", cwd=scans_directory)
     (file_record,) = json.loads(completed.stdout)["files"]
     assert (file_record["layout"], file_record["points"], file_record["caveats"]) == (
         "positions and heights",
@@ -417,13 +425,13 @@ def test_dry_run_option_prints_the_layout_and_unit_and_point_count_of_each_file(
     )
 
 
-def test_undeclared_code_for_missing_points_is_reported_as_a_caveat(scans_folder):
-    heights = np.load(scans_folder / "heights.npy")
+def test_undeclared_code_for_missing_points_is_reported_as_a_caveat(scans_directory):
+    heights = np.load(scans_directory / "heights.npy")
     heights[[5, 70]] = -9999
-    np.save(scans_folder / "codes.npy", heights)
+    np.save(scans_directory / "codes.npy", heights)
     arguments = ["codes.npy", "--unit", "um", "--spacing", "10 nm", "--missing", "interpolate", "--dry-run"]
-    completed = check_stiction("characterise", *arguments, cwd=scans_folder)
+    completed = check_stiction("characterise", *arguments, cwd=scans_directory)
     assert "--missing-value -9999 treats them as missing points (repeated-extreme)" in completed.stderr
-    completed = check_stiction("characterise", *arguments, "--missing-value", "-9999", cwd=scans_folder)
+    completed = check_stiction("characterise", *arguments, "--missing-value", "-9999", cwd=scans_directory)
     assert completed.stderr == ""
     assert "2 of 3000 missing" in completed.stdout

@@ -20,40 +20,42 @@ SMALL_STUDY_OPTIONS = [
 
 
 @pytest.fixture(scope="module")
-def folder_and_output(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("ran")
-    completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--workers", 2, cwd=folder, without_figures=True)
-    return folder, completed
+def directory_and_output(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("ran")
+    completed = check_stiction(
+        "run", "quick", *SMALL_STUDY_OPTIONS, "--workers", 2, cwd=directory, without_figures=True
+    )
+    return directory, completed
 
 
-def test_command_run_writes_the_result_and_figures_to_the_output_directory(folder_and_output):
-    folder, completed = folder_and_output
+def test_command_run_writes_the_result_and_figures_to_the_output_directory(directory_and_output):
+    directory, completed = directory_and_output
     figures = {"friction_mu0_0.1.png", "friction_mu0_0.4.png", "friction_mu0_1.png", "area.png"}
-    assert {path.name for path in (folder / "quick").iterdir()} == {"study.toml", "blocks", *figures}
+    assert {path.name for path in (directory / "quick").iterdir()} == {"study.toml", "blocks", *figures}
     written_names = [line.removeprefix("wrote ") for line in completed.stdout.splitlines() if line.startswith("wrote")]
     assert set(written_names) == {"quick", *(str(Path("quick") / name) for name in figures)}
     assert "μ_s [95 %] at amplitude " in completed.stdout
-    dataset = store.read(folder / "quick")
+    dataset = store.read(directory / "quick")
     assert dataset.sizes == {"fractal_dimension": 2, "amplitude": 1, "repetition": 3, "approach": 5}
     assert float(dataset["contact_count"].sum()) > 0
 
 
-def test_command_run_recomputes_nothing_if_the_result_is_complete(folder_and_output):
-    folder, _ = folder_and_output
+def test_command_run_recomputes_nothing_if_the_result_is_complete(directory_and_output):
+    directory, _ = directory_and_output
     for arguments in (
         ("quick", *SMALL_STUDY_OPTIONS),
         ("quick/study.toml",),
         ("quick/study.toml", "--output", "quick"),
     ):
-        completed = check_stiction("run", *arguments, cwd=folder, without_figures=True)
+        completed = check_stiction("run", *arguments, cwd=directory, without_figures=True)
         assert "already contains this study" in completed.stdout
-    (folder / "quick" / "area.png").unlink()
-    check_stiction("plot", "quick", cwd=folder, without_figures=True)
-    assert (folder / "quick" / "area.png").exists()
+    (directory / "quick" / "area.png").unlink()
+    check_stiction("plot", "quick", cwd=directory, without_figures=True)
+    assert (directory / "quick" / "area.png").exists()
 
 
-def test_command_run_with_another_mu0_keeps_the_figures_of_earlier_values(folder_and_output, tmp_path):
-    shutil.copytree(folder_and_output[0] / "quick", tmp_path / "quick")
+def test_command_run_with_another_mu0_keeps_the_figures_of_earlier_values(directory_and_output, tmp_path):
+    shutil.copytree(directory_and_output[0] / "quick", tmp_path / "quick")
     changes = "--set", "friction.mu0=[0.3]"
     completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, *changes, cwd=tmp_path, without_figures=True)
     message = " ".join(completed.stderr.split())
@@ -61,12 +63,12 @@ def test_command_run_with_another_mu0_keeps_the_figures_of_earlier_values(folder
     assert {"friction_mu0_0.1.png", "friction_mu0_0.3.png"} <= {path.name for path in (tmp_path / "quick").iterdir()}
 
 
-def test_command_run_adds_repetitions_and_reports_missing_repetitions(folder_and_output, tmp_path):
+def test_command_run_adds_repetitions_and_reports_missing_repetitions(directory_and_output, tmp_path):
     assert_rejected(
-        call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--set", "ensemble.seed=1", cwd=folder_and_output[0]),
+        call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--set", "ensemble.seed=1", cwd=directory_and_output[0]),
         "ensemble.seed",
     )
-    shutil.copytree(folder_and_output[0] / "quick", tmp_path / "quick")
+    shutil.copytree(directory_and_output[0] / "quick", tmp_path / "quick")
     completed = check_stiction(
         "run", "quick", *SMALL_STUDY_OPTIONS, "--set", "ensemble.repetitions=5", cwd=tmp_path, without_figures=True
     )
@@ -88,12 +90,12 @@ def test_command_run_adds_repetitions_and_reports_missing_repetitions(folder_and
     assert "of 5 repetitions are finished" in completed.stderr
 
 
-def test_result_of_a_run_in_two_parts_equals_that_of_a_single_run(folder_and_output, tmp_path):
+def test_result_of_a_run_in_two_parts_equals_that_of_a_single_run(directory_and_output, tmp_path):
     for part in ("1/2", "2/2"):
         completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--part", part, cwd=tmp_path)
         assert f"part {part} is finished" in completed.stdout
         assert "μ_s" not in completed.stdout
-    assert store.read(tmp_path / "quick").equals(store.read(folder_and_output[0] / "quick"))
+    assert store.read(tmp_path / "quick").equals(store.read(directory_and_output[0] / "quick"))
 
 
 def test_command_run_stores_the_study_from_the_given_file(tmp_path):

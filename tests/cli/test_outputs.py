@@ -25,7 +25,7 @@ def create_scan(side, points=32):
 
 
 @pytest.fixture
-def scans_folder(tmp_path):
+def scans_directory(tmp_path):
     for side in ("upper", "lower"):
         write_surface(create_scan(side), tmp_path / f"{side}.csv")
     return tmp_path
@@ -52,8 +52,8 @@ COMMANDS_AND_OUTPUTS = [
 
 @pytest.mark.parametrize(("arguments", "name"), COMMANDS_AND_OUTPUTS)
 @pytest.mark.parametrize("kind", ["file", "link", "dangling"])
-def test_command_does_not_overwrite_a_file_of_another_program(scans_folder, arguments, name, kind):
-    path, target = scans_folder / name, scans_folder / "elsewhere"
+def test_command_does_not_overwrite_a_file_of_another_program(scans_directory, arguments, name, kind):
+    path, target = scans_directory / name, scans_directory / "elsewhere"
     path.parent.mkdir(exist_ok=True)
     if kind != "dangling":
         target.write_text("my own measurements")
@@ -61,31 +61,32 @@ def test_command_does_not_overwrite_a_file_of_another_program(scans_folder, argu
         target = target.rename(path)
     else:
         path.symlink_to(target)
-    completed = call_stiction(*arguments, cwd=scans_folder)
+    completed = call_stiction(*arguments, cwd=scans_directory)
     assert_rejected(completed, f"{path.name}: already exists")
     assert completed.stdout == ""  # The command checks the file before it computes, so it prints no result.
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 
-def test_pair_files_are_written_for_the_stored_study_file_if_it_has_changed(scans_folder):
-    check_stiction(*PAIR_COMMAND, cwd=scans_folder, without_figures=True)
-    folder = scans_folder / "pair"
-    result, report = open_result(folder), (folder / "report.html").read_bytes()
-    study_file = folder / "study.toml"
+def test_pair_files_are_written_for_the_stored_study_file_if_it_has_changed(scans_directory):
+    check_stiction(*PAIR_COMMAND, cwd=scans_directory, without_figures=True)
+    directory = scans_directory / "pair"
+    result, report = open_result(directory), (directory / "report.html").read_bytes()
+    study_file = directory / "study.toml"
     study_file.write_text(study_file.read_text("utf-8").replace("mu0 = [0.2]", "mu0 = [0.4]"), "utf-8")
     write_pair_files(result, print_written=str)
-    with (folder / "result.csv").open(encoding="utf-8", newline="") as file:
+    with (directory / "result.csv").open(encoding="utf-8", newline="") as file:
         assert {row["mu0"] for row in csv.DictReader(file)} == {"0.4"}
-    assert (folder / "report.html").read_bytes() != report
+    assert (directory / "report.html").read_bytes() != report
 
 
 @pytest.mark.parametrize("scan_name", ["result.csv", "onset.csv"])
-def test_pair_command_does_not_overwrite_its_input_scan(scans_folder, scan_name):
-    content = (scans_folder / "upper.csv").rename(scans_folder / scan_name).read_bytes()
+def test_pair_command_does_not_overwrite_its_input_scan(scans_directory, scan_name):
+    content = (scans_directory / "upper.csv").rename(scans_directory / scan_name).read_bytes()
     assert_rejected(
-        call_stiction("pair", scan_name, *PAIR_COMMAND[2:], "-o", ".", cwd=scans_folder), f"{scan_name}: already exists"
+        call_stiction("pair", scan_name, *PAIR_COMMAND[2:], "-o", ".", cwd=scans_directory),
+        f"{scan_name}: already exists",
     )
-    assert (scans_folder / scan_name).read_bytes() == content
+    assert (scans_directory / scan_name).read_bytes() == content
 
 
 @pytest.mark.parametrize(
@@ -95,48 +96,48 @@ def test_pair_command_does_not_overwrite_its_input_scan(scans_folder, scan_name)
         (TABLE_COMMAND, ("table.csv", "laws.csv", "table.nc")),
     ],
 )
-def test_command_overwrites_its_own_output(scans_folder, arguments, names):
-    check_stiction(*arguments, cwd=scans_folder, without_figures=True)
-    output_folder = scans_folder / arguments[0]
-    inodes = {name: (output_folder / name).stat().st_ino for name in names}
-    check_stiction(*arguments, *(["--mu0", "0.3"]), cwd=scans_folder, without_figures=True)
-    assert all((output_folder / name).stat().st_ino != inode for name, inode in inodes.items())
+def test_command_overwrites_its_own_output(scans_directory, arguments, names):
+    check_stiction(*arguments, cwd=scans_directory, without_figures=True)
+    output_directory = scans_directory / arguments[0]
+    inodes = {name: (output_directory / name).stat().st_ino for name in names}
+    check_stiction(*arguments, *(["--mu0", "0.3"]), cwd=scans_directory, without_figures=True)
+    assert all((output_directory / name).stat().st_ino != inode for name, inode in inodes.items())
 
 
-def test_characterise_command_does_not_overwrite_one_of_several_repeated_scans(scans_folder):
-    content = (scans_folder / "upper.csv").read_bytes()
-    completed = call_stiction(*CHARACTERISE_COMMAND, "--repeated", "--output", "upper.csv", cwd=scans_folder)
+def test_characterise_command_does_not_overwrite_one_of_several_repeated_scans(scans_directory):
+    content = (scans_directory / "upper.csv").read_bytes()
+    completed = call_stiction(*CHARACTERISE_COMMAND, "--repeated", "--output", "upper.csv", cwd=scans_directory)
     assert_rejected(completed, "upper.csv: already exists")
-    assert (scans_folder / "upper.csv").read_bytes() == content
+    assert (scans_directory / "upper.csv").read_bytes() == content
 
 
-def test_export_command_leaves_no_file_on_a_full_disk(scans_folder, monkeypatch):
-    check_stiction(*PAIR_COMMAND, cwd=scans_folder, without_figures=True, without_report=True)
+def test_export_command_leaves_no_file_on_a_full_disk(scans_directory, monkeypatch):
+    check_stiction(*PAIR_COMMAND, cwd=scans_directory, without_figures=True, without_report=True)
 
     def write_half_and_fail(path, text, **_):
         path.write_bytes(text.encode()[: len(text) // 2])
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(_files.Path, "write_text", write_half_and_fail)
-    assert_rejected(call_stiction("export", "pair", "x.csv", cwd=scans_folder), "x.csv: cannot be written")
-    assert not (scans_folder / "x.csv").exists()
-    assert not list(scans_folder.glob(".stiction*"))
+    assert_rejected(call_stiction("export", "pair", "x.csv", cwd=scans_directory), "x.csv: cannot be written")
+    assert not (scans_directory / "x.csv").exists()
+    assert not list(scans_directory.glob(".stiction*"))
 
 
 @pytest.mark.parametrize("first_character", ["=", "+", "-", "@"])
-def test_csv_table_escapes_file_names_that_start_like_formulas(scans_folder, first_character):
+def test_csv_table_escapes_file_names_that_start_like_formulas(scans_directory, first_character):
     name = f"{first_character}cmd.csv"
-    (scans_folder / "upper.csv").rename(scans_folder / name)
-    check_stiction("characterise", "--output", "t.csv", "--", name, "lower.csv", cwd=scans_folder)
-    with (scans_folder / "t.csv").open(newline="") as file:
+    (scans_directory / "upper.csv").rename(scans_directory / name)
+    check_stiction("characterise", "--output", "t.csv", "--", name, "lower.csv", cwd=scans_directory)
+    with (scans_directory / "t.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["file"] for row in rows] == [f"'{name}", "lower.csv"]
     # Negative numbers start with a minus sign like formulas, but they are not escaped.
     assert np.isfinite(float(rows[0]["Ssk"]))
 
 
-def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans_folder, monkeypatch):
-    options = {"cwd": scans_folder, "without_figures": True, "without_report": True}
+def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans_directory, monkeypatch):
+    options = {"cwd": scans_directory, "without_figures": True, "without_report": True}
     command = [*PAIR_COMMAND[: PAIR_COMMAND.index("--onset")], "--onset", "1"]
     tasks = ("computing 2 positions: about ", "onset of sliding: about ")
     short_output = check_stiction(*command, "-o", "short", **options).stderr
@@ -158,12 +159,12 @@ def test_table_command_replaces_a_table_that_an_equal_command_wrote_at_the_same_
     assert (tmp_path / "table" / "laws.csv").exists()
 
 
-def test_info_command_prints_a_sentence_for_each_load_even_if_it_must_not_be_quoted(scans_folder):
+def test_info_command_prints_a_sentence_for_each_load_even_if_it_must_not_be_quoted(scans_directory):
     loads = ["--load", "1 uN,2 mN,8 mN"]
     command = [word for word in PAIR_COMMAND if word not in ("--load", "2 mN")]
-    call_stiction(*command, *loads, cwd=scans_folder, without_figures=True, without_report=True)
-    sentences = call_stiction("info", "pair", "--sentence", cwd=scans_folder).stdout.splitlines()
-    result = open_result(scans_folder / "pair")
+    call_stiction(*command, *loads, cwd=scans_directory, without_figures=True, without_report=True)
+    sentences = call_stiction("info", "pair", "--sentence", cwd=scans_directory).stdout.splitlines()
+    result = open_result(scans_directory / "pair")
     assert sentences == result.sentence.splitlines()
     points = result.summary().reported_points
     assert [point.assessment == "Do not quote" for point in points] == [
@@ -174,21 +175,21 @@ def test_info_command_prints_a_sentence_for_each_load_even_if_it_must_not_be_quo
         assert f"at {pressure_load} (" in sentence
     for option in ("--json", "--verbose"):
         assert_rejected(
-            call_stiction("info", "pair", "--sentence", option, cwd=scans_folder), "--sentence must not be combined"
+            call_stiction("info", "pair", "--sentence", option, cwd=scans_directory), "--sentence must not be combined"
         )
 
 
-def test_file_name_with_a_latex_instruction_is_escaped_in_all_outputs(scans_folder):
+def test_file_name_with_a_latex_instruction_is_escaped_in_all_outputs(scans_directory):
     name = r"$\write18{id}$.csv"
-    (scans_folder / "upper.csv").rename(scans_folder / name)
-    check_stiction("pair", name, *PAIR_COMMAND[2:], "-o", "mine", cwd=scans_folder)
-    assert (scans_folder / "mine/friction.png").stat().st_size > 1000
-    report = (scans_folder / "mine/report.html").read_text(encoding="utf-8")
+    (scans_directory / "upper.csv").rename(scans_directory / name)
+    check_stiction("pair", name, *PAIR_COMMAND[2:], "-o", "mine", cwd=scans_directory)
+    assert (scans_directory / "mine/friction.png").stat().st_size > 1000
+    report = (scans_directory / "mine/report.html").read_text(encoding="utf-8")
     assert r"$\write18{id}$" in report
     for output in ("table.tex", "table.csv"):
-        check_stiction("export", "mine", output, cwd=scans_folder)
-    assert r"\write18" not in (scans_folder / "table.tex").read_text(encoding="utf-8")
-    check_stiction("characterise", name, "lower.csv", "-o", "scans.csv", cwd=scans_folder)
-    with (scans_folder / "scans.csv").open(newline="", encoding="utf-8") as file:
+        check_stiction("export", "mine", output, cwd=scans_directory)
+    assert r"\write18" not in (scans_directory / "table.tex").read_text(encoding="utf-8")
+    check_stiction("characterise", name, "lower.csv", "-o", "scans.csv", cwd=scans_directory)
+    with (scans_directory / "scans.csv").open(newline="", encoding="utf-8") as file:
         assert [row[0] for row in csv.reader(file)][1:] == [name, "lower.csv"]
-    check_stiction("characterise", name, "-o", "scan.html", cwd=scans_folder)
+    check_stiction("characterise", name, "-o", "scan.html", cwd=scans_directory)

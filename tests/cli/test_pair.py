@@ -69,32 +69,32 @@ def create_surface(side, points=64):
 
 
 @pytest.fixture(scope="module")
-def scans_folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("pair")
+def scans_directory(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("pair")
     for side in ("upper", "lower"):
-        write_profile(create_profile(side), folder / f"{side}.csv")
-        np.save(folder / f"{side}.npy", create_surface(side).heights)
-    np.save(folder / "bare.npy", create_surface("upper").heights)
-    (folder / "empty.csv").write_text("")
-    (folder / "file").write_text("")
-    return folder
+        write_profile(create_profile(side), directory / f"{side}.csv")
+        np.save(directory / f"{side}.npy", create_surface(side).heights)
+    np.save(directory / "bare.npy", create_surface("upper").heights)
+    (directory / "empty.csv").write_text("")
+    (directory / "file").write_text("")
+    return directory
 
 
-def parse_pair_arguments(scans_folder, *arguments):
+def parse_pair_arguments(scans_directory, *arguments):
     """Parse the arguments of `pair` into a pair of bodies with its options."""
     group = typer.main.get_command(app)
     command = group.get_command(group.context_class(group), "pair")
     with (
-        contextlib.chdir(scans_folder),
+        contextlib.chdir(scans_directory),
         command.make_context("pair", [str(argument) for argument in arguments]) as context,
     ):
         return MeasuredPair(validate_option_values(read_given_options(context)))
 
 
-def parse_study(scans_folder, *arguments):
+def parse_study(scans_directory, *arguments):
     """Parse the arguments of `pair` and return the study that they define."""
-    with contextlib.chdir(scans_folder):
-        return parse_pair_arguments(scans_folder, *arguments).study
+    with contextlib.chdir(scans_directory):
+        return parse_pair_arguments(scans_directory, *arguments).study
 
 
 def read_study_value(study, key):
@@ -166,18 +166,20 @@ REPETITIONS_KEY = "ensemble.repetitions"
         ),
     ],
 )
-def test_option_of_the_pair_command_sets_the_corresponding_key_of_the_study(scans_folder, files, options, values):
+def test_option_of_the_pair_command_sets_the_corresponding_key_of_the_study(scans_directory, files, options, values):
     load = [] if "--load" in options else LOAD_OPTION
-    study = parse_study(scans_folder, *files, *MATERIAL_OPTIONS, *load, *options)
+    study = parse_study(scans_directory, *files, *MATERIAL_OPTIONS, *load, *options)
     for key, value in values.items():
         assert read_study_value(study, key) == value
 
 
-def test_gap_map_is_levelled_as_requested_and_pressed_on_a_flat(scans_folder):
-    study = parse_study(scans_folder, "--gap", *MAP_ARGUMENTS[1:], *MATERIAL_OPTIONS, *LOAD_OPTION, "--tilt", "fixed")
+def test_gap_map_is_levelled_as_requested_and_pressed_on_a_flat(scans_directory):
+    study = parse_study(
+        scans_directory, "--gap", *MAP_ARGUMENTS[1:], *MATERIAL_OPTIONS, *LOAD_OPTION, "--tilt", "fixed"
+    )
     assert study.surfaces.level == "mean"
     study = parse_study(
-        scans_folder,
+        scans_directory,
         "--gap",
         *MAP_ARGUMENTS[1:],
         *MATERIAL_OPTIONS,
@@ -188,15 +190,17 @@ def test_gap_map_is_levelled_as_requested_and_pressed_on_a_flat(scans_folder):
         "plane",
     )
     assert study.surfaces.level == "plane"
-    study = parse_study(scans_folder, "--gap", *MAP_ARGUMENTS[1:], *MATERIAL_OPTIONS, *LOAD_OPTION, "--level", "mean")
+    study = parse_study(
+        scans_directory, "--gap", *MAP_ARGUMENTS[1:], *MATERIAL_OPTIONS, *LOAD_OPTION, "--level", "mean"
+    )
     (upper, lower), gap = load_bodies(study).member(0, 0.0).pair, create_surface("lower").heights
     assert not upper.heights.any()
     np.testing.assert_allclose(upper.heights - lower.heights, gap - gap.mean(), atol=1e-12)
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_closure_stiffness_exceeds_contact_stiffness_only_in_the_half_space_model(scans_folder, mechanics):
-    study = parse_study(scans_folder, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mechanics", mechanics)
+def test_closure_stiffness_exceeds_contact_stiffness_only_in_the_half_space_model(scans_directory, mechanics):
+    study = parse_study(scans_directory, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mechanics", mechanics)
     upper, lower = load_bodies(study).member(0, 0.0).pair
     result = solve_at_loads(study, upper, lower, computes_unloading=True)
     stiffness_per_area = 1e6 * result["normal_stiffness"] / np.prod(upper.extent)  # MPa/mm
@@ -208,74 +212,76 @@ def test_closure_stiffness_exceeds_contact_stiffness_only_in_the_half_space_mode
         assert (result["closure_stiffness"] > stiffness_per_area).all()
 
 
-def test_study_rejects_free_tilt_with_periodic_boundary(scans_folder):
-    study = parse_study(scans_folder, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, "--tilt", "free")
+def test_study_rejects_free_tilt_with_periodic_boundary(scans_directory):
+    study = parse_study(scans_directory, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, "--tilt", "free")
     with pytest.raises(StudyError, match='tilt: must be "fixed" if the boundaries are periodic'):
         study.with_changes({"contact.boundary": "periodic"})
 
 
-def test_study_of_profiles_contains_checksums_of_its_files_and_offsets_up_to_the_travel(scans_folder):
+def test_study_of_profiles_contains_checksums_of_its_files_and_offsets_up_to_the_travel(scans_directory):
     study = parse_study(
-        scans_folder, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--travel", "2 um", "--offsets", 1
+        scans_directory, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--travel", "2 um", "--offsets", 1
     )
-    assert study.surfaces.upper.file == str(scans_folder / "upper.csv")
+    assert study.surfaces.upper.file == str(scans_directory / "upper.csv")
     assert study.surfaces.upper.sha256 == study.surfaces.upper.checksum()
     assert load_bodies(study).member(0, 0.0).x == pytest.approx(2)
     study = parse_study(
-        scans_folder, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--travel", "2 um", "--offsets", 9
+        scans_directory, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--travel", "2 um", "--offsets", 9
     )
     offsets = [load_bodies(study).member(index, 0.0).x for index in range(9)]
     assert 0 < min(offsets) < 0.5
     assert 1.5 < max(offsets) <= 2
 
 
-def test_options_for_young_modulus_and_poisson_ratio_set_effective_modulus_and_compliance(scans_folder):
+def test_options_for_young_modulus_and_poisson_ratio_set_effective_modulus_and_compliance(scans_directory):
     arguments = ["--young", "20 GPa,30 GPa", "--poisson", "0.3,0.2", "--mu0", "0.3", "--mechanics", "half-space"]
-    contact = parse_study(scans_folder, *PROFILE_FILES, *arguments, *LOAD_OPTION).contact
+    contact = parse_study(scans_directory, *PROFILE_FILES, *arguments, *LOAD_OPTION).contact
     modulus = float(effective_modulus(20.0, 0.3, 30.0, 0.2))
     assert contact.effective_modulus == modulus
     assert contact.compliance_share == pytest.approx(modulus * (1 - 0.2**2) / 30)
 
 
-def test_hardness_by_jackson_and_green_is_2_point_84_times_the_yield_strength(scans_folder):
+def test_hardness_by_jackson_and_green_is_2_point_84_times_the_yield_strength(scans_directory):
     arguments = [*PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--law", "jackson-green", "--poisson", "0.3"]
-    law_by_hardness, law_by_yield_strength = (parse_study(scans_folder, *arguments, *option).contact.law for option in
-                  (("--hardness", "568 MPa"), ("--yield-strength", "200 MPa")))  # fmt: skip
+    options = (("--hardness", "568 MPa"), ("--yield-strength", "200 MPa"))
+    law_by_hardness, law_by_yield_strength = (
+        parse_study(scans_directory, *arguments, *option).contact.law for option in options
+    )
     assert float(law_by_hardness.yield_strength) == pytest.approx(law_by_yield_strength.yield_strength)
     assert law_by_hardness.poisson_ratio == 0.3
 
 
-def test_load_steps_extend_beyond_requested_loads_unless_hardness_limits_the_load(scans_folder):
-    steps = parse_study(scans_folder, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION).contact.loading_steps()
+def test_load_steps_extend_beyond_requested_loads_unless_hardness_limits_the_load(scans_directory):
+    steps = parse_study(scans_directory, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION).contact.loading_steps()
     assert steps[[0, -1]] == pytest.approx([0.02 / 30, 0.02 * 30])
     assert 0.02 in steps
     contact_with_hardness = parse_study(
-        scans_folder, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, "--load", "100 MPa", "--hardness", "200 MPa"
+        scans_directory, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, "--load", "100 MPa", "--hardness", "200 MPa"
     ).contact
     assert contact_with_hardness.loading_steps() == pytest.approx(np.array([10**-0.5, 1]) * 0.1 * 4.8**2)
     for arguments in ([*PROFILE_FILES, *LOAD_OPTION], [*MAP_ARGUMENTS, "--load", "100 MPa", "--hardness", "200 MPa"]):
-        pair_with_check = parse_pair_arguments(scans_folder, *arguments, *MATERIAL_OPTIONS, "--check")
-        with contextlib.chdir(scans_folder):
+        pair_with_check = parse_pair_arguments(scans_directory, *arguments, *MATERIAL_OPTIONS, "--check")
+        with contextlib.chdir(scans_directory):
             study, check_study = pair_with_check.studies
         assert {study.contact.mechanics, check_study.contact.mechanics} == {"asperities", "half-space"}
         np.testing.assert_array_equal(study.contact.loading_steps(), check_study.contact.loading_steps())
 
 
-def test_material_name_sets_the_modulus_and_the_hardness_and_the_yield_strength(scans_folder):
+def test_material_name_sets_the_modulus_and_the_hardness_and_the_yield_strength(scans_directory):
     from stiction.mechanics.materials import compliance_fraction, material, softer_hardness
 
     steel, brass = material("steel"), material("brass")
     arguments = ["--mu0", "0.3", *LOAD_OPTION, "--upper", "steel", "--lower", "brass"]
-    contact = parse_study(scans_folder, *MAP_ARGUMENTS, *arguments).contact
+    contact = parse_study(scans_directory, *MAP_ARGUMENTS, *arguments).contact
     assert float(contact.effective_modulus) == pytest.approx(effective_modulus(steel, brass), rel=5e-3)
     assert float(contact.hardness) == pytest.approx(softer_hardness(steel, brass), rel=5e-3)
     assert contact.compliance_share == pytest.approx(compliance_fraction(steel, brass), rel=5e-3)
-    assert float(parse_study(scans_folder, *MAP_ARGUMENTS, *arguments, "--hardness", "3 GPa").contact.hardness) == 3
-    law = parse_study(scans_folder, *PROFILE_FILES, *arguments, "--law", "jackson-green").contact.law
+    assert float(parse_study(scans_directory, *MAP_ARGUMENTS, *arguments, "--hardness", "3 GPa").contact.hardness) == 3
+    law = parse_study(scans_directory, *PROFILE_FILES, *arguments, "--law", "jackson-green").contact.law
     assert float(law.yield_strength) == pytest.approx(softer_hardness(steel, brass) / 2.84, rel=5e-3)
-    with contextlib.chdir(scans_folder):
+    with contextlib.chdir(scans_directory):
         remark_without_hardness, remark_with_hardness = (
-            parse_pair_arguments(scans_folder, *MAP_ARGUMENTS, *arguments, *options).remarks[0]
+            parse_pair_arguments(scans_directory, *MAP_ARGUMENTS, *arguments, *options).remarks[0]
             for options in ([], ["--hardness", "3 GPa"])
         )
     assert "brass" in remark_without_hardness
@@ -283,16 +289,18 @@ def test_material_name_sets_the_modulus_and_the_hardness_and_the_yield_strength(
 
     # Rubber has no hardness, because it does not yield.
     arguments = ["--mu0", "0.3", *LOAD_OPTION, "--upper", "PDMS", "--lower", "glass"]
-    assert parse_study(scans_folder, *MAP_ARGUMENTS, *arguments).contact.hardness is None
-    with contextlib.chdir(scans_folder):
-        assert parse_pair_arguments(scans_folder, *MAP_ARGUMENTS, *arguments).remarks[0].endswith("PDMS does not yield")
+    assert parse_study(scans_directory, *MAP_ARGUMENTS, *arguments).contact.hardness is None
+    with contextlib.chdir(scans_directory):
+        assert (
+            parse_pair_arguments(scans_directory, *MAP_ARGUMENTS, *arguments).remarks[0].endswith("PDMS does not yield")
+        )
     with pytest.raises(ArgumentError, match="PDMS does not yield"):
-        parse_study(scans_folder, *MAP_ARGUMENTS, *arguments, "--hardness", "1 GPa")
+        parse_study(scans_directory, *MAP_ARGUMENTS, *arguments, "--hardness", "1 GPa")
 
 
-def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed_load(scans_folder):
+def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed_load(scans_directory):
     steps = parse_study(
-        scans_folder, *PROFILE_FILES, "--mu0", "0.3", "--effective-modulus", "10 GPa", "--load", "1e-12 mN"
+        scans_directory, *PROFILE_FILES, "--mu0", "0.3", "--effective-modulus", "10 GPa", "--load", "1e-12 mN"
     ).contact.loading_steps()
     assert steps[0] == pytest.approx(1e-12)
     assert steps.size > 1
@@ -384,24 +392,26 @@ def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed_lo
         ([*MAP_ARGUMENTS, "--direction", "0,360"], ["direction"]),
     ],
 )
-def test_pair_command_rejects_invalid_input(scans_folder, arguments, expected_words):
-    completed = call_stiction("pair", *MATERIAL_OPTIONS, *LOAD_OPTION, "--output", "bad", *arguments, cwd=scans_folder)
+def test_pair_command_rejects_invalid_input(scans_directory, arguments, expected_words):
+    completed = call_stiction(
+        "pair", *MATERIAL_OPTIONS, *LOAD_OPTION, "--output", "bad", *arguments, cwd=scans_directory
+    )
     assert_rejected(completed, *expected_words)
-    assert not (scans_folder / "bad" / "blocks").exists()
+    assert not (scans_directory / "bad" / "blocks").exists()
 
 
-def test_preview_and_model_check_ignore_dwell_time(scans_folder):
+def test_preview_and_model_check_ignore_dwell_time(scans_directory):
     dwell_time_options = ["--hardness", "1 GPa", "--wait", "1 h,1 min,1 h", "--creep", "0.03", "--check"]
     parsed_pair = parse_pair_arguments(
-        scans_folder, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, *dwell_time_options
+        scans_directory, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, *dwell_time_options
     )
-    with contextlib.chdir(scans_folder):
+    with contextlib.chdir(scans_directory):
         assert [list(map(float, study.friction.wait)) for study in parsed_pair.studies] == [[60.0, 3600.0], []]
         assert not parsed_pair.preview_study.friction.wait
 
 
 @pytest.mark.usefixtures("omit_companion_files")
-def test_pair_command_evaluates_the_members_only_once_at_each_load(scans_folder, tmp_path, monkeypatch):
+def test_pair_command_evaluates_the_members_only_once_at_each_load(scans_directory, tmp_path, monkeypatch):
     requests = []
     evaluate_piece = member_values._evaluate_piece
 
@@ -414,7 +424,7 @@ def test_pair_command_evaluates_the_members_only_once_at_each_load(scans_folder,
     monkeypatch.setattr("stiction.views.report.result.evaluate_in_copy", contextlib.nullcontext)  # record all requests
     options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--load", "9 MPa", "--shifts", 4, "--onset", 0]
     result = call_stiction(
-        "pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *options, "-o", tmp_path / "out", cwd=scans_folder,
+        "pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *options, "-o", tmp_path / "out", cwd=scans_directory,
         without_figures=True,
     )  # fmt: skip
     assert result.returncode == 0
@@ -431,7 +441,7 @@ def test_pair_command_evaluates_the_members_only_once_at_each_load(scans_folder,
     ],
 )
 def test_pair_command_interrupted_after_its_result_keeps_the_printed_result(
-    function, message, scans_folder, tmp_path, monkeypatch
+    function, message, scans_directory, tmp_path, monkeypatch
 ):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
@@ -441,19 +451,19 @@ def test_pair_command_interrupted_after_its_result_keeps_the_printed_result(
     monkeypatch.setattr("os._exit", sys.exit)  # os._exit would end the test run
     arguments = ["pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, "--load", "7 MPa", "--shifts", 2, "--onset", 0]
     arguments += ["-o", tmp_path / "out"]
-    interrupted = call_stiction(*arguments, cwd=scans_folder, without_report=True)
+    interrupted = call_stiction(*arguments, cwd=scans_directory, without_report=True)
     assert interrupted.returncode == 130
     assert "μ_s = " in interrupted.stdout
     assert f"interrupted; {message}" in interrupted.stderr
     monkeypatch.undo()
-    finished = call_stiction(*arguments, cwd=scans_folder, without_figures=True, without_report=True)
+    finished = call_stiction(*arguments, cwd=scans_directory, without_figures=True, without_report=True)
     assert finished.returncode == 0
     assert "already contains this study" in finished.stdout
     assert (tmp_path / "out" / "friction.png").exists()
 
 
 @pytest.mark.usefixtures("omit_companion_files")
-def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_path):
+def test_csv_table_and_json_output_contain_equal_intervals(scans_directory, tmp_path):
     options = ["--hardness", "0.5..1.5 GPa", "--junction-growth", 0, "--load", "7 MPa", "--shifts", 4]
     options += ["--direction", "0,90", "--onset", 0]
     call_stiction(
@@ -463,7 +473,7 @@ def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_pat
         *options,
         "--output",
         tmp_path / "out",
-        cwd=scans_folder,
+        cwd=scans_directory,
         without_figures=True,
         without_report=True,
     )
@@ -471,7 +481,7 @@ def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_pat
     columns = [f"coefficient of static friction: {limit}" for limit in ("lower", "upper")]
     command = ["at", tmp_path / "out", "--load", "7 MPa", "--json"]
     for direction_option, has_interval in (([], 1), (["--direction", 0], 0)):
-        (point,) = json.loads(call_stiction(*command, *direction_option, cwd=scans_folder).stdout)["points"]
+        (point,) = json.loads(call_stiction(*command, *direction_option, cwd=scans_directory).stdout)["points"]
         for rule in point["rules"]:
             coefficient = rule["coefficient"]
             limits = [coefficient["lower"], coefficient["upper"]]
@@ -485,18 +495,18 @@ def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_pat
 @pytest.mark.parametrize(
     "bodies", [["hole.csv", "lower.csv", "--offsets", 2], ["--gap", "hole.npy", *MAP_ARGUMENTS[2:]]]
 )
-def test_pair_command_writes_a_report_about_scans_with_missing_points(scans_folder, tmp_path, bodies):
+def test_pair_command_writes_a_report_about_scans_with_missing_points(scans_directory, tmp_path, bodies):
     profile_heights, map_heights = create_profile("upper").heights.copy(), create_surface("upper").heights.copy()
     profile_heights[300:340] = map_heights[10:14, 20:26] = np.nan
     np.savetxt(
-        scans_folder / "hole.csv",
+        scans_directory / "hole.csv",
         np.column_stack([np.arange(2000) * 0.01, profile_heights]),
         delimiter=",",
         header="x (um),z (um)",
     )
-    np.save(scans_folder / "hole.npy", map_heights)
+    np.save(scans_directory / "hole.npy", map_heights)
     options = ["--missing", "mask", "--mechanics", "half-space", "--onset", 0, "--output", tmp_path / "out"]
-    check_stiction("pair", *bodies, *MATERIAL_OPTIONS, *LOAD_OPTION, *options, cwd=scans_folder)
+    check_stiction("pair", *bodies, *MATERIAL_OPTIONS, *LOAD_OPTION, *options, cwd=scans_directory)
     assert (tmp_path / "out" / "report.html").exists()
 
 
@@ -522,16 +532,18 @@ def test_pair_command_writes_a_report_about_scans_with_missing_points(scans_fold
     ],
 )
 def test_pair_command_rejects_a_missing_material_and_a_file_name_given_as_material(
-    scans_folder, arguments, expected_words
+    scans_directory, arguments, expected_words
 ):
-    assert_rejected(call_stiction("pair", *arguments, *LOAD_OPTION, "--mu0", "0.3", cwd=scans_folder), *expected_words)
+    assert_rejected(
+        call_stiction("pair", *arguments, *LOAD_OPTION, "--mu0", "0.3", cwd=scans_directory), *expected_words
+    )
 
 
 # ---- Output --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.usefixtures("omit_companion_files")
-def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeypatch):
+def test_preview_is_printed_to_standard_error_on_terminals(scans_directory, monkeypatch):
     for module in ("application", "pair"):
         monkeypatch.setattr(f"stiction.cli.{module}.is_stderr_terminal", lambda: True)
     command = [
@@ -548,11 +560,11 @@ def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeyp
         "-o",
         "first",
     ]
-    completed = check_stiction(*command, cwd=scans_folder, without_figures=True, without_report=True)
+    completed = check_stiction(*command, cwd=scans_directory, without_figures=True, without_report=True)
     assert "preliminary" in completed.stderr
     assert json.loads(completed.stdout)["command"] == "pair"
-    with contextlib.chdir(scans_folder):
-        preview_study = parse_pair_arguments(scans_folder, *command[1:]).preview_study
+    with contextlib.chdir(scans_directory):
+        preview_study = parse_pair_arguments(scans_directory, *command[1:]).preview_study
         friction = at_load(run(preview_study), [float(preview_study.friction.load[0])])["mean_friction"]
     mean = float(friction.sel(sliding="all", statistic="mean").squeeze())
     assert f"μ_s = {Estimate(mean)}  friction at all contacts" in completed.stderr
@@ -560,13 +572,13 @@ def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeyp
         [*PROFILE_FILES, *LOAD_OPTION],
         [*MAP_ARGUMENTS, "--load", "10 MPa", "--mechanics", "asperities"],
     ):
-        with contextlib.chdir(scans_folder):
-            assert parse_pair_arguments(scans_folder, *arguments, *MATERIAL_OPTIONS).preview_study is None
-    repeated_call = call_stiction(*command, cwd=scans_folder, without_figures=True, without_report=True)
+        with contextlib.chdir(scans_directory):
+            assert parse_pair_arguments(scans_directory, *arguments, *MATERIAL_OPTIONS).preview_study is None
+    repeated_call = call_stiction(*command, cwd=scans_directory, without_figures=True, without_report=True)
     assert "preliminary" not in repeated_call.stderr
 
 
-SCANS_FOLDER = Path(__file__).parents[2] / "examples" / "scans"
+SCANS_DIRECTORY = Path(__file__).parents[2] / "examples" / "scans"
 STEEL_ON_BRASS_OPTIONS = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "50 MPa"]
 HONED_STEEL_OPTIONS = [
     "--upper",
@@ -605,8 +617,8 @@ RUBBER_ON_GLASS_OPTIONS = [
     "arguments",
     [
         [
-            SCANS_FOLDER / "lapped_upper.csv",
-            SCANS_FOLDER / "lapped_lower.csv",
+            SCANS_DIRECTORY / "lapped_upper.csv",
+            SCANS_DIRECTORY / "lapped_lower.csv",
             *STEEL_ON_BRASS_OPTIONS,
             "--load",
             "10 mN",
@@ -617,8 +629,8 @@ RUBBER_ON_GLASS_OPTIONS = [
         ],
         pytest.param(
             [
-                SCANS_FOLDER / "ground_upper.x3p",
-                SCANS_FOLDER / "ground_lower.x3p",
+                SCANS_DIRECTORY / "ground_upper.x3p",
+                SCANS_DIRECTORY / "ground_lower.x3p",
                 *STEEL_ON_BRASS_OPTIONS,
                 "--load",
                 "10 MPa",
@@ -629,12 +641,12 @@ RUBBER_ON_GLASS_OPTIONS = [
         ),
         [*MAP_ARGUMENTS, *RUBBER_ON_GLASS_OPTIONS, "--shifts", 4],
         [*MAP_ARGUMENTS, *STEEL_ON_BRASS_OPTIONS, "--load", "10 MPa", "--shifts", 4],
-        [SCANS_FOLDER / "honed_upper.csv", SCANS_FOLDER / "honed_lower.csv", *HONED_STEEL_OPTIONS],
+        [SCANS_DIRECTORY / "honed_upper.csv", SCANS_DIRECTORY / "honed_lower.csv", *HONED_STEEL_OPTIONS],
     ],
     ids=["lapped", "ground", "rubber", "maps", "honed"],
 )
-def test_pair_command_output_fits_in_24_lines(scans_folder, arguments, tmp_path):
-    options = {"cwd": scans_folder, "columns": 80, "without_figures": True, "without_report": True}
+def test_pair_command_output_fits_in_24_lines(scans_directory, arguments, tmp_path):
+    options = {"cwd": scans_directory, "columns": 80, "without_figures": True, "without_report": True}
     completed = check_stiction("pair", *arguments, "-o", tmp_path / "out", **options)
     # Characters of paths are not counted, because paths in this test are longer than in the current directory.
     output = (completed.stderr + completed.stdout).replace(str(tmp_path / "out"), "out")
@@ -672,18 +684,18 @@ def test_friction_value_and_assessment_are_bold_only_on_terminals(capsys, monkey
     assert "\x1b[1mQuote with care\x1b[0m; measure" in terminal_output
 
 
-def test_slow_import_of_a_reader_package_is_announced_once(scans_folder, monkeypatch):
+def test_slow_import_of_a_reader_package_is_announced_once(scans_directory, monkeypatch):
     monkeypatch.setattr("stiction.cli.application.is_stderr_terminal", lambda: True)
-    (scans_folder / "scan.di").write_text("nothing")
+    (scans_directory / "scan.di").write_text("nothing")
     monkeypatch.delitem(sys.modules, "SurfaceTopography", raising=False)
     messages = []
     monkeypatch.setattr("stiction.cli.options.show_status", messages.append)
-    show_reader_import_status(scans_folder / "scan.di")
-    show_reader_import_status(scans_folder / "upper.csv")
-    show_reader_import_status(scans_folder / "missing.di")
+    show_reader_import_status(scans_directory / "scan.di")
+    show_reader_import_status(scans_directory / "upper.csv")
+    show_reader_import_status(scans_directory / "missing.di")
     assert [("SurfaceTopography" in message, "scan.di" in message) for message in messages] == [(True, True)]
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
-    show_reader_import_status(scans_folder / "scan.di")
+    show_reader_import_status(scans_directory / "scan.di")
     assert len(messages) == 1
 
 
@@ -691,7 +703,7 @@ def test_slow_import_of_a_reader_package_is_announced_once(scans_folder, monkeyp
 
 
 @pytest.fixture(scope="module")
-def model_check_output(scans_folder):
+def model_check_output(scans_directory):
     """Output of `pair --check` on two profiles, which computes them with both contact models."""
     completed = check_stiction(
         "pair",
@@ -701,14 +713,14 @@ def model_check_output(scans_folder):
         "--offsets",
         4,
         "--check",
-        cwd=scans_folder,
+        cwd=scans_directory,
         without_figures=True,
     )
     return completed
 
 
 @pytest.fixture(scope="module")
-def map_pair_output(scans_folder):
+def map_pair_output(scans_directory):
     """Output of `pair` on two maps with the asperity model."""
     completed = check_stiction(
         "pair",
@@ -722,30 +734,32 @@ def map_pair_output(scans_folder):
         "asperities",
         "-o",
         "areas",
-        cwd=scans_folder,
+        cwd=scans_directory,
         without_figures=True,
     )
     return completed
 
 
-def test_pair_command_writes_result_figures_report_and_model_check(scans_folder, model_check_output, map_pair_output):
-    for folder in ("pair", "pair/half-space", "areas"):
-        stored_dataset = store.read(scans_folder / folder)
-        result = run(Study.from_toml(scans_folder / folder / "study.toml")).dataset
+def test_pair_command_writes_result_figures_report_and_model_check(
+    scans_directory, model_check_output, map_pair_output
+):
+    for directory in ("pair", "pair/half-space", "areas"):
+        stored_dataset = store.read(scans_directory / directory)
+        result = run(Study.from_toml(scans_directory / directory / "study.toml")).dataset
         for name, values in result.data_vars.items():
             np.testing.assert_array_equal(stored_dataset[name].values, values.values, err_msg=name)
-        assert (scans_folder / folder / "result.csv").exists()
-        assert list((scans_folder / folder).glob("*.png"))
-        assert "</html>" in (scans_folder / folder / "report.html").read_text("utf-8")
+        assert (scans_directory / directory / "result.csv").exists()
+        assert list((scans_directory / directory).glob("*.png"))
+        assert "</html>" in (scans_directory / directory / "report.html").read_text("utf-8")
     assert "By half-space" in model_check_output.stdout
     command = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--offsets", 4, "--check", "--json"]
-    command = call_stiction(*command, cwd=scans_folder, without_figures=True, without_report=True)
+    command = call_stiction(*command, cwd=scans_directory, without_figures=True, without_report=True)
     assert json.loads(command.stdout)["check"][0]["values"]
     assert "wrote" in map_pair_output.stdout
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports")
-def test_pair_command_resumes_with_the_same_options_and_rejects_different_options(scans_folder, map_pair_output):
+def test_pair_command_resumes_with_the_same_options_and_rejects_different_options(scans_directory, map_pair_output):
     command = [
         "pair",
         *MAP_ARGUMENTS,
@@ -757,19 +771,21 @@ def test_pair_command_resumes_with_the_same_options_and_rejects_different_option
         "-o",
         "areas",
     ]
-    completed = check_stiction(*command, "--shifts", 4, "--json", cwd=scans_folder)
+    completed = check_stiction(*command, "--shifts", 4, "--json", cwd=scans_directory)
     assert json.loads(completed.stdout)
     assert "3 of 4 positions already existed" in completed.stderr
-    (scans_folder / "areas" / "picture.nc").unlink()
-    check_stiction(*command, "--shifts", 4, cwd=scans_folder)
-    assert (scans_folder / "areas" / "picture.nc").exists()
-    assert_rejected(call_stiction(*command, "--shifts", 4, "--rotate", 10, cwd=scans_folder), "contains another study")
-    check_stiction(*command, "--shifts", 2, "--rotate", 10, "--replace", cwd=scans_folder)
-    assert store.open_stored_result(scans_folder / "areas").finished_members.size == 2
+    (scans_directory / "areas" / "picture.nc").unlink()
+    check_stiction(*command, "--shifts", 4, cwd=scans_directory)
+    assert (scans_directory / "areas" / "picture.nc").exists()
+    assert_rejected(
+        call_stiction(*command, "--shifts", 4, "--rotate", 10, cwd=scans_directory), "contains another study"
+    )
+    check_stiction(*command, "--shifts", 2, "--rotate", 10, "--replace", cwd=scans_directory)
+    assert store.open_stored_result(scans_directory / "areas").finished_members.size == 2
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
-def test_pair_command_with_changed_tau0_reuses_stored_repetitions(scans_folder):
+def test_pair_command_with_changed_tau0_reuses_stored_repetitions(scans_directory):
     command = (
         "pair",
         *MAP_ARGUMENTS,
@@ -783,23 +799,23 @@ def test_pair_command_with_changed_tau0_reuses_stored_repetitions(scans_folder):
         2,
     )
     command += ("--mechanics", "asperities", "--onset", 0, "--output", "friction")
-    check_stiction(*command, "--tau0", "0 MPa", cwd=scans_folder)
-    blocks = sorted((scans_folder / "friction" / "blocks").iterdir())
-    completed = check_stiction(*command, "--tau0", "50 MPa", cwd=scans_folder)
+    check_stiction(*command, "--tau0", "0 MPa", cwd=scans_directory)
+    blocks = sorted((scans_directory / "friction" / "blocks").iterdir())
+    completed = check_stiction(*command, "--tau0", "50 MPa", cwd=scans_directory)
     assert "its 2 positions are kept" in completed.stderr
     assert "friction.tau0 = " in completed.stderr
-    assert sorted((scans_folder / "friction" / "blocks").iterdir()) == blocks
+    assert sorted((scans_directory / "friction" / "blocks").iterdir()) == blocks
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports")
-def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeypatch):
+def test_concurrent_pair_commands_can_write_the_same_files(scans_directory, monkeypatch):
     """Two equal commands in one directory write the same files, and both must succeed."""
     from stiction.companions import contact_picture, onset
 
     def with_written_copy(compute, file_name):
         def compute_and_write_copy(*args, **options):
             dataset = compute(*args, **options)
-            export(dataset, scans_folder / "twice" / file_name)
+            export(dataset, scans_directory / "twice" / file_name)
             return dataset
 
         return compute_and_write_copy
@@ -822,22 +838,22 @@ def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeyp
         "--onset",
         2,
     )
-    completed = check_stiction(*command, "--output", "twice", cwd=scans_folder)
+    completed = check_stiction(*command, "--output", "twice", cwd=scans_directory)
     assert "μ_s" in completed.stdout
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
-def test_two_parts_of_a_run_by_the_pair_command_form_a_complete_result(scans_folder):
+def test_two_parts_of_a_run_by_the_pair_command_form_a_complete_result(scans_directory):
     arguments = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mu0", "30", "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
-        check_stiction(*arguments, "--part", part, cwd=scans_folder)
-    assert store.open_stored_result(scans_folder / "parts").finished_members.size == 4
-    completed = check_stiction(*arguments, cwd=scans_folder)
+        check_stiction(*arguments, "--part", part, cwd=scans_directory)
+    assert store.open_stored_result(scans_directory / "parts").finished_members.size == 4
+    completed = check_stiction(*arguments, cwd=scans_directory)
     assert "not in per cent" in completed.stdout  # mu0 = 30 causes a caveat.
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
-def test_command_run_rejects_a_changed_scan_file(scans_folder):
+def test_command_run_rejects_a_changed_scan_file(scans_directory):
     arguments = [
         "pair",
         "scan.npy",
@@ -850,11 +866,11 @@ def test_command_run_rejects_a_changed_scan_file(scans_folder):
         "-o",
         "other",
     ]
-    np.save(scans_folder / "scan.npy", create_surface("upper", 48).heights)
-    check_stiction(*arguments, "--shifts", 1, cwd=scans_folder)
-    np.save(scans_folder / "scan.npy", -create_surface("upper", 48).heights)
+    np.save(scans_directory / "scan.npy", create_surface("upper", 48).heights)
+    check_stiction(*arguments, "--shifts", 1, cwd=scans_directory)
+    np.save(scans_directory / "scan.npy", -create_surface("upper", 48).heights)
     command = ["run", "other", "--set", "ensemble.repetitions=2"]
-    assert_rejected(call_stiction(*command, cwd=scans_folder), "scan.npy", "has changed since")
+    assert_rejected(call_stiction(*command, cwd=scans_directory), "scan.npy", "has changed since")
 
 
 # ---- Measured data --------------------------------------------------------------------------------------------------
@@ -883,36 +899,36 @@ def test_pair_command_presses_an_afm_map_on_its_surrogates(find_measured_file, t
 
 
 @pytest.fixture(scope="module")
-def folder_options_and_record(tmp_path_factory):
-    """Folder, arguments and JSON output of `pair` on two maps that are large enough for cutoffs."""
-    folder = tmp_path_factory.mktemp("beside")
+def directory_options_and_record(tmp_path_factory):
+    """Directory, arguments and JSON output of `pair` on two maps that are large enough for cutoffs."""
+    directory = tmp_path_factory.mktemp("beside")
     for side in ("upper", "lower"):
         surface = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(96, 96), spacing=0.1, side=side)
-        np.save(folder / f"{side}.npy", surface.heights)
+        np.save(directory / f"{side}.npy", surface.heights)
     options = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "10 MPa", "--load", "10 MPa"]
     options += ["--shifts", 3, "--direction", "0,180", "--onset", 3, "--wait", "1 h", "--creep", 0.02]
     completed = check_stiction(
-        "pair", *MAP_ARGUMENTS, *options, "--json", cwd=folder, without_figures=True, without_report=True
+        "pair", *MAP_ARGUMENTS, *options, "--json", cwd=directory, without_figures=True, without_report=True
     )
-    return folder, options, json.loads(completed.stdout)
+    return directory, options, json.loads(completed.stdout)
 
 
-def test_pair_command_reports_resolved_wavelengths_and_the_range_for_finer_scans(folder_options_and_record):
-    folder, _, record = folder_options_and_record
+def test_pair_command_reports_resolved_wavelengths_and_the_range_for_finer_scans(directory_options_and_record):
+    directory, _, record = directory_options_and_record
     resolution, answer = record["resolution"], record["points"][0]
     assert resolution["wavelengths"]["shortest_um"] == pytest.approx(0.2)
     assert [entry["cut_off"] for entry in resolution["cutoffs"]] == pytest.approx([0, 0.2], rel=1e-3)
     pressure = float(hardness_under_shear(0.625, 0.2, 0.01, "slip-line"))
     assert answer["finer_scans"]["from"] == pytest.approx(0.2 + 0.01 / pressure, rel=1e-3)
     assert answer["finer_scans"]["to"] >= answer["rules"][0]["coefficient"]["value"]
-    stored_resolution = store.read(folder / "pair" / "resolution")
-    expected = run(Study.from_toml(folder / "pair" / "resolution" / "study.toml")).dataset
+    stored_resolution = store.read(directory / "pair" / "resolution")
+    expected = run(Study.from_toml(directory / "pair" / "resolution" / "study.toml")).dataset
     np.testing.assert_array_equal(stored_resolution["contact_area"].values, expected["contact_area"].values)
-    pair_folder = folder / "pair"
-    assert (pair_folder / "onset.csv").exists()
-    assert [path.name for path in pair_folder.glob("*.png")] == ["friction.png"]
-    check_stiction("plot", "pair", cwd=folder, without_figures=True)
-    assert {"cut_off.png", "onset.png", "slip.png"} <= {path.name for path in pair_folder.iterdir()}
+    pair_directory = directory / "pair"
+    assert (pair_directory / "onset.csv").exists()
+    assert [path.name for path in pair_directory.glob("*.png")] == ["friction.png"]
+    check_stiction("plot", "pair", cwd=directory, without_figures=True)
+    assert {"cut_off.png", "onset.png", "slip.png"} <= {path.name for path in pair_directory.iterdir()}
 
 
 ESTIMATE_KEYS = ["name", "value", "unit", "lower", "upper", "kind", "at", "status"]
@@ -932,13 +948,13 @@ def iterate_json_objects(content):
         yield from iterate_json_objects(item)
 
 
-def test_json_output_of_every_command_stores_each_value_as_an_estimate(folder_options_and_record):
-    folder, _, record = folder_options_and_record
+def test_json_output_of_every_command_stores_each_value_as_an_estimate(directory_options_and_record):
+    directory, _, record = directory_options_and_record
     commands = [
         ["info", "pair"], ["at", "pair", "--load", "12 MPa"], ["materials", "steel"], ["interfaces"],
         ["characterise", "upper.npy", "--unit", "um", "--spacing", "0.1 um"],
     ]  # fmt: skip
-    outputs = [check_stiction(*command, "--json", cwd=folder).stdout for command in commands]
+    outputs = [check_stiction(*command, "--json", cwd=directory).stdout for command in commands]
     records = [record, *map(json.loads, outputs)]
     for each in records:
         for item in iterate_json_objects(each):
@@ -956,19 +972,19 @@ def test_json_output_of_every_command_stores_each_value_as_an_estimate(folder_op
     assert list(point["scans"]) == list(point["cutoffs"]) == ["upper_body", "lower_body"]
 
 
-def test_pair_command_reports_onset_of_sliding(folder_options_and_record):
-    folder, arguments, record = folder_options_and_record
+def test_pair_command_reports_onset_of_sliding(directory_options_and_record):
+    directory, arguments, record = directory_options_and_record
     onset = record["onset"]
     assert onset["members"] == 3
     assert onset["poisson_ratio"] == pytest.approx([0.295, 0.35], abs=1e-3)
     assert 0 < onset["displacement_at_sliding"]["value"] < 0.1
     # A repeated command computes nothing and prints the same sentence.
-    (folder / "pair/onset.csv").unlink()
+    (directory / "pair/onset.csv").unlink()
     completed = call_stiction(
-        "pair", *MAP_ARGUMENTS, *arguments, "--verbose", cwd=folder, without_figures=True, without_report=True
+        "pair", *MAP_ARGUMENTS, *arguments, "--verbose", cwd=directory, without_figures=True, without_report=True
     )
     assert "already contains this study" in completed.stdout
-    assert not (folder / "pair/onset.csv").exists()
+    assert not (directory / "pair/onset.csv").exists()
     assert onset["sentence"][:12] in completed.stdout
     assert "mild steel on brass" in completed.stdout
     assert "If small contacts are as hard as large ones, no finer scan gives less than the plastic limit." in " ".join(
@@ -1053,11 +1069,11 @@ def test_declared_texture_prevents_filtering_and_unknown_texture_is_rejected():
         stiction.pair(profile_with_line, clean_profile, texture="shiny", **options)
 
 
-def test_half_space_model_is_the_default_for_profiles_of_metals(scans_folder):
+def test_half_space_model_is_the_default_for_profiles_of_metals(scans_directory):
     options = ["--mu0", "0.3", *LOAD_OPTION, "--upper", "steel"]
-    assert parse_study(scans_folder, *PROFILE_FILES, *options, "--lower", "brass").contact.mechanics == "half-space"
+    assert parse_study(scans_directory, *PROFILE_FILES, *options, "--lower", "brass").contact.mechanics == "half-space"
     assert (
-        parse_study(scans_folder, *PROFILE_FILES, *options, "--lower", "brass", "--lay", "grooves").contact.hardness
+        parse_study(scans_directory, *PROFILE_FILES, *options, "--lower", "brass", "--lay", "grooves").contact.hardness
         is not None
     )
     for asperity_options in (
@@ -1065,31 +1081,33 @@ def test_half_space_model_is_the_default_for_profiles_of_metals(scans_folder):
         ["--lower", "brass", "--law", "hertz-sphere"],
         ["--mechanics", "asperities"],
     ):
-        assert parse_study(scans_folder, *PROFILE_FILES, *options, *asperity_options).contact.mechanics == "asperities"
+        assert (
+            parse_study(scans_directory, *PROFILE_FILES, *options, *asperity_options).contact.mechanics == "asperities"
+        )
 
 
-def test_width_option_converts_the_force_to_the_force_on_a_strip_1_um_wide(scans_folder):
+def test_width_option_converts_the_force_to_the_force_on_a_strip_1_um_wide(scans_directory):
     arguments = ["--effective-modulus", "10 GPa", "--mu0", "0.3"]
-    study = parse_study(scans_folder, *PROFILE_FILES, *arguments, "--load", "5 N", "--width", "5 mm")
+    study = parse_study(scans_directory, *PROFILE_FILES, *arguments, "--load", "5 N", "--width", "5 mm")
     assert [float(load) for load in study.friction.load] == [1.0]
     study_of_two_loads = parse_study(
-        scans_folder, *PROFILE_FILES, *arguments, "--load", "5 N", "--load", "2 MPa", "--width", "5 mm"
+        scans_directory, *PROFILE_FILES, *arguments, "--load", "5 N", "--load", "2 MPa", "--width", "5 mm"
     )
     assert [float(load) for load in study_of_two_loads.friction.load] == [0.02, 1.0]
     for rejected_options in (["--load", "2 MPa"], ["--load", "5 N", "--lay", "isotropic"]):
         with pytest.raises(ArgumentError, match="width"):
-            parse_study(scans_folder, *PROFILE_FILES, *arguments, *rejected_options, "--width", "5 mm")
+            parse_study(scans_directory, *PROFILE_FILES, *arguments, *rejected_options, "--width", "5 mm")
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
-def test_result_for_profiles_lists_the_assumptions_of_the_model(scans_folder, tmp_path):
+def test_result_for_profiles_lists_the_assumptions_of_the_model(scans_directory, tmp_path):
     arguments = ["pair", *PROFILE_FILES, "--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--load", "40 MPa"]
     record = json.loads(
-        check_stiction(*arguments, "--offsets", 8, "-o", tmp_path / "out", "--json", cwd=scans_folder).stdout
+        check_stiction(*arguments, "--offsets", 8, "-o", tmp_path / "out", "--json", cwd=scans_directory).stdout
     )
     assumptions = record["points"][0]["assumptions"]
     assert assumptions == ["parallel grooves across the scans on a strip 1 µm wide", "no adhesion"]
-    completed = check_stiction("at", tmp_path / "out", cwd=scans_folder)
+    completed = check_stiction("at", tmp_path / "out", cwd=scans_directory)
     text = " ".join(completed.stdout.split())
     assert "Assumes parallel grooves across the scans on a strip 1 µm wide, no adhesion." in text
     table = (tmp_path / "out" / "result.csv").read_text()

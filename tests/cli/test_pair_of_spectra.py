@@ -74,12 +74,12 @@ def spectra(surfaces):
 
 
 @pytest.fixture(scope="module")
-def spectra_folder(tmp_path_factory, surfaces, spectra):
-    folder = tmp_path_factory.mktemp("spectra")
+def spectra_directory(tmp_path_factory, surfaces, spectra):
+    directory = tmp_path_factory.mktemp("spectra")
     for side, surface, spectrum in zip(SIDES, surfaces, spectra, strict=True):
-        write_spectrum(spectrum, folder / f"{side}.csv")
-        write_surface(surface, folder / f"{side}.npy")
-    return folder
+        write_spectrum(spectrum, directory / f"{side}.csv")
+        write_surface(surface, directory / f"{side}.npy")
+    return directory
 
 
 # ---- Computed pairs ------------------------------------------------------------------------------------------------
@@ -128,7 +128,7 @@ def test_friction_interval_from_joined_spectra_contains_the_friction_of_the_comp
     )  # A coarse scan lacks the short wavelengths, which determine the area.
 
 
-def test_commands_at_and_report_accept_the_result_of_a_pair_of_spectra(spectra_folder):
+def test_commands_at_and_report_accept_the_result_of_a_pair_of_spectra(spectra_directory):
     completed = check_stiction(
         "pair",
         "upper.csv",
@@ -137,40 +137,40 @@ def test_commands_at_and_report_accept_the_result_of_a_pair_of_spectra(spectra_f
         "--surrogates",
         "2",
         "--json",
-        cwd=spectra_folder,
+        cwd=spectra_directory,
         without_figures=True,
         without_report=True,
     )
     record = json.loads(completed.stdout)
-    study = Study.from_toml(spectra_folder / "pair" / "study.toml")
+    study = Study.from_toml(spectra_directory / "pair" / "study.toml")
     assert study.surfaces.press == "surrogates"
     assert study.surfaces.upper.sha256 is not None
     assert study.ensemble.repetitions == 2
-    check_stiction("at", "pair", "--load", "30 MPa", cwd=spectra_folder)
-    check_stiction("report", "pair", cwd=spectra_folder, without_figures=True)
-    dataset = evaluate_at_cutoffs(open_stored_result(spectra_folder / "pair")).isel(load=0, mu0=0, tau0=0)
+    check_stiction("at", "pair", "--load", "30 MPa", cwd=spectra_directory)
+    check_stiction("report", "pair", cwd=spectra_directory, without_figures=True)
+    dataset = evaluate_at_cutoffs(open_stored_result(spectra_directory / "pair")).isel(load=0, mu0=0, tau0=0)
     # The figure of results against the cutoff shows the spectral estimate.
     spectral_estimate = find_resolution_limits(dataset, study).spectral
     assert float(spectral_estimate.mean_pressure.max()) == pytest.approx(4.0)
     assert float(spectral_estimate.wavelength.max()) > 1.0
     cutoffs = [entry["cut_off"] for entry in record["resolution"]["cutoffs"]]
-    assert cutoffs[1] == pytest.approx(read_spectrum(spectra_folder / "upper.csv").shortest, rel=1e-3)
+    assert cutoffs[1] == pytest.approx(read_spectrum(spectra_directory / "upper.csv").shortest, rel=1e-3)
 
 
 def test_pair_command_accepts_a_spectrum_paired_with_a_scan_and_detects_changed_spectra(
-    spectra_folder, surfaces, spectra
+    spectra_directory, surfaces, spectra
 ):
     command = ["pair", "upper.csv", "lower.npy", *COMMAND_OPTIONS, "--surrogates", "2", "--output", "mixed"]
-    check_stiction(*command, cwd=spectra_folder, without_figures=True, without_report=True)
-    changed_folder = spectra_folder / "changed"
-    changed_folder.mkdir()
+    check_stiction(*command, cwd=spectra_directory, without_figures=True, without_report=True)
+    changed_directory = spectra_directory / "changed"
+    changed_directory.mkdir()
     for name in ("upper.csv", "lower.csv"):
-        (changed_folder / name).write_bytes((spectra_folder / name).read_bytes())
+        (changed_directory / name).write_bytes((spectra_directory / name).read_bytes())
     command = ["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--surrogates", "2"]
-    check_stiction(*command, cwd=changed_folder, without_figures=True, without_report=True)
-    (changed_folder / "upper.csv").write_bytes((spectra_folder / "lower.csv").read_bytes())
+    check_stiction(*command, cwd=changed_directory, without_figures=True, without_report=True)
+    (changed_directory / "upper.csv").write_bytes((spectra_directory / "lower.csv").read_bytes())
     assert_rejected(
-        call_stiction("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed_folder), "has changed since"
+        call_stiction("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed_directory), "has changed since"
     )
 
 
@@ -190,8 +190,8 @@ REJECTED_OUTPUT_OPTION = ["--output", "rejected"]
         (["characterise", "upper.csv", "--output", "rejected.html"], "spectrum"),
     ],
 )
-def test_commands_that_accept_only_scans_reject_spectra(spectra_folder, arguments, expected_words):
-    assert_rejected(call_stiction(*arguments, cwd=spectra_folder), expected_words)
+def test_commands_that_accept_only_scans_reject_spectra(spectra_directory, arguments, expected_words):
+    assert_rejected(call_stiction(*arguments, cwd=spectra_directory), expected_words)
 
 
 # ---- Spectrum files -------------------------------------------------------------------------------------------------

@@ -22,21 +22,21 @@ def create_faces():
 
 
 @pytest.fixture
-def folder(tmp_path):
+def directory(tmp_path):
     for name, face in zip(("upper.npy", "lower.npy"), create_faces(), strict=True):
         np.save(tmp_path / name, face.heights)
     return tmp_path
 
 
-def run_shear(folder, *options, **settings):
-    return check_stiction("shear", "upper.npy", "lower.npy", *OPTIONS, *options, cwd=folder, columns=80, **settings)
+def run_shear(directory, *options, **settings):
+    return check_stiction("shear", "upper.npy", "lower.npy", *OPTIONS, *options, cwd=directory, columns=80, **settings)
 
 
 # ---- Output ----------------------------------------------------------------------------------------------------------
 
 
-def test_shear_command_prints_peak_and_table_and_writes_four_files(folder):
-    completed = run_shear(folder, "--path", "0.5 mm", "--mu0", "0.5..0.7", "--hardness", "150 MPa", "--steps", 5)
+def test_shear_command_prints_peak_and_table_and_writes_four_files(directory):
+    completed = run_shear(directory, "--path", "0.5 mm", "--mu0", "0.5..0.7", "--hardness", "150 MPa", "--steps", 5)
     lines = completed.stdout.splitlines()
     assert lines[0].startswith("peak: μ = ")
     assert lines[0].endswith("°)")
@@ -47,21 +47,21 @@ def test_shear_command_prints_peak_and_table_and_writes_four_files(folder):
     assert max(map(len, lines)) <= 80
     assert sum(line.startswith(("0 ", "100 ", "200 ", "300 ", "400 ", "500 ")) for line in lines) == 6
     test = shear_test(*create_faces(), path="0.5 mm", steps=5, mu0="0.5..0.7", hardness="150 MPa", **CONDITIONS)
-    table = np.genfromtxt(folder / "shear/shear.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+    table = np.genfromtxt(directory / "shear/shear.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
     np.testing.assert_allclose(table["mu"], test.friction_coefficient, rtol=1e-6)
     np.testing.assert_allclose(table["shear_stress_MPa"], 1e3 * test.shear_stress, rtol=1e-6)
     assert (table["mu_lower"] < table["mu"]).all()
-    stored = xarray.load_dataset(folder / "shear/shear.nc", engine="h5netcdf")
+    stored = xarray.load_dataset(directory / "shear/shear.nc", engine="h5netcdf")
     xarray.testing.assert_allclose(stored.drop_attrs(), test.drop_attrs())
-    assert (folder / "shear/shear.png").read_bytes()[1:4] == b"PNG"
-    report = (folder / "shear/report.html").read_text()
+    assert (directory / "shear/shear.png").read_bytes()[1:4] == b"PNG"
+    report = (directory / "shear/report.html").read_text()
     assert "upper.npy on lower.npy" in report
     assert lines[0].removeprefix("peak: ") in report
     assert report.count("<tr>") == 7  # one row of titles and six rows of displacements
 
 
-def test_shear_command_prints_json_with_peak_and_curve(folder):
-    completed = run_shear(folder, "--path", "0.5 mm", "--mu0", 0.6, "--steps", 5, "--json", without_figures=True)
+def test_shear_command_prints_json_with_peak_and_curve(directory):
+    completed = run_shear(directory, "--path", "0.5 mm", "--mu0", 0.6, "--steps", 5, "--json", without_figures=True)
     record = json.loads(completed.stdout)
     assert (record["command"], record["kind"]) == ("shear", "shear")
     peak, displacement, *_ = record["values"]
@@ -201,15 +201,15 @@ def test_directory_with_another_shear_test_is_rejected_unless_the_test_is_replac
         (("--path", "0.5 mm", "--output", "lower.npy"), "lower.npy must be a directory"),
     ],
 )  # fmt: skip
-def test_shear_command_rejects_bad_options_with_one_line(folder, options, message):
+def test_shear_command_rejects_bad_options_with_one_line(directory, options, message):
     options = options if "--mu0" in options else (*options, "--mu0", 0.6)
-    assert_rejected(call_stiction("shear", "upper.npy", "lower.npy", *OPTIONS, *options, cwd=folder), message)
+    assert_rejected(call_stiction("shear", "upper.npy", "lower.npy", *OPTIONS, *options, cwd=directory), message)
 
 
-def test_shear_command_rejects_a_directory_with_another_test(folder):
+def test_shear_command_rejects_a_directory_with_another_test(directory):
     for mu0 in (0.6, 0.5):
         completed = call_stiction(
-            "shear", "upper.npy", "lower.npy", *OPTIONS, "--path", "0.2 mm", "--steps", 1, "--mu0", mu0, cwd=folder,
+            "shear", "upper.npy", "lower.npy", *OPTIONS, "--path", "0.2 mm", "--steps", 1, "--mu0", mu0, cwd=directory,
             without_figures=True,
         )  # fmt: skip
     assert_rejected(completed, "shear contains another shear test;", "or overwrite the test with --replace")
@@ -218,12 +218,14 @@ def test_shear_command_rejects_a_directory_with_another_test(folder):
 # ---- Caveats ---------------------------------------------------------------------------------------------------------
 
 
-def test_shear_command_does_not_replace_a_file_of_the_user(folder):
-    (folder / "shear").mkdir()
-    (folder / "shear/shear.csv").write_text("displacement (um),mu\n1,2\n")
-    completed = call_stiction("shear", "upper.npy", "lower.npy", *OPTIONS, "--path", "0.5 mm", "--mu0", 0.6, cwd=folder)
+def test_shear_command_does_not_replace_a_file_of_the_user(directory):
+    (directory / "shear").mkdir()
+    (directory / "shear/shear.csv").write_text("displacement (um),mu\n1,2\n")
+    completed = call_stiction(
+        "shear", "upper.npy", "lower.npy", *OPTIONS, "--path", "0.5 mm", "--mu0", 0.6, cwd=directory
+    )
     assert_rejected(completed, "was not written by stiction")
-    assert (folder / "shear/shear.csv").read_text() == "displacement (um),mu\n1,2\n"
+    assert (directory / "shear/shear.csv").read_text() == "displacement (um),mu\n1,2\n"
 
 
 def test_shear_test_rejects_the_directory_of_a_study_and_leaves_it_unchanged(tmp_path):
@@ -306,7 +308,7 @@ def test_gap_between_registered_faces_has_a_caveat_if_it_exceeds_their_noise(wav
         assert caveat in caveats[0]
 
 
-def test_shear_peak_before_identical_faces_move_has_a_caveat(folder):
+def test_shear_peak_before_identical_faces_move_has_a_caveat(directory):
     test = shear_test(*create_faces(), path="0.5 mm", steps=2, mu0=0.6, tau0="3 MPa", **CONDITIONS)
     assert test.attrs["peak_displacement_um"] == 0
     assert "The peak is before the faces move" in " ".join(list_caveats(test))

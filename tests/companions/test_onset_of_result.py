@@ -38,13 +38,13 @@ def compute_study_onset(study, **options):
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("maps")
+    directory = tmp_path_factory.mktemp("maps")
     contact_keys = (
         'hardness = "4 GPa"\ncompliance_share = 0.3\npoisson = [0.3, 0.4]\nload = ["2 mN"]\ndirection = [0, 180]'
     )
-    return create_study_from_files(folder, spacing=write_maps(folder), members=4, contact=contact_keys).with_changes(
-        {"friction.tau0": ["50 MPa"]}
-    )
+    return create_study_from_files(
+        directory, spacing=write_maps(directory), members=4, contact=contact_keys
+    ).with_changes({"friction.tau0": ["50 MPa"]})
 
 
 @pytest.fixture(scope="module")

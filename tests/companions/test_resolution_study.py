@@ -24,15 +24,15 @@ from support.studies_of_files import create_study_from_files, write_maps, write_
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def directory(tmp_path_factory):
     return tmp_path_factory.mktemp("maps")
 
 
 @pytest.fixture(scope="module")
-def study(folder):
-    spacing = write_maps(folder, shape=(128, 128))
+def study(directory):
+    spacing = write_maps(directory, shape=(128, 128))
     return create_study_from_files(
-        folder, spacing=spacing, members=5, contact='hardness = "4 GPa"\ndirection = [0, 180]'
+        directory, spacing=spacing, members=5, contact='hardness = "4 GPa"\ndirection = [0, 180]'
     )
 
 
@@ -91,10 +91,10 @@ def test_resolution_result_stored_for_another_hardness_is_ignored(study, tmp_pat
     area = result["contact_area_fraction"].sel(statistic="mean").values
     assert (area > min_area_fraction).all()
     # A resolution study that is stored with the result of another hardness is ignored.
-    softer_folder = tmp_path / "softer"
-    compute_missing_blocks(small_study.with_changes({"contact.hardness": "3 GPa"}), softer_folder)
-    compute_missing_blocks(cutoff_study, softer_folder / CUTOFF_STUDY_FOLDER)
-    assert evaluate_at_cutoffs(open_stored_result(softer_folder)) is None
+    softer_directory = tmp_path / "softer"
+    compute_missing_blocks(small_study.with_changes({"contact.hardness": "3 GPa"}), softer_directory)
+    compute_missing_blocks(cutoff_study, softer_directory / CUTOFF_STUDY_FOLDER)
+    assert evaluate_at_cutoffs(open_stored_result(softer_directory)) is None
 
 
 def test_resolved_wavelengths_of_a_study_equal_those_computed_from_the_gap(study):

@@ -20,11 +20,13 @@ COMPANION_LOADERS = {"picture.nc": load_contact_picture, "onset.nc": load_stored
 @pytest.fixture(scope="module")
 def result_and_datasets(tmp_path_factory):
     """Return a stored result of two maps, and the datasets stored alongside, keyed by file name."""
-    folder = tmp_path_factory.mktemp("maps")
+    directory = tmp_path_factory.mktemp("maps")
     contact_keys = 'load = ["2 mN"]\ndirection = [0, 180]'
-    study = create_study_from_files(folder, spacing=write_maps(folder, shape=(32, 32)), members=2, contact=contact_keys)
-    compute_missing_blocks(study, folder / "r")
-    complete_result = open_stored_result(folder / "r")
+    study = create_study_from_files(
+        directory, spacing=write_maps(directory, shape=(32, 32)), members=2, contact=contact_keys
+    )
+    compute_missing_blocks(study, directory / "r")
+    complete_result = open_stored_result(directory / "r")
     with thread_pool_executor(1) as executor:
         datasets = {
             "picture.nc": contact_picture.contact_picture(complete_result),

@@ -50,16 +50,16 @@ ROUND_OFF = 1e-9
 
 @pytest.fixture(scope="module")
 def areal_study_and_dataset(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("areas")
-    study = create_study_from_files(folder, spacing=write_maps(folder), members=5)
+    directory = tmp_path_factory.mktemp("areas")
+    study = create_study_from_files(directory, spacing=write_maps(directory), members=5)
     return study, run(study).dataset
 
 
 @pytest.fixture(scope="module")
 def profile_study_and_dataset(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("lines")
+    directory = tmp_path_factory.mktemp("lines")
     study = create_study_from_files(
-        folder, "lines", "asperities", spacing=write_profiles(folder), members=12, load="0.05 mN"
+        directory, "lines", "asperities", spacing=write_profiles(directory), members=12, load="0.05 mN"
     )
     return study, run(study).dataset
 

@@ -36,14 +36,14 @@ def main():
     parser.add_argument("--seed", type=int, default=int(time.time()))
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        folder, stored_result = Path(name), Path(name) / "pristine"
+        directory, stored_result = Path(name), Path(name) / "pristine"
         stored_result.mkdir()
         run(fuzzing.small_fuzz_study(), store=stored_result)
         findings = fuzz("arrays", options.count, options.seed, fuzzing.fuzz_numeric_function)
         findings += fuzz(
-            "stores", options.count, options.seed, lambda r: fuzzing.fuzz_stored_result(r, stored_result, folder)
+            "stores", options.count, options.seed, lambda r: fuzzing.fuzz_stored_result(r, stored_result, directory)
         )
-        findings += fuzz("study files", options.count, options.seed, lambda r: fuzzing.fuzz_study_file(r, folder))
+        findings += fuzz("study files", options.count, options.seed, lambda r: fuzzing.fuzz_study_file(r, directory))
     sys.exit(1 if findings else 0)
 
 

@@ -2,7 +2,7 @@
 
 After each kill, the script checks that no finished repetition is lost or changed, that no block file has changed, and
 that no later command computes a finished repetition again. After several kills, it compares a sample of repetitions
-with a computation without kills, checks that partial files are removed, and starts with a new folder.
+with a computation without kills, checks that partial files are removed, and starts with a new directory.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from stiction.solve import member_solution, store
 from stiction.solve.store import decode_members
 
 DEFAULT_NUM_KILLS = 200
-KILLS_PER_FOLDER = 20  # small, so that many kills happen while a directory is new
+KILLS_PER_DIRECTORY = 20  # small, so that many kills happen while a directory is new
 MAX_CHECKED_REPETITIONS = 300  # maximum number of repetitions of a directory that are computed again for comparison
 EXECUTORS_BY_KIND = {"writers": ("threads", "scheduler"), "parts": ("parts",)}
 MAX_WAITING_SECONDS = 600.0
@@ -72,18 +72,18 @@ if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
 
 
 class WriterKillTest:
-    """Result folder with the processes that write it, and a record of finished repetitions and kills."""
+    """Result directory with the processes that write it, and a record of finished repetitions and kills."""
 
-    def __init__(self, folder: Path, random_generator: random.Random, executors: tuple[str, ...]) -> None:
-        self.folder, self.random, self.executors = folder, random_generator, executors
+    def __init__(self, directory: Path, random_generator: random.Random, executors: tuple[str, ...]) -> None:
+        self.directory, self.random, self.executors = directory, random_generator, executors
         self.num_repetitions = STUDY.ensemble.repetitions
         self.time_to_first_write = 1.0  # latest measured time (s) from the start of a command to its first block
-        self.result_folder = folder / "out"
-        self.log_file = folder / "computed"
-        (folder / "site").mkdir()
-        (folder / "site" / "sitecustomize.py").write_text(SITECUSTOMIZE_CODE)
-        (folder / "s.toml").write_text(STUDY.to_toml())
-        self.environment = os.environ | {"PYTHONPATH": str(folder / "site"), "storm": str(self.log_file)}
+        self.result_directory = directory / "out"
+        self.log_file = directory / "computed"
+        (directory / "site").mkdir()
+        (directory / "site" / "sitecustomize.py").write_text(SITECUSTOMIZE_CODE)
+        (directory / "s.toml").write_text(STUDY.to_toml())
+        self.environment = os.environ | {"PYTHONPATH": str(directory / "site"), "storm": str(self.log_file)}
         self.known_files: dict[str, tuple[int, int]] = {}
         self.checksums: dict[int, int] = {}  # checksum of each finished repetition
         # repetitions that were finished when a command started, by the process id of the command
@@ -105,8 +105,8 @@ class WriterKillTest:
 
     def start_process(self, command: list[str]) -> subprocess.Popen[bytes]:
         process = subprocess.Popen(
-            command, cwd=self.folder, env=self.environment, start_new_session=True,
-            stdout=subprocess.DEVNULL, stderr=(self.folder / "output").open("ab"),
+            command, cwd=self.directory, env=self.environment, start_new_session=True,
+            stdout=subprocess.DEVNULL, stderr=(self.directory / "output").open("ab"),
         )  # fmt: skip
         self.processes.append(process)
         return process
@@ -129,10 +129,10 @@ class WriterKillTest:
             time.sleep(self.random.uniform(0, 0.5))
 
     def read_last_output(self) -> str:
-        return (self.folder / "output").read_text()[-1000:]
+        return (self.directory / "output").read_text()[-1000:]
 
     def count_blocks(self) -> int:
-        return sum(1 for _ in (self.result_folder / store.BLOCKS_FOLDER).glob("*.nc"))
+        return sum(1 for _ in (self.result_directory / store.BLOCKS_FOLDER).glob("*.nc"))
 
     def kill(self, target: str, process: subprocess.Popen[bytes]) -> None:
         assert process.poll() is None, f"{target} ended by itself: {process.returncode}: {self.read_last_output()}"
@@ -142,7 +142,7 @@ class WriterKillTest:
         process.kill()
         process.wait()
         self.kills[target] += 1
-        self.num_partial_files += bool(list(self.result_folder.rglob(f".stiction-*-{process.pid}-*.partial")))
+        self.num_partial_files += bool(list(self.result_directory.rglob(f".stiction-*-{process.pid}-*.partial")))
         self.check_blocks()
 
     def run_and_kill(self) -> None:
@@ -176,7 +176,7 @@ class WriterKillTest:
     def start_scheduler(self) -> None:
         if self.address:
             return
-        file = self.folder / "scheduler.json"
+        file = self.directory / "scheduler.json"
         dask_program = str(Path(sys.executable).with_name("dask"))
         options = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file)]
         self.dask_processes = [self.start_process([dask_program, "scheduler", *options])]
@@ -193,25 +193,25 @@ class WriterKillTest:
 
     def read_finished_repetitions(self) -> list[int]:
         try:
-            return store.open_stored_result(self.result_folder).finished_members.tolist()
+            return store.open_stored_result(self.result_directory).finished_members.tolist()
         except store.StoreError:
             assert not self.checksums
             return []
 
     def check_blocks(self) -> None:
         """Check that blocks are complete and unchanged, and that no command computed a finished repetition again."""
-        if not (self.result_folder / store.BLOCKS_FOLDER).exists():
+        if not (self.result_directory / store.BLOCKS_FOLDER).exists():
             assert not self.checksums
             return
         current_files = {
             file.name: (file.stat().st_ino, file.stat().st_mtime_ns)
-            for file in (self.result_folder / store.BLOCKS_FOLDER).glob("[0-9]*.nc")
+            for file in (self.result_directory / store.BLOCKS_FOLDER).glob("[0-9]*.nc")
         }
         assert self.known_files.keys() <= current_files.keys(), (
             f"lost: {sorted(self.known_files.keys() - current_files.keys())[:5]}"
         )
         for name in current_files.keys() - self.known_files.keys():
-            content = (self.result_folder / store.BLOCKS_FOLDER / name).read_bytes()
+            content = (self.result_directory / store.BLOCKS_FOLDER / name).read_bytes()
             assert name.endswith(f"-{zlib.crc32(content):08x}.nc"), f"{name} is torn"
             members = decode_members(content)
             for member_index, number in enumerate(members.numbers.tolist()):
@@ -235,11 +235,11 @@ class WriterKillTest:
             process.kill()
             process.wait()
         store.create_or_open_result(
-            self.result_folder, STUDY.with_changes({"ensemble.repetitions": self.num_repetitions})
+            self.result_directory, STUDY.with_changes({"ensemble.repetitions": self.num_repetitions})
         )
-        partial_files = [file for file in self.result_folder.rglob("*.partial") if str(os.getpid()) not in file.name]
+        partial_files = [file for file in self.result_directory.rglob("*.partial") if str(os.getpid()) not in file.name]
         assert not partial_files, f"left: {partial_files[:3]}"
-        errors = [line for line in (self.folder / "output").read_text().splitlines() if "Error" in line]
+        errors = [line for line in (self.directory / "output").read_text().splitlines() if "Error" in line]
         return (
             f"{len(self.checksums)} repetitions finished in {len(self.known_files)} files; "
             f"{self.num_computed} computed; "
@@ -264,10 +264,10 @@ def main() -> None:
         kills: collections.Counter[str] = collections.Counter()
         random_generator = random.Random(arguments.seed)
         while kills.total() < arguments.kills:
-            with tempfile.TemporaryDirectory(prefix="stiction-storm-") as folder:
-                test = WriterKillTest(Path(folder), random_generator, EXECUTORS_BY_KIND[kind])
+            with tempfile.TemporaryDirectory(prefix="stiction-storm-") as directory:
+                test = WriterKillTest(Path(directory), random_generator, EXECUTORS_BY_KIND[kind])
                 try:
-                    while test.kills.total() < KILLS_PER_FOLDER and (kills + test.kills).total() < arguments.kills:
+                    while test.kills.total() < KILLS_PER_DIRECTORY and (kills + test.kills).total() < arguments.kills:
                         test.run_and_kill()
                         test.check_blocks()
                     kills = kills + test.kills

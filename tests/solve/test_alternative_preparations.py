@@ -45,10 +45,10 @@ PAIR_OPTIONS = {
 
 def open_without_alternatives(result):
     """Return a stored result whose interval does not include alternative preparations of the scans."""
-    folder = result.path.with_name(f"{result.path.name}-without-alternatives")
-    if not folder.exists():
-        shutil.copytree(result.path, folder, ignore=shutil.ignore_patterns(ALTERNATIVES_FOLDER))
-    return open_result(folder)
+    directory = result.path.with_name(f"{result.path.name}-without-alternatives")
+    if not directory.exists():
+        shutil.copytree(result.path, directory, ignore=shutil.ignore_patterns(ALTERNATIVES_FOLDER))
+    return open_result(directory)
 
 
 def scan_with_tip(surface, radius=TIP_RADIUS):
@@ -278,14 +278,14 @@ def test_budget_at_a_load_of_the_study_does_not_depend_on_another_load(spiked_re
 
 
 def test_result_without_stored_alternative_has_own_interval_until_pair_runs_again(blunt_result, blunt_scans, tmp_path):
-    folder = tmp_path / "result"
-    shutil.copytree(blunt_result.path, folder)
-    shutil.rmtree(folder / ALTERNATIVES_FOLDER)
-    old_result = open_result(folder)
+    directory = tmp_path / "result"
+    shutil.copytree(blunt_result.path, directory)
+    shutil.rmtree(directory / ALTERNATIVES_FOLDER)
+    old_result = open_result(directory)
     assert old_result.interval == open_without_alternatives(blunt_result).interval
     assert any("the interval does not include this" in caveat.text for caveat in old_result.caveats)
-    resumed_result = pair(*blunt_scans, tip=TIP_RADIUS, directory=folder, **PAIR_OPTIONS)
-    assert resumed_result.interval == open_result(folder).interval == blunt_result.interval
+    resumed_result = pair(*blunt_scans, tip=TIP_RADIUS, directory=directory, **PAIR_OPTIONS)
+    assert resumed_result.interval == open_result(directory).interval == blunt_result.interval
 
 
 def test_failure_of_an_alternative_keeps_the_result(blunt_scans, blunt_result, monkeypatch):

@@ -1,4 +1,4 @@
-"""Test companion studies, which are stored in subfolders of a result.
+"""Test companion studies, which are stored in subdirectories of a result.
 
 The time for missing members is announced, and members of another study are removed.
 """

@@ -148,11 +148,11 @@ def test_changed_scan_file_is_rejected_when_bodies_are_loaded(tmp_path):
         load_bodies(study.with_changes({"ensemble.seed": 5}))
 
 
-def create_half_space_study(folder, monkeypatch, num_points, **contact):
+def create_half_space_study(directory, monkeypatch, num_points, **contact):
     """Return a study of maps that estimates of run time take for maps with the given number of points."""
     monkeypatch.setattr(member_solution, "count_grid_points", lambda study: num_points)
     changes = {f"contact.{name}": value for name, value in contact.items()}
-    return create_study_from_files(folder, spacing=write_maps(folder)).with_changes(
+    return create_study_from_files(directory, spacing=write_maps(directory)).with_changes(
         {"contact.mechanics": "half-space"} | changes
     )
 

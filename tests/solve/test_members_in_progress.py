@@ -104,15 +104,15 @@ def test_interrupted_run_resumes_inside_a_partly_solved_pair(study, tmp_path, mo
     calls = InterruptedCalls(monkeypatch, AdhesionSolver, "attraction_at_gap")
     run(study)
     num_calls, calls.num_calls, calls.max_calls = calls.num_calls, 0, calls.num_calls // 2
-    folder = tmp_path / "result"
+    directory = tmp_path / "result"
     with pytest.raises(KeyboardInterrupt):
-        run(study, store=folder)
-    assert find_members_in_progress(folder) == {0}
-    assert list((folder / BLOCKS_FOLDER).iterdir()) == []
+        run(study, store=directory)
+    assert find_members_in_progress(directory) == {0}
+    assert list((directory / BLOCKS_FOLDER).iterdir()) == []
     calls.max_calls = None
-    assert_same_bits(run(study, store=folder).dataset, expected)
+    assert_same_bits(run(study, store=directory).dataset, expected)
     assert calls.num_calls < 1.2 * num_calls
-    assert not (folder / IN_PROGRESS_FOLDER).exists()
+    assert not (directory / IN_PROGRESS_FOLDER).exists()
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
@@ -134,13 +134,13 @@ def test_interrupted_companion_study_resumes_inside_a_partly_solved_pair(study, 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
 def test_next_run_removes_steps_of_a_member_whose_run_was_killed_after_storing_its_block(study, tmp_path, monkeypatch):
-    folder = tmp_path / "result"
+    directory = tmp_path / "result"
     monkeypatch.setattr(MembersInProgress, "remove", lambda *_: None)
-    run(study, store=folder)
-    assert find_members_in_progress(folder) == {0}
+    run(study, store=directory)
+    assert find_members_in_progress(directory) == {0}
     monkeypatch.undo()
-    run(study, store=folder)
-    assert not (folder / IN_PROGRESS_FOLDER).exists()
+    run(study, store=directory)
+    assert not (directory / IN_PROGRESS_FOLDER).exists()
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)

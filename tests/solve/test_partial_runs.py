@@ -1,4 +1,4 @@
-"""Test runs of parts of a study, and of several processes and machines that share a result folder."""
+"""Test runs of parts of a study, and of several processes and machines that share a result directory."""
 
 import itertools
 from concurrent.futures import Executor
@@ -48,13 +48,13 @@ def test_computation_of_missing_members_rejects_an_invalid_part_of_a_run(tmp_pat
 
 
 class RemoteExecutor(Executor):
-    """Executor that runs tasks like a worker on another machine, which may lack access to the shared folder."""
+    """Executor that runs tasks like a worker on another machine, which may lack access to the shared directory."""
 
-    def __init__(self, has_folder):
-        self.has_folder = has_folder
+    def __init__(self, has_directory):
+        self.has_directory = has_directory
 
     def submit(self, function, /, *args):
-        if not self.has_folder:
+        if not self.has_directory:
             args = [replace(arg, path=Path("/nowhere")) if isinstance(arg, SharedResultFolder) else arg for arg in args]
             # The function is the method SharedResultFolder.is_accessible.
             if isinstance(getattr(function, "__self__", None), SharedResultFolder):
@@ -71,22 +71,22 @@ def test_workers_write_blocks_to_a_shared_directory_or_return_them(tmp_path, uni
     )
     task = runner.compute_block
     monkeypatch.setattr(runner, "compute_block", lambda *args: task_results.append(task(*args)) or task_results[-1])
-    for folder_name, executor, ending in (
+    for directory_name, executor, ending in (
         ("here", InlineExecutor(), "in 6 files"),
         ("shared", RemoteExecutor(True), "in 6 files"),
         ("apart", RemoteExecutor(False), "this process writes the files"),
     ):
         del written_blocks[:], task_results[:]
         events = []
-        compute_missing_blocks(TINY_STUDY, tmp_path / folder_name, executor=executor, announce=events.append)
+        compute_missing_blocks(TINY_STUDY, tmp_path / directory_name, executor=executor, announce=events.append)
         assert len(events) == 1
         assert events[0].startswith("computing 22 repetitions: ")
         assert "in 6 files" in events[0]
         assert events[0].endswith(ending)
         assert written_blocks == list(range(0, 22, 4))
-        assert [content is None for content in task_results] == [folder_name == "shared"] * 6
-        assert_same_bits(store.read(tmp_path / folder_name), uninterrupted_dataset)
-        assert not list((tmp_path / folder_name).rglob("*.partial"))
+        assert [content is None for content in task_results] == [directory_name == "shared"] * 6
+        assert_same_bits(store.read(tmp_path / directory_name), uninterrupted_dataset)
+        assert not list((tmp_path / directory_name).rglob("*.partial"))
 
 
 def test_blocks_of_other_members_are_stored_if_one_member_fails(tmp_path, monkeypatch):

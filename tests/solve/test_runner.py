@@ -201,11 +201,11 @@ def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
 
 
 def test_unexpected_end_of_a_worker_process_is_reported(tmp_path):
-    for folder, kind in ((None, StudyError), (tmp_path, StoreError)):
+    for directory, kind in ((None, StudyError), (tmp_path, StoreError)):
         with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
             os.kill(pool.submit(os.getpid).result(), signal.SIGKILL)
             with pytest.raises(kind, match=r"^a worker process ended unexpectedly; the available memory"):
-                run(TINY_STUDY, executor=pool, store=folder)
+                run(TINY_STUDY, executor=pool, store=directory)
 
 
 # ---- Progress -------------------------------------------------------------------------------------------------------
@@ -290,11 +290,11 @@ def test_error_other_than_a_missing_solution_ends_a_run(tmp_path, monkeypatch):
 class AgeingExecutor(Executor):
     """Executor that is not local; before a task, it makes all partial files old and waits until they are recent."""
 
-    def __init__(self, folder, wait_until_recent):
-        self.folder, self.wait_until_recent, self.ages = folder, wait_until_recent, []
+    def __init__(self, directory, wait_until_recent):
+        self.directory, self.wait_until_recent, self.ages = directory, wait_until_recent, []
 
     def submit(self, function, /, *args, **kwargs):
-        files = list(self.folder.rglob("*.partial"))
+        files = list(self.directory.rglob("*.partial"))
         for file in files:
             os.utime(file, (0, 0))
         self.ages.append([self.wait_until_recent(file) for file in files])

@@ -33,8 +33,8 @@ pytestmark = pytest.mark.usefixtures("write_blocks_of_four_members")
 
 
 @pytest.fixture(scope="module")
-def finished_folder(tmp_path_factory):
-    """Return the folder of a complete result; tests must not change it."""
+def finished_directory(tmp_path_factory):
+    """Return the directory of a complete result; tests must not change it."""
     path = tmp_path_factory.mktemp("finished") / "r"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(runner, "choose_block_size", lambda study: 4)
@@ -43,9 +43,9 @@ def finished_folder(tmp_path_factory):
 
 
 @pytest.fixture
-def folder_copy(finished_folder, tmp_path):
-    """Return a copy of the folder of a complete result, which the test may change."""
-    return shutil.copytree(finished_folder, tmp_path / "r")
+def directory_copy(finished_directory, tmp_path):
+    """Return a copy of the directory of a complete result, which the test may change."""
+    return shutil.copytree(finished_directory, tmp_path / "r")
 
 
 def block_states(path):
@@ -101,15 +101,15 @@ def test_result_without_a_quantity_of_newer_versions_can_be_read(tmp_path):
         assert dataset[name].identical(expected[name]), name
 
 
-def test_two_runs_write_blocks_with_equal_checksums(tmp_path, folder_copy):
+def test_two_runs_write_blocks_with_equal_checksums(tmp_path, directory_copy):
     compute_missing_blocks(TINY_STUDY, tmp_path / "again", executor=InlineExecutor())
-    assert block_states(folder_copy).keys() == block_states(tmp_path / "again").keys()
+    assert block_states(directory_copy).keys() == block_states(tmp_path / "again").keys()
 
 
-def test_xarray_can_open_blocks_of_a_stored_result(folder_copy, uninterrupted_dataset):
+def test_xarray_can_open_blocks_of_a_stored_result(directory_copy, uninterrupted_dataset):
     pytest.importorskip("dask")
-    find_block_file(folder_copy, 8).unlink()
-    with xarray.open_mfdataset(str(folder_copy / BLOCKS_FOLDER / "*.nc")) as opened_blocks:
+    find_block_file(directory_copy, 8).unlink()
+    with xarray.open_mfdataset(str(directory_copy / BLOCKS_FOLDER / "*.nc")) as opened_blocks:
         opened_dataset = opened_blocks.load()
     expected = uninterrupted_dataset.isel(repetition=[*range(8), *range(12, 22)])
     for name, variable in expected.variables.items():
@@ -117,8 +117,8 @@ def test_xarray_can_open_blocks_of_a_stored_result(folder_copy, uninterrupted_da
     assert opened_dataset.attrs == uninterrupted_dataset.attrs
 
 
-def test_single_block_can_be_read_as_a_result(folder_copy, uninterrupted_dataset):
-    assert_same_bits(store.read(find_block_file(folder_copy, 4)), uninterrupted_dataset.isel(repetition=slice(4, 8)))
+def test_single_block_can_be_read_as_a_result(directory_copy, uninterrupted_dataset):
+    assert_same_bits(store.read(find_block_file(directory_copy, 4)), uninterrupted_dataset.isel(repetition=slice(4, 8)))
 
 
 def test_stored_values_are_preserved_bit_for_bit(tmp_path, monkeypatch):
@@ -147,12 +147,12 @@ def test_values_at_loads_where_the_solver_failed_are_preserved_bit_for_bit():
         assert stored_arrays[name].tobytes() == values.tobytes(), name
 
 
-def test_stored_result_read_in_pieces_equals_the_computed_dataset(folder_copy, uninterrupted_dataset, monkeypatch):
+def test_stored_result_read_in_pieces_equals_the_computed_dataset(directory_copy, uninterrupted_dataset, monkeypatch):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
-    find_block_file(folder_copy, 4).unlink()
+    find_block_file(directory_copy, 4).unlink()
     incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])
     piece_pairs = list(
-        zip(Result(store.open_stored_result(folder_copy)).pieces(), Result(incomplete_dataset).pieces(), strict=True)
+        zip(Result(store.open_stored_result(directory_copy)).pieces(), Result(incomplete_dataset).pieces(), strict=True)
     )
     assert [piece.sizes["repetition"] for piece, _ in piece_pairs] == [8, 8, 2]
     for piece, other in piece_pairs:
@@ -162,10 +162,10 @@ def test_stored_result_read_in_pieces_equals_the_computed_dataset(folder_copy, u
 
 
 def test_reading_one_variable_of_a_large_result_decodes_no_other_variable(
-    folder_copy, uninterrupted_dataset, monkeypatch
+    directory_copy, uninterrupted_dataset, monkeypatch
 ):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
-    stored_result, decoded_contents, read_names = store.open_stored_result(folder_copy), [], set()
+    stored_result, decoded_contents, read_names = store.open_stored_result(directory_copy), [], set()
     decode_members, read_variable = store.decode_members, store._read_variable
     monkeypatch.setattr(
         store, "decode_members", lambda content: decoded_contents.append(content) or decode_members(content)
@@ -183,8 +183,8 @@ def test_reading_one_variable_of_a_large_result_decodes_no_other_variable(
         assert_same_bits(second, expected)
         assert_same_bits(first, expected[["normal_elastic"]])
     # A block that is removed, or replaced by a block of another shape, leads to an error that names the file.
-    path = find_block_file(folder_copy, 8)
-    path.write_bytes(find_block_file(folder_copy, 20).read_bytes())
+    path = find_block_file(directory_copy, 8)
+    path.write_bytes(find_block_file(directory_copy, 20).read_bytes())
     with pytest.raises(StoreError, match=rf"{path.name}: has normal_elastic with the shape .* instead of"):
         list(stored_result.pieces(["normal_elastic"]))
     path.unlink()
@@ -192,9 +192,9 @@ def test_reading_one_variable_of_a_large_result_decodes_no_other_variable(
         list(stored_result.pieces(["normal_elastic"]))
 
 
-def test_result_that_fits_in_one_piece_is_read_once(folder_copy, uninterrupted_dataset, monkeypatch):
+def test_result_that_fits_in_one_piece_is_read_once(directory_copy, uninterrupted_dataset, monkeypatch):
     """Check also that a caller who changes the dataset does not change the cached result."""
-    stored_result, decoded_contents = store.open_stored_result(folder_copy), []
+    stored_result, decoded_contents = store.open_stored_result(directory_copy), []
     decode_members = store.decode_members
     monkeypatch.setattr(
         store, "decode_members", lambda content: decoded_contents.append(content) or decode_members(content)
@@ -209,34 +209,34 @@ def test_result_that_fits_in_one_piece_is_read_once(folder_copy, uninterrupted_d
     assert len(decoded_contents) == len(stored_result.blocks)
 
 
-def test_result_larger_than_memory_is_rejected(folder_copy, monkeypatch):
+def test_result_larger_than_memory_is_rejected(directory_copy, monkeypatch):
     monkeypatch.setattr(store, "MAX_RESULT_BYTES", 1000)
     with pytest.raises(StoreError, match="GiB of memory"):
-        store.open_stored_result(folder_copy).dataset()
+        store.open_stored_result(directory_copy).dataset()
 
 
 # ---- Continue and extend -------------------------------------------------------------------------------------------
 
 
-def test_reading_a_complete_result_computes_nothing(folder_copy, uninterrupted_dataset, computed_repetitions):
-    states_before = block_states(folder_copy)
-    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
-    assert block_states(folder_copy) == states_before
+def test_reading_a_complete_result_computes_nothing(directory_copy, uninterrupted_dataset, computed_repetitions):
+    states_before = block_states(directory_copy)
+    assert_same_bits(run(TINY_STUDY, store=directory_copy).dataset, uninterrupted_dataset)
+    assert block_states(directory_copy) == states_before
     study_at_other_mu0 = TINY_STUDY.with_changes({"friction.mu0": [0.2], "figures.draw": ["area"]})
-    assert run(study_at_other_mu0, store=folder_copy).dataset.attrs["study"] == study_at_other_mu0.to_toml()
-    assert store.info(folder_copy).study == study_at_other_mu0
+    assert run(study_at_other_mu0, store=directory_copy).dataset.attrs["study"] == study_at_other_mu0.to_toml()
+    assert store.info(directory_copy).study == study_at_other_mu0
     assert computed_repetitions == []
 
 
-def test_continued_run_computes_only_missing_blocks(folder_copy, uninterrupted_dataset, computed_repetitions):
+def test_continued_run_computes_only_missing_blocks(directory_copy, uninterrupted_dataset, computed_repetitions):
     for first in (4, 20):
-        find_block_file(folder_copy, first).unlink()
-    states_before = block_states(folder_copy)
+        find_block_file(directory_copy, first).unlink()
+    states_before = block_states(directory_copy)
     with pytest.warns(UserWarning, match="16 of 22"):
-        assert_same_bits(store.read(folder_copy), uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 20)]))
-    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
+        assert_same_bits(store.read(directory_copy), uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 20)]))
+    assert_same_bits(run(TINY_STUDY, store=directory_copy).dataset, uninterrupted_dataset)
     assert sorted(computed_repetitions) == [4, 5, 6, 7, 20, 21]
-    assert states_before.items() <= block_states(folder_copy).items()
+    assert states_before.items() <= block_states(directory_copy).items()
 
 
 def test_continued_run_with_more_repetitions_computes_only_new_members(
@@ -255,16 +255,16 @@ def test_continued_run_with_more_repetitions_computes_only_new_members(
         run(with_repetitions(21), store=tmp_path)
 
 
-def test_overlapping_blocks_are_accepted(folder_copy, uninterrupted_dataset, monkeypatch):
+def test_overlapping_blocks_are_accepted(directory_copy, uninterrupted_dataset, monkeypatch):
     """Blocks overlap if writers used different block sizes; each repetition is read once."""
-    other_folder = folder_copy.with_name("others")
+    other_directory = directory_copy.with_name("others")
     for size, first in ((3, 3), (7, 7), (5, 5)):
         monkeypatch.setattr(runner, "choose_block_size", lambda study, size=size: size)
-        shutil.rmtree(other_folder, ignore_errors=True)
-        compute_missing_blocks(TINY_STUDY, other_folder)
-        shutil.copy(find_block_file(other_folder, first), folder_copy / BLOCKS_FOLDER)
-    find_block_file(folder_copy, 4).unlink()
-    assert_same_bits(store.read(folder_copy), uninterrupted_dataset)
+        shutil.rmtree(other_directory, ignore_errors=True)
+        compute_missing_blocks(TINY_STUDY, other_directory)
+        shutil.copy(find_block_file(other_directory, first), directory_copy / BLOCKS_FOLDER)
+    find_block_file(directory_copy, 4).unlink()
+    assert_same_bits(store.read(directory_copy), uninterrupted_dataset)
 
 
 def test_concurrent_writers_store_the_same_result(tmp_path, uninterrupted_dataset):
@@ -281,39 +281,39 @@ def test_concurrent_writers_store_the_same_result(tmp_path, uninterrupted_datase
 @pytest.mark.parametrize(
     "change", [{"ensemble.seed": 1}, {"surfaces.gamma": 1.6}, {"contact.effective_modulus": "11 GPa"}], ids=str
 )
-def test_run_function_rejects_the_stored_result_of_another_study_and_names_the_changed_key(folder_copy, change):
-    states_before = block_states(folder_copy)
+def test_run_function_rejects_the_stored_result_of_another_study_and_names_the_changed_key(directory_copy, change):
+    states_before = block_states(directory_copy)
     with pytest.raises(StoreError, match=next(iter(change))):
-        run(TINY_STUDY.with_changes(change), store=folder_copy)
-    assert block_states(folder_copy) == states_before
+        run(TINY_STUDY.with_changes(change), store=directory_copy)
+    assert block_states(directory_copy) == states_before
 
 
-def test_edited_study_file_that_contradicts_its_blocks_is_rejected(folder_copy):
-    text = (folder_copy / STUDY_FILE).read_text()
-    (folder_copy / STUDY_FILE).write_text(text.replace("seed = 2_016", "seed = 2_017"))
+def test_edited_study_file_that_contradicts_its_blocks_is_rejected(directory_copy):
+    text = (directory_copy / STUDY_FILE).read_text()
+    (directory_copy / STUDY_FILE).write_text(text.replace("seed = 2_016", "seed = 2_017"))
     with pytest.raises(StoreError, match=r"does not match study\.toml: ensemble\.seed"):
-        store.read(folder_copy)
+        store.read(directory_copy)
     with pytest.raises(StoreError, match=r"ensemble\.seed"):
-        run(TINY_STUDY.with_changes({"ensemble.seed": 2017}), store=folder_copy)
-    (folder_copy / STUDY_FILE).unlink()
+        run(TINY_STUDY.with_changes({"ensemble.seed": 2017}), store=directory_copy)
+    (directory_copy / STUDY_FILE).unlink()
     with pytest.raises(StoreError, match=r"no study\.toml"):
-        store.read(folder_copy)
-    run(TINY_STUDY, store=folder_copy)
-    assert store.info(folder_copy).study == TINY_STUDY
+        store.read(directory_copy)
+    run(TINY_STUDY, store=directory_copy)
+    assert store.info(directory_copy).study == TINY_STUDY
 
 
-def test_result_of_another_version_can_be_read_but_not_continued(folder_copy, uninterrupted_dataset, monkeypatch):
+def test_result_of_another_version_can_be_read_but_not_continued(directory_copy, uninterrupted_dataset, monkeypatch):
     monkeypatch.setattr(store, "__version__", "9.9")
-    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert_same_bits(run(TINY_STUDY, store=directory_copy).dataset, uninterrupted_dataset)
     with pytest.raises(StoreError, match=r"was created by stiction .*this version, 9\.9"):
-        run(with_repetitions(23), store=folder_copy)
+        run(with_repetitions(23), store=directory_copy)
 
 
-def test_result_is_not_continued_if_its_load_steps_differ_from_those_of_the_study(folder_copy, monkeypatch):
+def test_result_is_not_continued_if_its_load_steps_differ_from_those_of_the_study(directory_copy, monkeypatch):
     steps = type(TINY_STUDY.contact).loading_steps
     monkeypatch.setattr(type(TINY_STUDY.contact), "loading_steps", lambda self: steps(self) * (1 + 2e-16))
     with pytest.raises(StoreError, match="so its steps differ slightly"):
-        run(with_repetitions(23), store=folder_copy)
+        run(with_repetitions(23), store=directory_copy)
 
 
 def test_study_file_written_by_hand_is_not_overwritten_even_without_blocks(tmp_path, uninterrupted_dataset):
@@ -364,9 +364,9 @@ def test_edited_study_file_without_blocks_is_continued_but_never_replaced(tmp_pa
 
 
 def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
-    folder_copy, uninterrupted_dataset, computed_repetitions
+    directory_copy, uninterrupted_dataset, computed_repetitions
 ):
-    file = find_block_file(folder_copy, 4)
+    file = find_block_file(directory_copy, 4)
     content = file.read_bytes()
     bit_indices = random.Random(4).sample(range(8 * len(content)), 60)
     for bit_index in [0, 8 * len(content) - 1, *bit_indices]:
@@ -374,22 +374,22 @@ def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
         damaged[bit_index // 8] ^= 1 << bit_index % 8
         file.write_bytes(damaged)
         with pytest.raises(StoreError, match=f"{file.name}: does not match its checksum; remove that file"):
-            store.read(folder_copy)
+            store.read(directory_copy)
     file.unlink()
-    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert_same_bits(run(TINY_STUDY, store=directory_copy).dataset, uninterrupted_dataset)
     assert computed_repetitions == [4, 5, 6, 7]
 
 
-def test_blocks_that_are_swapped_or_belong_to_another_result_are_detected(folder_copy, tmp_path):
-    content = find_block_file(folder_copy, 8).read_bytes()
-    replace_block_content(find_block_file(folder_copy, 4), content)
+def test_blocks_that_are_swapped_or_belong_to_another_result_are_detected(directory_copy, tmp_path):
+    content = find_block_file(directory_copy, 8).read_bytes()
+    replace_block_content(find_block_file(directory_copy, 4), content)
     with pytest.raises(StoreError, match="does not contain the members that its file name states"):
-        store.read(folder_copy)
-    other_folder = tmp_path / "other"
-    compute_missing_blocks(TINY_STUDY.with_changes({"ensemble.seed": 1}), other_folder)
-    replace_block_content(find_block_file(folder_copy, 4), find_block_file(other_folder, 4).read_bytes())
+        store.read(directory_copy)
+    other_directory = tmp_path / "other"
+    compute_missing_blocks(TINY_STUDY.with_changes({"ensemble.seed": 1}), other_directory)
+    replace_block_content(find_block_file(directory_copy, 4), find_block_file(other_directory, 4).read_bytes())
     with pytest.raises(StoreError, match=r"does not match study\.toml: ensemble\.seed"):
-        store.read(folder_copy)
+        store.read(directory_copy)
 
 
 def truncate_file(file):
@@ -402,20 +402,20 @@ def replace_by_directory(file):
 
 
 @pytest.mark.parametrize("damage", [truncate_file, replace_by_directory])
-def test_invalid_block_is_reported_with_a_one_line_error(folder_copy, damage):
-    damage(find_block_file(folder_copy, 4))
+def test_invalid_block_is_reported_with_a_one_line_error(directory_copy, damage):
+    damage(find_block_file(directory_copy, 4))
     with pytest.raises(StoreError, match=r"0000004-0000007-.*recompute members 4 to 7") as caught:
-        store.read(folder_copy)
+        store.read(directory_copy)
     assert len(str(caught.value).splitlines()) == 1
 
 
-def test_files_of_other_programs_are_left_unchanged(folder_copy, uninterrupted_dataset):
+def test_files_of_other_programs_are_left_unchanged(directory_copy, uninterrupted_dataset):
     names = ["notes.txt", "0000004-0000007.nc", "0000007-0000004-00000000.nc", ".hidden", "4-7-00000000.nc"]
     for name in names:
-        (folder_copy / BLOCKS_FOLDER / name).write_text("mine")
-    (folder_copy / "more").mkdir()
-    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
-    assert {*names} <= block_states(folder_copy).keys()
+        (directory_copy / BLOCKS_FOLDER / name).write_text("mine")
+    (directory_copy / "more").mkdir()
+    assert_same_bits(run(TINY_STUDY, store=directory_copy).dataset, uninterrupted_dataset)
+    assert {*names} <= block_states(directory_copy).keys()
 
 
 @pytest.mark.parametrize("kind", ["nothing", "file", "empty", "loop"])
@@ -490,30 +490,30 @@ BLOCK_FILE_CHANGES = {
 
 
 @pytest.mark.parametrize("change", BLOCK_FILE_CHANGES.values(), ids=BLOCK_FILE_CHANGES)
-def test_block_that_contradicts_its_study_is_reported_with_a_one_line_error(folder_copy, change):
-    file = find_block_file(folder_copy, 4)
+def test_block_that_contradicts_its_study_is_reported_with_a_one_line_error(directory_copy, change):
+    file = find_block_file(directory_copy, 4)
     with h5py.File(file, "r+") as opened_file:
         change(opened_file)
     content = file.read_bytes()
-    copy = folder_copy / "result.nc"
+    copy = directory_copy / "result.nc"
     copy.write_bytes(content)
     with pytest.raises(StoreError, match=r"result\.nc: ") as caught:
         store.read(copy)
     assert len(str(caught.value).splitlines()) <= 2
     replace_block_content(file, content)
     with pytest.raises(StoreError, match="recompute members 4 to 7"):
-        store.read(folder_copy)
+        store.read(directory_copy)
 
 
-def test_units_stored_in_block_files_are_ignored(folder_copy, uninterrupted_dataset):
-    file = find_block_file(folder_copy, 4)
+def test_units_stored_in_block_files_are_ignored(directory_copy, uninterrupted_dataset):
+    file = find_block_file(directory_copy, 4)
     with h5py.File(file, "r+") as opened_file:
         opened_file["approach"].attrs["units"] = "seconds since 1970-01-01"
         opened_file["contact_area"].attrs["scale_factor"] = "ten"
         opened_file["contact_area"].attrs["_FillValue"] = 0.0
         opened_file.attrs["more"] = "x" * 100_000
     replace_block_content(file, file.read_bytes())
-    assert_same_bits(store.read(folder_copy), uninterrupted_dataset)
+    assert_same_bits(store.read(directory_copy), uninterrupted_dataset)
 
 
 # ---- Disks ----------------------------------------------------------------------------------------------------------
@@ -546,12 +546,12 @@ def test_run_on_full_disk_preserves_finished_blocks(tmp_path, uninterrupted_data
 def test_run_does_not_recreate_a_result_directory_removed_during_the_run(tmp_path, monkeypatch):
     path, write_block = tmp_path / "r", store.write_block
 
-    def write_and_move_folder(folder, first, written, count):
-        write_block(folder, first, written, count)
+    def write_and_move_directory(directory, first, written, count):
+        write_block(directory, first, written, count)
         if first == 4:
             path.rename(tmp_path / "moved")
 
-    monkeypatch.setattr(runner, "write_block", write_and_move_folder)
+    monkeypatch.setattr(runner, "write_block", write_and_move_directory)
     with pytest.raises(StoreError, match="was removed or replaced"):
         run(TINY_STUDY, store=path, executor=InlineExecutor())
     assert os.listdir(tmp_path) == ["moved"]
@@ -561,42 +561,42 @@ def test_run_does_not_recreate_a_result_directory_removed_during_the_run(tmp_pat
 def test_run_reports_a_study_file_removed_during_the_run(tmp_path, monkeypatch):
     write_block = store.write_block
 
-    def write_and_remove_study_file(folder, first, written, count):
-        write_block(folder, first, written, count)
-        (folder / STUDY_FILE).unlink(missing_ok=True)
+    def write_and_remove_study_file(directory, first, written, count):
+        write_block(directory, first, written, count)
+        (directory / STUDY_FILE).unlink(missing_ok=True)
 
     monkeypatch.setattr(runner, "write_block", write_and_remove_study_file)
     with pytest.raises(StoreError, match="files were removed while the study was running; run the study again"):
         run(TINY_STUDY, store=tmp_path, executor=InlineExecutor())
 
 
-def test_empty_study_file_is_reported_and_restored_by_the_next_run(folder_copy, computed_repetitions):
-    study_text = (folder_copy / STUDY_FILE).read_text(encoding="utf-8")
-    (folder_copy / STUDY_FILE).write_text("\n")
+def test_empty_study_file_is_reported_and_restored_by_the_next_run(directory_copy, computed_repetitions):
+    study_text = (directory_copy / STUDY_FILE).read_text(encoding="utf-8")
+    (directory_copy / STUDY_FILE).write_text("\n")
     with pytest.raises(StoreError, match="is empty; run the study again in this directory to restore the file"):
-        store.read(folder_copy)
-    run(TINY_STUDY, store=folder_copy)
+        store.read(directory_copy)
+    run(TINY_STUDY, store=directory_copy)
     assert computed_repetitions == []
-    assert (folder_copy / STUDY_FILE).read_text(encoding="utf-8") == study_text
+    assert (directory_copy / STUDY_FILE).read_text(encoding="utf-8") == study_text
 
 
-def test_complete_result_on_a_read_only_disk_can_be_read(folder_copy, computed_repetitions, monkeypatch):
+def test_complete_result_on_a_read_only_disk_can_be_read(directory_copy, computed_repetitions, monkeypatch):
     def fail_read_only(*_):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
     monkeypatch.setattr(_files, "remove_stale_partial_files", fail_read_only)
     study_at_other_mu0 = TINY_STUDY.with_changes({"friction.mu0": [0.2]})
-    assert run(study_at_other_mu0, store=folder_copy).dataset.attrs["study"] == study_at_other_mu0.to_toml()
+    assert run(study_at_other_mu0, store=directory_copy).dataset.attrs["study"] == study_at_other_mu0.to_toml()
     assert computed_repetitions == []
-    for study, folder in ((with_repetitions(23), folder_copy), (TINY_STUDY, folder_copy.with_name("new"))):
+    for study, directory in ((with_repetitions(23), directory_copy), (TINY_STUDY, directory_copy.with_name("new"))):
         with pytest.raises(StoreError, match="cannot be written: Read-only file system"):
-            run(study, store=folder)
+            run(study, store=directory)
 
 
 # ---- Interrupts -----------------------------------------------------------------------------------------------------
 
 
-def test_partial_files_of_ended_processes_are_removed(folder_copy):
+def test_partial_files_of_ended_processes_are_removed(directory_copy):
     ended_process = subprocess.Popen([sys.executable, "-c", ""])
     ended_process.wait()
     machine, _, process_token = _files.PARTIAL_FILE_NAME_PATTERN.fullmatch(_files.new_partial_file_name()).groups()
@@ -611,13 +611,15 @@ def test_partial_files_of_ended_processes_are_removed(folder_copy):
         ".stiction-00000000-1-00000000-00000001.partial": False,
         "mine.partial": True,
     }
-    for folder, name in itertools.product((folder_copy, folder_copy / BLOCKS_FOLDER), is_kept):
-        (folder / name).write_text("half")
+    for directory, name in itertools.product((directory_copy, directory_copy / BLOCKS_FOLDER), is_kept):
+        (directory / name).write_text("half")
         if name.endswith("1.partial"):
-            os.utime(folder / name, (0, 0))
-    run(TINY_STUDY, store=folder_copy)
-    for folder in (folder_copy, folder_copy / BLOCKS_FOLDER):
-        assert {name for name in os.listdir(folder) if name.endswith(".partial")} == {n for n in is_kept if is_kept[n]}
+            os.utime(directory / name, (0, 0))
+    run(TINY_STUDY, store=directory_copy)
+    for directory in (directory_copy, directory_copy / BLOCKS_FOLDER):
+        assert {name for name in os.listdir(directory) if name.endswith(".partial")} == {
+            n for n in is_kept if is_kept[n]
+        }
 
 
 def test_partial_file_removed_by_another_process_is_written_again(tmp_path, uninterrupted_dataset, monkeypatch):
@@ -708,7 +710,7 @@ def test_run_resumes_after_it_was_killed_at_any_disk_operation(tmp_path, uninter
     assert_no_partial_files(tmp_path)
 
 
-# ---- Several runs in one folder -------------------------------------------------------------------------------------
+# ---- Several runs in one directory -----------------------------------------------------------------------------------
 
 OTHER_STUDIES = [{"ensemble.seed": 1}, {"contact.effective_modulus": "11 GPa"}, {"friction.mu0": [0.3]}]
 
@@ -752,10 +754,10 @@ def test_new_directory_is_given_to_only_one_of_two_simultaneous_studies(tmp_path
         studies = [with_repetitions(4).with_changes({"ensemble.seed": seed}) for seed in (1, 2)]
         barrier = threading.Barrier(2)
 
-        def run_after_barrier(study, folder=tmp_path / str(index), barrier=barrier):
+        def run_after_barrier(study, directory=tmp_path / str(index), barrier=barrier):
             barrier.wait()
             try:
-                return run(study, store=folder, executor=InlineExecutor())
+                return run(study, store=directory, executor=InlineExecutor())
             except StoreError:
                 return None
 
@@ -795,11 +797,13 @@ def test_killed_process_does_not_lock_its_directory(tmp_path, uninterrupted_data
 # ---- Export ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", ["dataset", "folder"])
-def test_exported_dataset_equals_the_computed_dataset(folder_copy, uninterrupted_dataset, tmp_path, monkeypatch, kind):
+@pytest.mark.parametrize("kind", ["dataset", "directory"])
+def test_exported_dataset_equals_the_computed_dataset(
+    directory_copy, uninterrupted_dataset, tmp_path, monkeypatch, kind
+):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
     file = tmp_path / "r.nc"
-    export(uninterrupted_dataset if kind == "dataset" else store.open_stored_result(folder_copy).dataset(), file)
+    export(uninterrupted_dataset if kind == "dataset" else store.open_stored_result(directory_copy).dataset(), file)
     assert_same_bits(store.read(file), uninterrupted_dataset)
     assert_same_bits(xarray.load_dataset(file, engine="h5netcdf"), uninterrupted_dataset)
     with pytest.raises(ExportError, match="already exists"):

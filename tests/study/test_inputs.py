@@ -197,10 +197,10 @@ def test_pair_rejects_an_impossible_yield_exponent(options, reason):
 def study_file(tmp_path_factory):
     """Study file of a pair whose inputs are all uncertain."""
     options = {"hardness": "1 GPa ± 10 %", "mu0": "0.2 ± 0.01", "tau0": "50 MPa ± 20 %", "load": "50 MPa"}
-    folder = tmp_path_factory.mktemp("pair")
-    study = compute_pair(folder / "result", upper="steel", lower="brass", junction_growth="0..20", **options).study
-    (folder / "study.toml").write_text(study.to_toml(), "utf-8")
-    return folder / "study.toml"
+    directory = tmp_path_factory.mktemp("pair")
+    study = compute_pair(directory / "result", upper="steel", lower="brass", junction_growth="0..20", **options).study
+    (directory / "study.toml").write_text(study.to_toml(), "utf-8")
+    return directory / "study.toml"
 
 
 @pytest.mark.parametrize(("key", "entry", "text", "label"), [

@@ -18,21 +18,21 @@ from support.studies_of_files import create_study_from_files, write_maps, write_
 
 
 @pytest.fixture(scope="module")
-def result_folders(tmp_path_factory):
-    """Return the folders of a result of maps, of a result of profiles and of a result of generated profiles."""
-    folder = tmp_path_factory.mktemp("results")
+def result_directories(tmp_path_factory):
+    """Return the directories of a result of maps, of a result of profiles and of a result of generated profiles."""
+    directory = tmp_path_factory.mktemp("results")
     contact = 'load = ["1 mN", "2 mN"]\ndirection = [0, 90]'
-    spacing = write_maps(folder, shape=(24, 24))
-    run(create_study_from_files(folder, spacing=spacing, members=2, contact=contact), store=folder / "maps")
-    spacing = write_profiles(folder, points=300)
+    spacing = write_maps(directory, shape=(24, 24))
+    run(create_study_from_files(directory, spacing=spacing, members=2, contact=contact), store=directory / "maps")
+    spacing = write_profiles(directory, points=300)
     options = {"spacing": spacing, "members": 2, "load": "10 uN", "contact": 'load = ["1 uN", "10 uN", "100 uN"]'}
-    run(create_study_from_files(folder, "lines", "asperities", **options), store=folder / "profiles")
-    run(with_repetitions(2), store=folder / "generated")
-    return {name: folder / name for name in ("maps", "profiles", "generated")}
+    run(create_study_from_files(directory, "lines", "asperities", **options), store=directory / "profiles")
+    run(with_repetitions(2), store=directory / "generated")
+    return {name: directory / name for name in ("maps", "profiles", "generated")}
 
 
-def read_first_block(folder):
-    return sorted((folder / BLOCKS_FOLDER).iterdir())[0].read_bytes()
+def read_first_block(directory):
+    return sorted((directory / BLOCKS_FOLDER).iterdir())[0].read_bytes()
 
 
 def change_file(content, name, change):
@@ -78,8 +78,8 @@ IMPOSSIBLE_VALUES = [
 
 
 @pytest.mark.parametrize(("kind", "name", "change"), IMPOSSIBLE_VALUES)
-def test_block_with_impossible_values_is_rejected_with_the_name_of_the_variable(result_folders, kind, name, change):
-    content = read_first_block(result_folders[kind])
+def test_block_with_impossible_values_is_rejected_with_the_name_of_the_variable(result_directories, kind, name, change):
+    content = read_first_block(result_directories[kind])
     decode_members(content)
     with pytest.raises(DamagedFileError, match=name.removeprefix("@")) as caught:
         decode_members(change_file(content, name, change))
@@ -90,8 +90,8 @@ MISSING_ATTRIBUTES = ["upper", "shape", "spacing_um", "upper_spacing_um", "lower
 
 
 @pytest.mark.parametrize("name", MISSING_ATTRIBUTES)
-def test_block_without_an_attribute_of_the_bodies_is_rejected(result_folders, name):
-    stream = io.BytesIO(read_first_block(result_folders["maps"]))
+def test_block_without_an_attribute_of_the_bodies_is_rejected(result_directories, name):
+    stream = io.BytesIO(read_first_block(result_directories["maps"]))
     with h5py.File(stream, "r+") as file:
         del file.attrs[name]
     with pytest.raises(DamagedFileError, match=name):
@@ -119,8 +119,8 @@ def change_at_random(content, random):
 
 
 @pytest.mark.parametrize("kind", ["maps", "profiles", "generated"])
-def test_randomly_changed_block_is_rejected_or_gives_finite_output(result_folders, tmp_path, kind):
-    random, content, accepted = np.random.default_rng(7), read_first_block(result_folders[kind]), []
+def test_randomly_changed_block_is_rejected_or_gives_finite_output(result_directories, tmp_path, kind):
+    random, content, accepted = np.random.default_rng(7), read_first_block(result_directories[kind]), []
     for _ in range(24):
         changed_content, name = change_at_random(content, random)
         with contextlib.suppress(DamagedFileError):
@@ -128,16 +128,16 @@ def test_randomly_changed_block_is_rejected_or_gives_finite_output(result_folder
             accepted.append((name, changed_content))
     assert 2 < len(accepted) < 22
     for name, changed_content in accepted[:1]:
-        folder = tmp_path / name
-        shutil.copytree(result_folders[kind], folder)
-        for block in (folder / BLOCKS_FOLDER).iterdir():
+        directory = tmp_path / name
+        shutil.copytree(result_directories[kind], directory)
+        for block in (directory / BLOCKS_FOLDER).iterdir():
             block.unlink()
         num_members = len(decode_members(changed_content).numbers)
-        store.write_block(folder, 0, changed_content, num_members)
+        store.write_block(directory, 0, changed_content, num_members)
         load = ["--load", "1 uN"] if kind == "generated" else []
         commands = [["info", "--json"], ["at", *load], ["export", "table.csv"]]
         for arguments in [*commands, *([] if kind == "generated" else [["report"]])]:
-            completed = call_stiction(arguments[0], folder, *arguments[1:], cwd=tmp_path, without_figures=True)
+            completed = call_stiction(arguments[0], directory, *arguments[1:], cwd=tmp_path, without_figures=True)
             assert completed.returncode in (0, 2), (name, completed)
             assert "Traceback" not in completed.stderr
             if completed.returncode == 0 and arguments[0] == "info":

@@ -21,7 +21,7 @@ COMMAND_OPTIONS = [
 
 
 @pytest.fixture(scope="module")
-def surface_folder(tmp_path_factory):
+def surface_directory(tmp_path_factory):
     path = tmp_path_factory.mktemp("summary")
     for seed, side in enumerate(("upper", "lower")):
         surface = self_affine_surface(seed, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1, side=side)
@@ -35,7 +35,7 @@ def run_command(monkeypatch, *arguments):
 
 
 @pytest.fixture(scope="module")
-def call_counts(surface_folder):
+def call_counts(surface_directory):
     """Return how often one `stiction pair` calls functions that read the whole result or its files."""
     counts = Counter()
     with pytest.MonkeyPatch.context() as monkeypatch:
@@ -56,11 +56,11 @@ def call_counts(surface_folder):
         run_command(
             monkeypatch,
             "pair",
-            surface_folder / "upper.csv",
-            surface_folder / "lower.csv",
+            surface_directory / "upper.csv",
+            surface_directory / "lower.csv",
             *COMMAND_OPTIONS,
             "-o",
-            surface_folder / "pair",
+            surface_directory / "pair",
         )
     return counts
 
@@ -69,8 +69,8 @@ def test_pair_function_computes_the_summary_and_the_uncertainty_and_input_caveat
     assert call_counts == {"summarize": 1, "add_uncertainty": 1, "find_study_caveats": 1}
 
 
-def test_result_caches_its_summary_including_onset_and_resolution(surface_folder, call_counts):
-    result = open_result(surface_folder / "pair")
+def test_result_caches_its_summary_including_onset_and_resolution(surface_directory, call_counts):
+    result = open_result(surface_directory / "pair")
     first_summary, second_summary = result.summary(), result.summary()
     assert first_summary.points is second_summary.points
     assert np.shares_memory(*(each.onset["sliding_load"].values for each in (first_summary, second_summary)))
@@ -88,9 +88,9 @@ def change_in_place(dataset):
 
 
 @pytest.fixture(scope="module")
-def evaluated_result(surface_folder, call_counts):
+def evaluated_result(surface_directory, call_counts):
     """Return a result with its summary in its cache, and the text of this summary."""
-    result = open_result(surface_folder / "pair")
+    result = open_result(surface_directory / "pair")
     return result, repr(result)
 
 
@@ -125,19 +125,19 @@ def evaluated_result(surface_folder, call_counts):
         "pieces",
     ],
 )
-def test_change_of_a_returned_dataset_does_not_change_later_results(surface_folder, evaluated_result, get_dataset):
+def test_change_of_a_returned_dataset_does_not_change_later_results(surface_directory, evaluated_result, get_dataset):
     result, summary_text = evaluated_result
     expected = get_dataset(result).copy(deep=True)
     change_in_place(get_dataset(result))
     xarray.testing.assert_identical(get_dataset(result), expected)
     assert repr(result) == summary_text
-    other = open_result(surface_folder / "pair")
+    other = open_result(surface_directory / "pair")
     change_in_place(get_dataset(other))
     assert repr(other) == summary_text
 
 
-def test_change_of_returned_loads_does_not_change_later_results(surface_folder, call_counts):
-    result = open_result(surface_folder / "pair")
+def test_change_of_returned_loads_does_not_change_later_results(surface_directory, call_counts):
+    result = open_result(surface_directory / "pair")
     expected = result.default_loads.tolist()
     for loads in (result.default_loads, result.reached_loads(3), result.members):
         with contextlib.suppress(ValueError):  # the array is read-only
@@ -170,9 +170,9 @@ def test_result_without_contact_caches_the_error_that_states_the_reason():
     assert len(traceback_lengths) == 1  # the traceback of the error contains no frames of earlier calls
 
 
-def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_folder, call_counts):
+def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_directory, call_counts):
     """Compare the summary at default values with the summary at the same values given explicitly."""
-    result = open_result(surface_folder / "pair")
+    result = open_result(surface_directory / "pair")
     default_summary = result.summary()
     explicit_summary = result.summary(["20 MPa", "40 MPa"], mu0=0.2, tau0="50 MPa")
     for default_point, explicit_point in zip(default_summary.points, explicit_summary.points, strict=True):
@@ -188,8 +188,8 @@ def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_f
     )
 
 
-def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(surface_folder, call_counts):
-    result = open_result(surface_folder / "pair")
+def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(surface_directory, call_counts):
+    result = open_result(surface_directory / "pair")
     point = result.summary("20 MPa", mu0=0.3).first
     combined = result.at("20 MPa", mu0=0.3)["friction_combined"].sel(sliding="all").squeeze()
     np.testing.assert_allclose([point.value, point.lower, point.upper], combined.values, rtol=1e-12)
@@ -197,8 +197,8 @@ def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(surfac
     assert set(expected_caveats) <= {caveat.text for caveat in point.caveats}
 
 
-def test_averages_of_member_values_equal_the_mean_values_of_the_result(surface_folder, call_counts):
-    result = open_result(surface_folder / "pair")
+def test_averages_of_member_values_equal_the_mean_values_of_the_result(surface_directory, call_counts):
+    result = open_result(surface_directory / "pair")
     members = result.at("20 MPa", per_member=True)
     means = result.at("20 MPa")
     assert members.sizes["repetition"] == 3
@@ -209,9 +209,11 @@ def test_averages_of_member_values_equal_the_mean_values_of_the_result(surface_f
         result.at("20 MPa", per_member=True, budget=True)
 
 
-def test_commands_info_and_at_report_the_same_assessment_and_caveats(surface_folder, call_counts, monkeypatch, capsys):
+def test_commands_info_and_at_report_the_same_assessment_and_caveats(
+    surface_directory, call_counts, monkeypatch, capsys
+):
     records = []
-    for arguments in (["info", surface_folder / "pair", "--json"], ["at", surface_folder / "pair", "--json"]):
+    for arguments in (["info", surface_directory / "pair", "--json"], ["at", surface_directory / "pair", "--json"]):
         capsys.readouterr()
         run_command(monkeypatch, *arguments)
         records.append(json.loads(capsys.readouterr().out)["points"])

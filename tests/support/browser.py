@@ -24,7 +24,7 @@ READY_SCRIPT = "return document.readyState === 'complete' && document.getElement
 
 @contextmanager
 def start_browser(profile):
-    """Return a Selenium driver that stores user data in the folder `profile`, and logs requests and messages."""
+    """Return a Selenium driver that stores user data in the directory `profile`, and logs requests and messages."""
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 

@@ -77,9 +77,9 @@ def _parse_value(text):
     return [] if text == "[]" else int(text)
 
 
-def fuzz_study_file(random, folder):
+def fuzz_study_file(random, directory):
     """Run `stiction run` on a random study file; return its exit status, or None if the study is too large to run."""
-    path = folder / "study.toml"
+    path = directory / "study.toml"
     text = random_study_text(random)
     path.write_bytes(text)
     try:
@@ -90,8 +90,8 @@ def fuzz_study_file(random, folder):
         study.surfaces.points * study.surfaces.fractal_dimensions().size * 80 > 1e6 or study.ensemble.repetitions > 100
     ):
         return None  # skip a study that would take too long
-    output = folder / "output"
-    completed = call_stiction("run", path, "--output", output, "--workers", "1", cwd=folder)
+    output = directory / "output"
+    completed = call_stiction("run", path, "--output", output, "--workers", "1", cwd=directory)
     assert completed.returncode in (0, 2), (text, completed)
     assert completed.returncode == 0 or (completed.stdout + completed.stderr).startswith("stiction: "), (
         text,
@@ -111,18 +111,18 @@ def small_fuzz_study():
     return Study().with_changes({key: _parse_value(value) for key, value in _SMALL_STUDY_CHANGES.items()})
 
 
-def fuzz_stored_result(random, original, folder):
+def fuzz_stored_result(random, original, directory):
     """Run `stiction info`, `export` and `plot` on a damaged result, and return the last exit status."""
-    copy = folder / "copy"
+    copy = directory / "copy"
     shutil.rmtree(copy, ignore_errors=True)
     shutil.copytree(original, copy)
     files = sorted(path for path in copy.rglob("*") if path.is_file())
     for _ in range(random.integers(1, 3)):
         damage_file(random, files[int(random.integers(len(files)))])
-    (folder / "out.nc").unlink(missing_ok=True)
+    (directory / "out.nc").unlink(missing_ok=True)
     statuses = []
-    for arguments in (("info", copy), ("export", copy, folder / "out.nc"), ("plot", copy)):
-        completed = call_stiction(*arguments, cwd=folder)
+    for arguments in (("info", copy), ("export", copy, directory / "out.nc"), ("plot", copy)):
+        completed = call_stiction(*arguments, cwd=directory)
         assert completed.returncode in (0, 2), (arguments, completed)
         assert completed.returncode == 0 or "stiction: " in completed.stderr, (arguments, completed)
         assert "Traceback" not in completed.stderr, (arguments, completed)
@@ -180,14 +180,14 @@ _INSERTED_NUMBERS = [
 ]
 
 
-def fuzz_measurement_file(random, name, original, folder):
+def fuzz_measurement_file(random, name, original, directory):
     """Read a damaged file as a profile and as a surface; return "read" if one reader accepts it, else "refused"."""
     data = bytearray(original)
     if name.endswith(("x3p", "xlsx")) and random.random() < 0.7:
         data = _damage_zip_archive(random, original)
     else:
         scramble_bytes(random, data)
-    path = folder / name
+    path = directory / name
     path.write_bytes(data)
     options = [{}, {"unit": "um", "spacing": "0.1 um"}, {"missing": "interpolate"}, {"unit": "m", "spacing": "1 um"}]
     reader_options = options[int(random.integers(len(options)))]

@@ -43,16 +43,16 @@ def evaluate_once():
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def directory(tmp_path_factory):
     return tmp_path_factory.mktemp("joint")
 
 
 @pytest.fixture(scope="module")
-def result(folder):
+def result(directory):
     """Return the result of the pair in README, with fewer positions."""
     return pair(
         SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", upper="steel", lower="brass", hardness="120 HV ± 10 %",
-        mu0=0.2, tau0="50 MPa", load="50 MPa", offsets=NUM_POSITIONS, onset=0, directory=folder / "pair",
+        mu0=0.2, tau0="50 MPa", load="50 MPa", offsets=NUM_POSITIONS, onset=0, directory=directory / "pair",
     )  # fmt: skip
 
 
@@ -154,10 +154,10 @@ def read_card_numbers(card):
 
 
 @pytest.mark.parametrize("units", UNIT_SYSTEMS)
-def test_numbers_in_all_files_are_in_the_csv_file(result, folder, units):
+def test_numbers_in_all_files_are_in_the_csv_file(result, directory, units):
     table = result.joint_table(units=units)
-    csv = export_text(result, folder / "joint.csv", joint=True, units=units)
-    frame = pandas.read_csv(folder / "joint.csv")
+    csv = export_text(result, directory / "joint.csv", joint=True, units=units)
+    frame = pandas.read_csv(directory / "joint.csv")
     cells = {cell for line in csv.splitlines()[1:] for cell in line.split(",")}
     estimates = [each for row in table.rows for each in row.estimates.values()]
     values = [number for each in estimates for number in (each.value, each.lower, each.upper) if not np.isnan(number)]
@@ -166,38 +166,38 @@ def test_numbers_in_all_files_are_in_the_csv_file(result, folder, units):
     assert in_rows <= cells
     assert len(frame) == len(table.rows)
     assert frame.filter(like="kind").nunique().eq(1).all()
-    record = json.loads(export_text(result, folder / "joint.json", joint=True, units=units))
+    record = json.loads(export_text(result, directory / "joint.json", joint=True, units=units))
     in_record = {f"{each[name]:.9g}" for each in record["values"] for name in ("value", "lower", "upper")
                  if each[name] is not None}  # fmt: skip
     assert in_record == in_rows
     rounded = {f"{value:.{digits}g}" for value in values for digits in (4, 6)}
     for ending in (".inp", ".mac", ".liggghts"):
-        card = export_text(result, folder / f"card{ending}", units=units)
+        card = export_text(result, directory / f"card{ending}", units=units)
         numbers = read_card_numbers(card)
         assert len(numbers) > 5 * len(frame)
         # The origin of the curve, and numbers of materials, constants, points and atom types.
         assert set(numbers) - rounded <= {"0", "1", "2", str(len(frame))}, ending
         assert card.isascii()
         assert max(map(len, card.splitlines())) < 256
-    assert f"{closure_of(table.reference):.6g}" in export_text(result, folder / "card.inp", units=units)
+    assert f"{closure_of(table.reference):.6g}" in export_text(result, directory / "card.inp", units=units)
 
 
-def test_numbers_on_a_card_have_no_more_digits_than_an_estimate(result, folder):
+def test_numbers_on_a_card_have_no_more_digits_than_an_estimate(result, directory):
     """Pressures and closures have six, because other programs derive the stiffness from their differences."""
     friction, stiffness = re.search(
-        r"^\*FRICTION\n(.*), (.*)$", export_text(result, folder / "card.inp"), re.M
+        r"^\*FRICTION\n(.*), (.*)$", export_text(result, directory / "card.inp"), re.M
     ).groups()
     assert max(len(re.sub(r"^0\.0*|\.|e.*", "", number)) for number in (friction, stiffness)) <= 4
-    card = export_text(result, folder / "card.inp")
+    card = export_text(result, directory / "card.inp")
     assert len(re.findall(r"^50, ", card, re.MULTILINE)) == 1
     assert len(re.findall(r"^\*\* 0\..*, , 50$", card, re.MULTILINE)) == 1
 
 
-def test_computed_joint_has_the_stiffness_of_direct_solutions_at_every_pressure(result, folder):
-    check_stiction("export", "pair", "computed.csv", "--joint", "--compute", cwd=folder)
-    frame = pandas.read_csv(folder / "computed.csv")
+def test_computed_joint_has_the_stiffness_of_direct_solutions_at_every_pressure(result, directory):
+    check_stiction("export", "pair", "computed.csv", "--joint", "--compute", cwd=directory)
+    frame = pandas.read_csv(directory / "computed.csv")
     assert frame["computed"].all()
-    computed = open_result(folder / "pair/joint")
+    computed = open_result(directory / "pair/joint")
     pressures = frame["nominal pressure (MPa)"].to_numpy()
     at = computed.at([f"{pressure} MPa" for pressure in pressures]).sel(sliding="all").squeeze()
     for name, title in (
@@ -213,7 +213,7 @@ def test_computed_joint_has_the_stiffness_of_direct_solutions_at_every_pressure(
         closures = np.mean([half_space(*pair, loads, **contact).closure for pair in pairs], axis=0)
         expected = 1e3 * np.diff(loads)[0] / result.nominal_area / (1e-3 * np.diff(closures)[0])
         assert frame["stiffness of closure (MPa/mm)"][index] == pytest.approx(expected, rel=0.01)
-    interpolated = pandas.read_csv(io.StringIO(export_text(result, folder / "joint.csv", joint=True)))
+    interpolated = pandas.read_csv(io.StringIO(export_text(result, directory / "joint.csv", joint=True)))
     assert interpolated["nominal pressure (MPa)"].tolist() == pytest.approx(pressures.tolist())
     assert 0 < interpolated["computed"].sum() < len(frame)
     assert any("--compute" in note for note in result.joint_table().notes)
@@ -225,8 +225,8 @@ def test_result_evaluates_a_single_quantity_with_its_combined_interval(result):
     np.testing.assert_array_equal(closure, result.at()["closure"].squeeze())
 
 
-def test_card_states_units_materials_range_and_values_that_its_format_omits(result, folder):
-    texts = {ending: export_text(result, folder / f"card{ending}") for ending in (".inp", ".mac", ".liggghts")}
+def test_card_states_units_materials_range_and_values_that_its_format_omits(result, directory):
+    texts = {ending: export_text(result, directory / f"card{ending}") for ending in (".inp", ".mac", ".liggghts")}
     for text in texts.values():
         words = " ".join(re.sub("(?m)^(\\*\\*|!|#) ", "", text).split())
         for part in ("Units: mm, N, MPa", "mild steel on brass", "assessment:", "Valid from 5 to 500 MPa", "one value"):
@@ -234,8 +234,8 @@ def test_card_states_units_materials_range_and_values_that_its_format_omits(resu
     assert "Set FKN and FKT of the contact to minus the" in " ".join(re.sub("(?m)^! ", "", texts[".mac"]).split())
 
 
-def test_joint_record_contains_units_notes_and_kinds(result, folder, table):
-    record = json.loads(export_text(result, folder / "joint.json", joint=True, units="um,mN,GPa"))
+def test_joint_record_contains_units_notes_and_kinds(result, directory, table):
+    record = json.loads(export_text(result, directory / "joint.json", joint=True, units="um,mN,GPa"))
     assert record["units"] == {"length": "um", "force": "mN", "pressure": "GPa"}
     assert record["notes"][0] == table.notes[0]
     values = [each for each in record["values"] if each["at"]["load"] == table.reference.load]
@@ -245,10 +245,10 @@ def test_joint_record_contains_units_notes_and_kinds(result, folder, table):
     assert (closure["unit"], closure["kind"]) == ("um", "combined")
 
 
-def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, folder):
-    check_stiction("export", "pair", "from_command.csv", "--joint", cwd=folder)
-    expected = export_text(result, folder / "joint.csv", joint=True)
-    assert (folder / "from_command.csv").read_text(encoding="utf-8") == expected
+def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, directory):
+    check_stiction("export", "pair", "from_command.csv", "--joint", cwd=directory)
+    expected = export_text(result, directory / "joint.csv", joint=True)
+    assert (directory / "from_command.csv").read_text(encoding="utf-8") == expected
     for arguments, message in (
         (("x.tex", "--joint"), "must end in .csv"),
         (("x.inp", "--units", "in,lbf,psi"), "units must be one of 'mm,N,MPa'"),
@@ -257,11 +257,11 @@ def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, fo
         (("x.inp", "--workers", "2"), "--workers requires --compute"),
         (("from_command.csv", "--joint"), "from_command.csv"),
     ):
-        assert_rejected(call_stiction("export", "pair", *arguments, cwd=folder), message)
+        assert_rejected(call_stiction("export", "pair", *arguments, cwd=directory), message)
     with pytest.raises(ValueError, match="mu0 must be a single value, got"):
         result.joint_table(mu0=[0.2, 0.3])
     with pytest.raises(ValueError, match="must end in"):
-        result.export(folder / "x.json")
+        result.export(directory / "x.json")
     small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
     with pytest.raises(ValueError, match="needs a measured pair, got generated surfaces"):
         run(Study.named("quick").with_changes(small)).joint_table()
@@ -309,7 +309,7 @@ def test_export_checks_the_file_and_the_units_before_it_computes_the_joint(tmp_p
 
 
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
-def test_block_on_the_card_has_the_closure_stiffness_and_sliding_load_of_the_table(result, folder, tmp_path):
+def test_block_on_the_card_has_the_closure_stiffness_and_sliding_load_of_the_table(result, directory, tmp_path):
     """Run the example of the page on finite-element models: four pressures, a small push, and sliding."""
     shutil.copy(ROOT / "examples/block.inp", tmp_path)
     export_text(result, tmp_path / "card.inp")

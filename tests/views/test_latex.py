@@ -71,8 +71,8 @@ def test_latex_table_shows_unfiltered_scans_as_none():
 @pytest.fixture(scope="module")
 def pair_table(tmp_path_factory):
     """Return the table of a pair of named materials with uncertain inputs, two pressures and a special file name."""
-    folder = tmp_path_factory.mktemp("pair")
-    files = [folder / "face_1 & 50%.npy", folder / "b.npy"]
+    directory = tmp_path_factory.mktemp("pair")
+    files = [directory / "face_1 & 50%.npy", directory / "b.npy"]
     for path, body in zip(files, rough_maps(1, points=40), strict=True):
         np.save(path, body.heights)
     options = {"unit": "um", "spacing": "0.1 um", "cutoff": "none", "direction": [0, 180], "shifts": 8, "onset": 0}

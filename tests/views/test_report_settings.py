@@ -29,7 +29,7 @@ return [at.status, at.value, at.lower, at.upper];
 """
 
 
-def compute_pair_with_junction_growth(folder):
+def compute_pair_with_junction_growth(directory):
     """Return the result of a pair whose contacts yield and grow, with uncertain inputs."""
     upper, lower = (
         self_affine_surface(3, hurst_exponent=0.8, rms=0.03, shape=(48, 48), spacing=0.1, side=side)
@@ -37,25 +37,25 @@ def compute_pair_with_junction_growth(folder):
     )
     return pair(
         upper, lower, load="20 MPa", mu0="0.2 ± 0.02", tau0="30 MPa", effective_modulus="80 GPa", hardness="1..2 GPa",
-        junction_growth="0..27", shifts=4, cutoff="none", onset=0, directory=folder / "growth",
+        junction_growth="0..27", shifts=4, cutoff="none", onset=0, directory=directory / "growth",
     )  # fmt: skip
 
 
 @pytest.fixture(scope="module", params=["profiles", "half-planes", "surfaces", "maps", "lines", "growing contacts"])
 def result_and_driver(request, driver, tmp_path_factory):
     """Return a result, with its report opened in a browser."""
-    folder = tmp_path_factory.mktemp("settings")
+    directory = tmp_path_factory.mktemp("settings")
     result_factories = {
         "profiles": lambda: Result(request.getfixturevalue("generated_dataset")),
         "half-planes": lambda: run(Study.named("quick").with_changes(HALF_PLANE_STUDY_CHANGES)),
         "surfaces": lambda: run(Study().with_changes(SURFACE_STUDY_CHANGES)),
         "maps": lambda: Result(request.getfixturevalue("maps_dataset")),
         "lines": lambda: Result(request.getfixturevalue("profiles_dataset")),
-        "growing contacts": lambda: compute_pair_with_junction_growth(folder),
+        "growing contacts": lambda: compute_pair_with_junction_growth(directory),
     }
     result = result_factories[request.param]()
-    save_report(result, folder / "report.html")
-    browser.open_page(driver, folder / "report.html")
+    save_report(result, directory / "report.html")
+    browser.open_page(driver, directory / "report.html")
     return result, driver
 
 

@@ -1,6 +1,6 @@
 """While a file exists, block the commands of a tested server at the ensemble member whose number the file contains.
 
-Python imports this module at its start in every process whose PYTHONPATH contains this folder.
+Python imports this module at its start in every process whose PYTHONPATH contains this directory.
 """
 
 import os
