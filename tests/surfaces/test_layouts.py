@@ -429,11 +429,14 @@ def test_first_number_with_fewer_decimals_than_the_others_adds_a_caveat(tmp_path
     assert not read_with_interpretation(path, **options).caveats
 
 
-def test_last_number_that_equals_the_count_of_the_others_adds_a_caveat(tmp_path):
+def test_count_of_the_heights_among_the_last_numbers_adds_a_caveat(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
     heights = "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS)
-    for last_number, is_count in ((f"{LINE_HEIGHTS.size}", True), (f"{LINE_HEIGHTS.size - 1}", False)):
-        path.write_text(f"{heights}{last_number}\n")
+    count = LINE_HEIGHTS.size
+    for last_numbers, is_count in (
+        (f"{count}", True), (f"{count - 9}", False), (f"0.2500\n{count}", True), (f"{count}\n0.2500\n1.0000", True),
+    ):  # fmt: skip
+        path.write_text(f"{heights}{last_numbers}\n")
         names = [caveat.name for caveat in read_with_interpretation(path, **options).caveats]
         assert ("first-number" in names) == is_count
 

@@ -211,6 +211,7 @@ def test_reader_rejects_options_that_contradict_the_file(write_file):
         ("x (um),z (um)\n0,1\n0.1,2\noops,1\n0.3,5\n0.4,6.5\n", "line 4 ('oops,1') is between numbers"),
         ("x (um),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\n0.4,oops\n", "line 6 ('0.4,oops') is between numbers"),
         ("z in um\n0,5\n1\n2,5\n3,5\n", "may be two columns, or one column with decimal commas"),
+        ("x (um)\tz (um)\n0,0\t0,5\n0,1\t03.05\n0,2\t1,5\n", "has '03.05', with a point, but other numbers have"),
         ("0,5\n1,5\n2,5\n3,5\n", "may be two columns, or one column with decimal commas"),
         (
             "x (um)\tz (nm)\n" + "".join(f"1,{i:03}\t{i}\n" for i in range(9)),

@@ -351,10 +351,12 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
         or table.row_digits is None
     ):
         return ()
-    heights, last = table.values[:-1, 0], table.values[-1, 0]
-    if last == heights.size and (heights % 1 != 0).any():
-        text = f"the last number, {last:.0f}, is the count of the others"
-        return (FileCaveat("first-number", text, "delete it if it is a count instead of a height, or accept it"),)
+    for num_trailing in (1, 2, 3):  # a spacing or a size may stand beside the count
+        heights, trailing_numbers = table.values[:-num_trailing, 0], table.values[-num_trailing:, 0]
+        if heights.size in trailing_numbers and (heights % 1 != 0).any():
+            where = "the last number" if num_trailing == 1 else f"one of the last {num_trailing} numbers"
+            text = f"{where}, {heights.size}, is the count of the others"
+            return (FileCaveat("first-number", text, "delete it if it is a count instead of a height, or accept it"),)
     first, *following = (float(table.row_digits(index)[0]) for index in range(MIN_COMPARED_NUMBERS + 1))
     if len(set(following)) > 1 or not first > 50 * following[0]:
         return ()

@@ -415,6 +415,8 @@ def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> t
     elif dialect.thousands:
         blob = blob.replace(dialect.thousands.encode(), b"")
     if dialect.point == "," and not dialect.pairs:
+        if b"." in blob:
+            _reject_decimal_points(text, lines, dialect)
         blob = blob.replace(b",", b".")
     if separator is None:
         blob = blob.replace(b'"', b" ").replace(b"\t", b" ")
@@ -437,6 +439,18 @@ def _has_adjacent_dashes(blob: bytes) -> bool:
     """Return whether a text contains two adjacent dashes. Pairs of bytes are compared faster than a search for both."""
     pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first) // 2, first) for first in (0, 1))
     return len(blob) >= 2 and any((pair == _DASH_PAIR).any() for pair in pairs)
+
+
+def _reject_decimal_points(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> None:
+    """Raise `FormatError` at a number with a decimal point in a table of numbers with decimal commas."""
+    for line in lines.tolist():
+        for cell in dialect.split_line(text.line(line)):
+            if re.fullmatch(rf"[+-]?[0-9]*\.[0-9]*{_EXPONENT_PATTERN}", cell):
+                raise FormatError(
+                    f"{text.describe_line(line)} has {cell!r}, with a point, but other numbers have decimal commas; "
+                    "a spreadsheet program may have converted a number to a date; export the file again with decimal "
+                    "points"
+                )
 
 
 def _reject_blanks_in_numbers(text: DecodedText, lines: LineNumbers) -> None:
