@@ -176,6 +176,6 @@ def short_repr(value: object) -> str:
         RecursionError,
     ):  # `repr` fails for numbers with thousands of digits and for deeply nested containers
         text = type(value).__name__
-    if "\n" in text:  # the representations of arrays and results have several lines
+    if "\n" in text:  # an array or a result is represented by several lines
         text = " ".join(text.split())
     return text if len(text) <= 40 else text[:37] + "..."

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from stiction.mechanics.presliding import FourParameterIwan, LuGre
 
-# Difference of two loads below which they have the same solution, as a fraction of the sliding load.
+# Maximum difference of two loads with the same solution, as a fraction of the sliding load.
 LOAD_TOLERANCE = 1e-9
 # Smallest tangential load and displacement that exceed round-off, as fractions of the load and displacement at sliding.
 MIN_SLIDING_FRACTION = 1e-12

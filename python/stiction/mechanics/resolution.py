@@ -36,7 +36,7 @@ _MAX_CUTOFF_RATIO = 1 / 30
 _SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
-KAPPA_AT_SMALL_LOADS = 2.2  # A E* h'/F at small loads, which is 2.1 to 2.4 on Gaussian surfaces
+KAPPA_AT_SMALL_LOADS = 2.2  # area coefficient κ at small loads, which is 2.1 to 2.4 for Gaussian surfaces
 # Fields of a curve that do not depend on the direction and have one value per load.
 _DIRECTION_INDEPENDENT_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
 _VARIABLE_NAMES_BY_FIELD = {

@@ -57,7 +57,7 @@ EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
 scaled.
 """
 
-# Distance of a lower limit from the bound, relative to the interval width, below which the limit is set to the bound.
+# Maximum distance, relative to the interval width, at which a lower limit is moved to the bound of the quantity.
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the true value
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")

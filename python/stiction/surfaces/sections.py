@@ -257,7 +257,7 @@ def _compute_with_setting_class(
                 f"{_format_length(lengths[matching_class])}; {remedy}"
             )
         index = next_class
-    if matching_class != index:  # two setting classes lead to each other, so neither of them is consistent
+    if matching_class != index:  # two setting classes require each other, so neither is consistent
         index = max(index, max(visited_classes & {index - 1, index, index + 1}))
     elif index - 1 in possible_classes and find_matching_setting_class(index - 1) == index - 1:
         index -= 1

@@ -15,7 +15,7 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, re
 _RINGS_PER_DECADE = 12  # number of rings of wave number per decade; empty rings are merged with their neighbours
 # Weight of the smoothness penalty, as a number of harmonics. The penalty dominates in rings with one or two harmonics.
 _SMOOTHNESS_PENALTY = 2.0
-_ROUND_OFF_FRACTION = 1e-14  # density below which it counts as round-off, relative to the largest density
+_ROUND_OFF_FRACTION = 1e-14  # largest density that counts as round-off, relative to the maximum of the spectrum
 _MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten are usually enough
 # Change of the logarithm of each density in one iteration below which the fit has converged.
 _CONVERGENCE_TOLERANCE = 1e-6

@@ -259,7 +259,7 @@ def octave_noise_csv(comparison: RepeatedScans) -> str:
 
 
 def repeated_scans_figure(comparison: RepeatedScans) -> Figure:
-    """Draw two spectra, 85 mm wide: the noise, and the roughness common to both scans."""
+    """Draw a figure, 85 mm wide, of two spectra: the noise, and the roughness common to both scans."""
     import matplotlib as mpl
 
     with mpl.rc_context(MATPLOTLIB_STYLE):

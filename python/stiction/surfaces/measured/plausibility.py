@@ -20,7 +20,7 @@ from stiction.surfaces.measured.raw import FileCaveat
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from all other heights, relative to the range of the other heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
-# Minimum distances of a code that repeats exactly in the file, and of a code that programs commonly write.
+# Relative minimum distance from other heights of a code that repeats in the file, and of a usual code such as 9999.
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]

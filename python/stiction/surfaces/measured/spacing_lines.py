@@ -186,7 +186,7 @@ def _parse_spacing_line(
     if any("," in item[0] and text.count(",") > len(items) * 2 - 1 for item in items):
         return UnclearSpacing(line.strip())  # the comma separates two cells or is a decimal comma
     if any(item[2] and not re.fullmatch(f"{_POINT_WORDS}|lines?|rows?|columns?", item[2], re.I) for item in items):
-        return None  # for example the resolution of heights in nm per bit
+        return None  # the length may be the resolution of heights in nm per bit
     if is_resolution and not any(item[2] for item in items):
         return None  # the line declares the resolution of an instrument
     units = [item[1] or items[-1][1] or bracket for item in items]

@@ -49,7 +49,7 @@ class FigurePanel:
     is_main: bool = False
 
     def markup(self) -> str:
-        """Draw the figure, and return the panel as markup."""
+        """Draw the figure, and return the markup of a panel that contains the figure and its caption."""
         with mpl.rc_context(MATPLOTLIB_STYLE):
             svg = inline_svg(self.draw_figure(), self.description)
         css_class = "panel wide" if self.is_wide else "panel"

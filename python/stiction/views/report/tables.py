@@ -174,7 +174,7 @@ class QuantityTable:
     limit: float | None
 
     def record(self) -> dict[str, Any]:
-        """Return the values, interval ends, numbers of decimals and texts."""
+        """Return a JSON record of the quantity, with values, interval ends, numbers of decimals and texts."""
         points = self.factor * self.estimates
         decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
         texts = [
