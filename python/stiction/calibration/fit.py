@@ -33,7 +33,7 @@ MIN_AREA_VARIATION = 0.1
 # A nuisance point is a set of values of the nuisance parameters.
 NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
 # Initial number of nuisance points in the result, which doubles with each nuisance parameter, and its upper limit.
-# More nuisance points are added until the effective sample size is large enough.
+# The number of nuisance points is increased until the effective sample size is large enough.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # largest absolute value of the normal score of a nuisance parameter
 MAX_PROPOSAL_ROUNDS = 8  # maximum number of rounds of adaptation

@@ -59,12 +59,12 @@ class Ball:
     """
 
     radius: float | str
-    effective_modulus: float | str | None = field(default=None, compare=False)  # compared as part of `moduli`
+    effective_modulus: float | str | None = field(default=None, compare=False)  # `moduli` are compared instead
     young: Any = field(default=None, kw_only=True)
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    area_loss: Any = field(default=None, kw_only=True, compare=False)  # compared as `lost_fraction`
+    area_loss: Any = field(default=None, kw_only=True, compare=False)  # `lost_fraction` is compared instead
     # Elastic properties at the central values of both moduli.
     elasticity: PairElasticity = field(init=False, repr=False, compare=False)
     moduli: UncertainModulus = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty

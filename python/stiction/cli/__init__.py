@@ -55,7 +55,7 @@ def _redirect_closed_streams() -> None:
         try:
             os.fstat(number)
         except OSError:
-            null_device = os.open(os.devnull, os.O_RDWR)  # `open` returns the lowest free descriptor
+            null_device = os.open(os.devnull, os.O_RDWR)  # the lowest free descriptor is the closed one
             setattr(sys, name, os.fdopen(null_device, "w" if number else "r"))
 
 

@@ -245,8 +245,8 @@ _LOAD_INTERVAL_KIND = "load_interval_kind"
 class OnsetCurvePoint:
     """Point of the mean onset curve."""
 
-    tangential_load: Estimate  # mN
-    displacement: Estimate  # µm
+    tangential_load: Estimate  # tangential load (mN)
+    displacement: Estimate  # tangential displacement (µm)
     slipped_area: Estimate  # fraction of the contact area that slips
     slipped_load: Estimate  # fraction of the load that slipping contacts carry
     energy_lost: Estimate  # energy (mN µm) that a load cycle dissipates if its amplitude is the load
@@ -261,12 +261,12 @@ class OnsetValues:
 
     load: float  # normal load (mN)
     mu0: float
-    tau0: float  # GPa
+    tau0: float  # adhesive shear strength (GPa)
     num_members: int  # number of members over which the values are averaged
     poisson_ratio: tuple[float, ...]  # Poisson's ratios of both bodies
     is_poisson_ratio_given: bool  # False if `poisson_ratio` is the default value
     sliding_load: Estimate  # tangential load at which the bodies slide (mN)
-    displacement_at_sliding: Estimate  # µm
+    displacement_at_sliding: Estimate  # tangential displacement at which the bodies slide (µm)
     stiffness: Estimate  # initial tangential stiffness (mN/µm)
     unloading_stiffness: Estimate  # normal stiffness during unloading (mN/µm)
     curve: dict[float, OnsetCurvePoint]  # curve points by the ratio of the tangential load to the sliding load

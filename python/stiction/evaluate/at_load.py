@@ -124,7 +124,7 @@ def at_load(
         members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
         coefficient = point["mean_friction"].sel(statistic="mean")
-        coefficient = coefficient.where(abs(coefficient) > MAX_RELATIVE_ROUND_OFF)  # NaN without friction
+        coefficient = coefficient.where(abs(coefficient) > MAX_RELATIVE_ROUND_OFF)  # avoid 0/0 without friction
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
         point["load_definition_effect"] = abs(other_coefficient / coefficient - 1).max(other_dims).variable
     return point.assign_attrs(load_definition=load_definition)

@@ -49,13 +49,13 @@ class PatchSums:
     Shapes are (patches,) or (directions, patches).
     """
 
-    force: Floats  # Σ F n_z, mN
+    force: Floats  # vertical component of the contact forces, Σ F n_z (mN)
     area: Floats  # area along the deformed interface, µm²
-    leaning: Floats  # -Σ F s·n, mN
-    upward: Floats  # Σ F t_z of the friction due to mu0, mN
-    forward: Floats  # -Σ F s·t of the friction due to mu0, mN
-    upward_area: Floats  # Σ A t_z of the friction due to tau0, µm²
-    forward_area: Floats  # -Σ A s·t of the friction due to tau0, µm²
+    leaning: Floats  # component of the contact forces that opposes the motion, -Σ F s·n (mN)
+    upward: Floats  # vertical friction per unit of mu0, Σ F t_z (mN)
+    forward: Floats  # friction per unit of mu0 that opposes the motion, -Σ F s·t (mN)
+    upward_area: Floats  # vertical friction per unit of tau0, Σ A t_z (µm²)
+    forward_area: Floats  # friction per unit of tau0 that opposes the motion, -Σ A s·t (µm²)
     steepness: float  # rms slope over the contact area, weighted by the force
 
     @property

@@ -57,7 +57,7 @@ class ResultQuantity:
 
     unit: str
     words: str  # phrase for axis labels and for the `long_name` of a variable
-    brief: str = ""  # shorter phrase for tables, if `words` is too long
+    brief: str = ""  # phrase for tables if `words` is too long
     symbol: str = ""  # symbol in TeX notation
     kind: QuantityKind
     along: tuple[QuantityAxis, ...] = ()

@@ -45,7 +45,7 @@ class MemberSums:
             return sums
         if isinstance(sums, MemberSums):
             converted_sums = cls(sums.source)
-            vars(converted_sums).update(vars(sums))  # share all cached values with the converted sums
+            vars(converted_sums).update(vars(sums))  # both objects share all cached values
             return converted_sums
         check_instance("result", sums, (xarray.Dataset, StoredResult), "a Result, or an xarray.Dataset of member sums")
         return cls(sums)

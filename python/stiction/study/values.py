@@ -189,7 +189,7 @@ class SettingsSection(BaseModel):
 class SettingsSectionVariant(SettingsSection):
     """Base class for sections that have several variants. Each variant is a class with its own keys."""
 
-    place: ClassVar[str]  # phrase for the variant of the section in messages
+    place: ClassVar[str]  # phrase that messages use for this variant of the section
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:

@@ -38,12 +38,12 @@ _MIN_TRUSTED_DENSITY_RATIO = 4.0
 # The spectrum of a surface never rises to three times its lowest density at longer wavelengths.
 _MIN_RISE_DENSITY_RATIO = 3.0
 # Largest fraction of the mean square slope that may come from wavelengths not attributed to the surface.
-# A result must not be reported if a larger fraction of the mean square slope has an unknown origin.
+# If the fraction is exceeded, the result must not be reported.
 MAX_UNATTRIBUTED_FRACTION = 0.1
 # Ratio of a cutoff to the wavelength that the filter is meant to remove.
 # A Gaussian filter transmits 8 % of the amplitude of a wavelength that is 1.9 times shorter than the cutoff.
 CUTOFF_WAVELENGTH_RATIO = 1.9
-_MIN_SLOPE_FRACTION = 1e-4  # smaller fractions of the mean square slope may be due to round-off
+_MIN_SLOPE_FRACTION = 1e-4  # minimum fraction of the mean square slope that exceeds round-off
 # Smallest exponent of a rough surface in the octave of the shortest wavelengths, even with aliasing.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
 # Smallest exponent of a spectrum with the harmonics of a texture, unless noise exceeds the harmonics.
@@ -62,7 +62,7 @@ _NOISE_WAVELENGTH_RATIO = 0.7
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 _MAX_EQUAL_NOISE_RATIO = 2.0  # maximum ratio of two noise densities along different axes that count as equal
 # Minimum ratio of the density of a spectrum that may hide noise to the density of the noise.
-# The minimum ratio of the densities is below 1, to allow for scatter.
+# The ratio of both densities may be below 1 because of scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
 # Minimum number of lines with independent noise at which noise may be hidden along the other axis.
 _MIN_INDEPENDENT_LINES = 8.0

@@ -58,7 +58,7 @@ def onset_rows(onset: OnsetValues) -> list[list[str]]:
     return [["onset of sliding", header], *rows]
 
 
-PICOJOULE = 1e-3  # in mN µm
+PICOJOULE = 1e-3  # one picojoule in mN µm
 
 
 def onset_note(onset: OnsetValues, study: Study) -> str:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 # Relative effect of the load definition on the coefficient above which the sentence defines the load.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
-# Minimum width of the range for finer scans, relative to the interval, for which text states the range.
+# Minimum width of the range for finer scans that the text contains, relative to the interval width.
 MIN_STATED_BRACKET_WIDTH = 0.05
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Largest relative deviation of A E* h'/F from its usual value at which the small-slope estimate still applies."""

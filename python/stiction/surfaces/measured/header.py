@@ -102,7 +102,7 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
     rf"\W*{_NOT_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"  # "1.0e-03 *" above a matrix
     rf"\W*{_POWER_PATTERN}\W*|"
     r".*(?<![0-9])(?<![0-9] )(?:[×*·]\s*(?:10|1e)|x\s*(?:10\s*\^|10\s*[-−+][0-9]|1e[-+−]?[0-9]|10{3,6}\b)).*|"
-    r".*\b(?:z|heights?)\s+x\s?(?!1(?:[.,]0*)?(?![0-9.,e]))[.,]?[0-9].*|"  # "z x0.1 (um)"
+    r".*\b(?:z|heights?)\s+x\s?(?!1(?:[.,]0*)?(?![0-9.,e]))[.,]?[0-9].*|"  # matches "z x0.1 (um)"
     r".*\b(?:multiplied|multiply|divided|divide|scaled|normali[sz]ed|multipliziert|dividiert|skaliert|normiert)\s+"
     rf"(?:(?:by|mit|durch|um)\b{_NOT_ONE_PATTERN}|(?:to|auf)\b(?!\s*1\s*:\s*1\W*$)).*|"
     rf".*\b(?:z|heights?|data|values?|numbers?)\W+(?:are\s+)?times\s+{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}\b.*|"
@@ -556,14 +556,14 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
         *(uncommented_line.split(separator) for separator in "\t;,|"),
         re.split(r"\s{2,}", uncommented_line.strip()),
     ]
-    cells_with_units = re.split(r"(?<=[)\]])\s+", uncommented_line.strip())  # "x (mm) z (um)"
+    cells_with_units = re.split(r"(?<=[)\]])\s+", uncommented_line.strip())  # for example "x (mm)" and "z (um)"
     if all(is_unit(unit_in_column_name(cell) or "") for cell in cells_with_units):
         candidates.append(cells_with_units)
     words = uncommented_line.split()
     if dialect.separator is None and len(words) == 2 * width and any(map(parse_length_unit, words[1::2])):
         return [
             f"{name} [{unit}]" for name, unit in zip(words[::2], words[1::2], strict=True)
-        ]  # "DISTANCE mm DEPTH um"
+        ]  # for example from "DISTANCE mm DEPTH um"
     for number, cells in enumerate(candidates):
         cells = [cell.strip(" \"'") for cell in cells]
         while len(cells) > width and not cells[-1]:
@@ -634,7 +634,7 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
             or (_find_unknown_unit(cell) if are_last_words else None)
             for cell, word in zip(cells, last_words, strict=True)
         )
-    if cells is not None and len(set(map(_find_unknown_unit, cells))) == 1:  # "x foo; z foo"
+    if cells is not None and len(set(map(_find_unknown_unit, cells))) == 1:  # as in "x foo; z foo"
         return tuple(map(_find_unknown_unit, cells))
     units = _find_units(name_line)
     name = _BRACKETED_WORD_PATTERN.sub(" ", name_line)
@@ -656,7 +656,8 @@ def unit_in_column_name(cell: str) -> str | None:
     """
     bracketed_texts = _BRACKETED_WORD_PATTERN.findall(cell)
     last = bracketed_texts[-1].strip() if bracketed_texts else cell.strip(" \"'")
-    is_point_number = not bracketed_texts and last.casefold() in _WORDS_LIKE_UNITS and not last.islower()  # "Pixel"
+    # With a capital letter, a word such as "Pixel" is the name of a column of point numbers and not a unit.
+    is_point_number = not bracketed_texts and last.casefold() in _WORDS_LIKE_UNITS and not last.islower()
     if not is_point_number and NON_LENGTH_UNIT_PATTERN.fullmatch(last):
         return last
     if not bracketed_texts and (unit := _find_scaled_unit(last)) is not None:
@@ -664,9 +665,9 @@ def unit_in_column_name(cell: str) -> str | None:
     after_name = None if bracketed_texts else _UNIT_AFTER_NAME_PATTERN.fullmatch(last)
     if after_name is not None and is_unit(after_name[1]):
         return parse_length_unit(after_name[1]) or after_name[1]
-    if "/" in (word := _split_name(last)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):  # "z_nm/nm"
+    if "/" in (word := _split_name(last)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):  # as in "z_nm/nm"
         return word
-    if not bracketed_texts and (match := re.search(r"(?:^|[\s_/])(1/[^\W\d_]+)$", last)):  # "k/1/um"
+    if not bracketed_texts and (match := re.search(r"(?:^|[\s_/])(1/[^\W\d_]+)$", last)):  # as in "k/1/um"
         return match[1]
     unit = parse_length_unit((last if bracketed_texts else _split_name(last)[-1].rpartition("/")[2]).strip(" \"'.:"))
     if unit is not None:

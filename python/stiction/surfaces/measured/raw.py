@@ -161,7 +161,7 @@ class RawHeights:
     digits: PlaceValueFunction | None = None
     position_unit: str | None = None  # unit of the positions or, without positions, of the spacing
     spacing: tuple[float, ...] | None = None  # spacing (Δx,) or (Δy, Δx) if there are no positions
-    stated: DeclaredLength | None = None  # declared spacing
+    stated: DeclaredLength | None = None  # spacing that the file declares
     stated_spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # declared spacings of rows and columns
     size: tuple[DeclaredLength, DeclaredLength] | None = None  # declared height and width of a map
     history: tuple[str, ...] = ()  # descriptions of the selections made when the file was read

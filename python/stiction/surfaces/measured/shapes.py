@@ -74,7 +74,7 @@ _VALID_NAME_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0
 _INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
 # Column names that do not show whether 1 marks valid or invalid points.
 _FLAG_NAME_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
-_NUMBERED_UNIT_PATTERN = re.compile(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")  # a unit with a number other than 1
+_NUMBERED_UNIT_PATTERN = re.compile(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")  # matches "10 nm", but not "1 nm"
 _RAW_HEIGHTS_PATTERN = re.compile(r"\W*(?:z|heights?|höhe\w*|profile?|topography)(?:[ _-]?a\w+)?[\W_]*raw\W*", re.I)
 _X_COLUMN_PATTERN, _Y_COLUMN_PATTERN = (
     re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy"

@@ -178,7 +178,7 @@ def _parse_spacing_line(
     is_resolution, is_pixel = noun.casefold() == "resolution", "pixel" in (qualifier + noun).casefold()
     match = _LENGTHS_PATTERN.fullmatch(text.strip())
     if bracket is not None and parse_length_unit(bracket) is None and not _POINTS_REMARK_PATTERN.fullmatch(bracket):
-        return UnclearSpacing(line.strip())  # "Scan spacing (slow axis): 0.3 um"
+        return UnclearSpacing(line.strip())  # for example "Scan spacing (slow axis): 0.3 um"
     if match is None:
         has_length = (start := re.match(_LENGTH_PATTERN, text, re.IGNORECASE)) and _unit_or_none(start[2] or bracket)
         return UnclearSpacing(line.strip()) if has_length and not is_resolution else None

@@ -106,7 +106,7 @@ class NumberBlock:
     text: DecodedText
     lines: LineNumbers  # line numbers of the rows, counted from 0
     dialect: Dialect
-    values: Floats  # (rows, columns)
+    values: Floats  # numbers in the rows, with shape (rows, columns)
     # Number of the first line with fewer cells, for example below the end of the shorter of two profiles.
     short: int | None = None
     omitted: tuple[int, ...] = ()  # line numbers of counts and sizes that precede the rows
