@@ -83,6 +83,12 @@ def test_resolution_result_stored_for_another_hardness_is_ignored(study, tmp_pat
     rows = cut_off_rows(find_resolution_effect(result, small_study, result.isel(tau0=[1])), 4.0)
     assert [row[0] for row in rows[1:]] == ["none", "200 nm", "400 nm", "plastic limit"]
     assert rows[-1][-1] == f"{0.3 + 0.05 / 4:.3f}"
+    # If an interface was fitted under the other rule, the limit still belongs to friction at all contacts.
+    interface = {"file": "film.csv", "mu0": 0.3, "tau0": "50 MPa", "sliding": "opposing"}
+    opposing_study = small_study.with_changes({"friction.interface": interface})
+    opposing_rows = cut_off_rows(find_resolution_effect(result, opposing_study, result.isel(tau0=[1])), 4.0)
+    assert opposing_rows[0][-2:] == [*reversed(rows[0][-2:])] == ["μ_s opposing contacts", "μ_s all contacts"]
+    assert dict(zip(opposing_rows[0], opposing_rows[-1], strict=True))["μ_s all contacts"] == rows[-1][-1]
     min_friction, min_area_fraction = find_plastic_limit(point, small_study)
     assert min_friction == pytest.approx(0.3 + 0.05 / 4)
     assert min_area_fraction == pytest.approx(2.0 / 4 / float(result["nominal_area"]))

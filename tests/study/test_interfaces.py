@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import pandas
 import pytest
 from stiction import (
     Ball,
@@ -25,9 +27,13 @@ from stiction import (
 )  # fmt: skip
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty
+from stiction.evaluate.point import list_sliding_rules_reported_first
 from stiction.solve.member_sums import MemberSums
 from stiction.study.input_distributions import Z_95
 from stiction.study.inputs import find_interface
+from stiction.study.study import parse_study
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
+from stiction.views.sentence import quotable_sentence
 from support.command import assert_rejected, call_stiction, check_stiction
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
@@ -64,8 +70,22 @@ def film_file(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
+def opposing_film_file(film_file):
+    """Return the path of the same interface, as if it had been fitted with friction at opposing contacts only."""
+    film = interface(film_file)
+    path = film_file.with_name("opposing_film")
+    write_interface(replace(film, fits=(replace(film.fits[0], sliding="opposing"),)), path)
+    return path
+
+
+@pytest.fixture(scope="module")
 def result(film_file):
     return pair(*rough_surfaces(), interface=film_file, **PAIR_OPTIONS)
+
+
+@pytest.fixture(scope="module")
+def opposing_result(opposing_film_file):
+    return pair(*rough_surfaces(), interface=opposing_film_file, **PAIR_OPTIONS)
 
 
 @pytest.mark.parametrize("name", [*interfaces()])
@@ -107,6 +127,48 @@ def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, r
     uncorrelated_result = pair(*rough_surfaces(), mu0=mu0.text, tau0=tau0.text, **PAIR_OPTIONS)
     assert np.ptp(uncorrelated_result.interval) > 1.2 * np.ptp(result.interval)  # mu0 and tau0 are no longer correlated
     assert "interface film (measured)" in result.sentence
+
+
+def test_pair_reports_the_coefficient_for_the_sliding_rule_of_its_interface_first(result, opposing_result) -> None:
+    point, other_point = opposing_result.summary().first, result.summary().first
+    assert [rule.rule for rule in point.rules] == ["opposing", "all"]
+    assert [rule.rule for rule in other_point.rules] == ["all", "opposing"]
+    assert opposing_result.value == other_point.rules[1].value < 0.7 * result.value
+    assert opposing_result.interval == tuple(other_point.rules[1].interval)
+    budget = opposing_result.budget
+    assert budget["input"].tolist()[0] == "the interface"
+    assert (budget["lower"] <= opposing_result.value).all()
+    assert (budget["upper"] >= opposing_result.value).all()
+    assert not any("opposing" in caveat.text for caveat in opposing_result.caveats)
+
+
+def test_table_sentence_and_joint_start_with_the_sliding_rule_of_the_interface(opposing_result, tmp_path) -> None:
+    opposing_result.export(tmp_path / "pair.csv")
+    table = pandas.read_csv(tmp_path / "pair.csv")
+    assert table["sliding"].drop_duplicates().tolist() == ["opposing", "all"]
+    point = opposing_result.summary().first
+    first, second = (f"{rule} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in point.rules)
+    assert quotable_sentence(replace(point, caveats=())).startswith(f"μ_s = {first}, {second}, at")
+    assert repr(opposing_result).startswith(f"μ_s = {first.replace(' with ', '  ')}\n")
+    joint_values = opposing_result.joint_table("20 MPa").reference.estimates
+    assert joint_values["friction_combined"].value == pytest.approx(opposing_result.value)
+
+
+def test_rule_of_a_missing_interface_file_is_still_reported_first(opposing_film_file, tmp_path) -> None:
+    copy = shutil.copy(opposing_film_file, tmp_path)
+    stored = pair(*rough_surfaces(), interface=copy, **PAIR_OPTIONS)
+    Path(copy).unlink()
+    reopened = open_result(stored.path)
+    assert find_interface(reopened.study) is None
+    assert (reopened.summary().first.rules[0].rule, reopened.value) == ("opposing", stored.value)
+
+
+def test_interface_entry_without_a_sliding_rule_has_the_rule_of_its_file(opposing_result) -> None:
+    text = opposing_result.study.to_toml()
+    assert text.count(', sliding = "opposing"') == 1
+    old_study = parse_study(text.replace(', sliding = "opposing"', ""), "an older study")
+    assert find_interface(old_study) is find_interface(opposing_result.study) is not None
+    assert list_sliding_rules_reported_first(old_study) == ["opposing", "all"]
 
 
 def test_interface_is_ignored_if_mu0_of_the_study_is_changed(result) -> None:

@@ -1,6 +1,7 @@
 """Datasets and a browser for the tests of reports and figures."""
 
 import pytest
+from stiction.study.study import parse_study_of_dataset
 from support import browser
 from support.studies_of_files import run_pair_of_maps, run_pair_of_profiles
 
@@ -13,6 +14,14 @@ def generated_dataset(small_result):
 @pytest.fixture(scope="session")
 def maps_dataset(tmp_path_factory):
     return run_pair_of_maps(tmp_path_factory.mktemp("maps"))
+
+
+@pytest.fixture(scope="session")
+def opposing_interface_dataset(maps_dataset):
+    """Return the result of two maps with an interface that was fitted with friction at opposing contacts only."""
+    interface = {"file": "film.csv", "mu0": "0.3", "tau0": "0 MPa", "sliding": "opposing"}
+    study = parse_study_of_dataset(maps_dataset).with_changes({"friction.interface": interface})
+    return maps_dataset.assign_attrs(study=study.to_toml())
 
 
 @pytest.fixture(scope="session")

@@ -45,7 +45,7 @@ from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
 from stiction.views.report.pictures import inline_svg, list_panels
 from stiction.views.rows import summary_json, summary_table
-from stiction.views.style import FIGURE_FORMATS, literal_text, save_figure, spread_label_positions
+from stiction.views.style import FIGURE_FORMATS, SLIDING_RULE_LABELS, literal_text, save_figure, spread_label_positions
 from support.generated_studies import SMALL_STUDY, empty_dataset
 from support.report_numbers import ReportEvaluator
 from support.studies_of_files import run_pair_of_maps
@@ -493,6 +493,17 @@ def test_listing_the_figures_of_a_result_does_not_compute_resolution_limits(maps
 
     monkeypatch.setattr(resolution, "find_resolution_limits", fail)
     assert "cut_off" in Result.of(maps_at_two_cutoffs).figures()
+
+
+@pytest.mark.parametrize("name", ["friction", "positions"])
+def test_legend_starts_with_the_sliding_rule_of_the_interface(opposing_interface_dataset, maps_dataset, name):
+    labels = []
+    for dataset in (opposing_interface_dataset, maps_dataset):
+        figure = dict(select_figures(dataset))[name]()
+        texts = [text.get_text() for text in figure.legends[0].get_texts()]
+        labels.append([text for text in texts if text in SLIDING_RULE_LABELS.values()])
+    assert labels[1] == [SLIDING_RULE_LABELS[rule] for rule in ("all", "opposing")]
+    assert labels[0] == labels[1][::-1]
 
 
 def test_report_and_plot_draw_the_same_figure_over_the_cutoff(maps_at_two_cutoffs):

@@ -1,22 +1,11 @@
 """Tests of caveats about inputs; each caveat has a case with it and a case without it."""
 
 import re
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 import pytest
-from stiction import (
-    Profile,
-    Surface,
-    flipped,
-    instrument_limit,
-    interface,
-    levelled,
-    pair,
-    self_affine,
-    write_interface,
-)
+from stiction import Profile, Surface, flipped, instrument_limit, interface, levelled, pair, self_affine
 from stiction.study.measured_bodies import MeasuredBodySettings
 from stiction.study.study_description import get_pair_name
 from stiction.summary.input_caveats import (
@@ -91,18 +80,6 @@ def test_interface_of_unknown_range_adds_a_caveat(rough_profile, name, has_cavea
     texts = [each.text for each in find_input_caveats(rough_profile, rough_profile, study)]
     assert any("does not include the uncertainty of μ0 and τ0" in text for text in texts) == has_caveat
     assert interface(name).has_unknown_range == has_caveat
-
-
-@pytest.mark.parametrize(("rule", "has_caveat"), [("all", False), ("opposing", True)])
-def test_interface_fitted_at_opposing_contacts_adds_a_caveat(rough_profile, tmp_path, rule, has_caveat):
-    strength = interface("MoS2 on bearing steel, dry air")
-    write_interface(replace(strength, fits=(replace(strength.fits[0], sliding=rule),)), tmp_path / "film.csv")
-    study = pair_study(
-        rough_profile, rough_profile, effective_modulus="10 GPa", load="1 MPa", interface=str(tmp_path / "film.csv"),
-        mechanics="asperities",
-    )  # fmt: skip
-    texts = [each.text for each in find_input_caveats(rough_profile, rough_profile, study)]
-    assert any("determined with friction at opposing contacts only" in text for text in texts) == has_caveat
 
 
 def test_spikes_of_a_profile_add_a_caveat_that_states_their_number(rough_profile):

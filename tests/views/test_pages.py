@@ -6,7 +6,7 @@ import xml.etree.ElementTree
 
 import numpy as np
 import pytest
-from stiction import friction_map, levelled, self_affine, self_affine_surface
+from stiction import Result, friction_map, levelled, self_affine, self_affine_surface
 from stiction.companions.contact_picture import contact_picture
 from stiction.evaluate.at_load import at_load
 from stiction.study.study import parse_study_of_dataset
@@ -41,11 +41,14 @@ def surface():
 
 
 @pytest.fixture(scope="module")
-def pages(generated_dataset, maps_dataset, profiles_dataset, profile, surface, tmp_path_factory):
+def pages(
+    generated_dataset, maps_dataset, opposing_interface_dataset, profiles_dataset, profile, surface, tmp_path_factory
+):
     folder = tmp_path_factory.mktemp("pages")
     texts = {
         "study": report_page(generated_dataset),
         "maps": report_page(maps_dataset, picture=contact_picture(maps_dataset)),
+        "interface": report_page(opposing_interface_dataset),
         "lines": report_page(profiles_dataset, picture=contact_picture(profiles_dataset)),
         "profile": surface_page(profile, **SCAN_OPTIONS).html(),
         "file": surface_page(profile, **SCAN_OPTIONS, reading=FILE_READING_TABLE).html(),
@@ -468,6 +471,18 @@ def test_friction_displayed_for_maps_equals_library_values_after_controls_are_ch
     maps_report.find_element("css selector", "#judgement button").click()
     browser.wait_for_drawing(maps_report)
     assert maps_report.find_element("css selector", ".assessment").text == point.assessment
+
+
+def test_report_shows_the_coefficient_for_the_sliding_rule_of_the_interface_first(
+    driver, pages, opposing_interface_dataset
+):
+    browser.open_page(driver, pages["interface"])
+    shown = read_values_by_rule(driver)
+    expected = {rule.rule: rule.value for rule in Result(opposing_interface_dataset).summary().first.rules}
+    assert list(shown) == list(expected) == ["opposing", "all"]
+    assert shown == pytest.approx(expected, rel=1e-4)
+    assert "belong to friction at opposing contacts only" in find_element(driver, "answer").text
+    assert log_is_empty(driver)
 
 
 def test_compass_sets_direction_and_tooltip_shows_numbers(maps_report):

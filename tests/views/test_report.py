@@ -174,6 +174,18 @@ def test_quantities_in_a_report_have_the_labels_numbers_and_units_of_the_termina
         )
 
 
+def test_report_starts_with_the_sliding_rule_of_the_interface(opposing_interface_dataset):
+    report = ReportEvaluator(report_page(opposing_interface_dataset))
+    point = Result(opposing_interface_dataset).summary().first
+    assert report.facts["rules"] == [rule.rule for rule in point.rules] == ["opposing", "all"]
+    assert "film.csv belong to friction at opposing contacts only" in report.facts["ruleNote"]
+    for index, rule in enumerate(point.rules):
+        shown = report.evaluate_quantity("friction", 0.3, 0.0, rule=index, load=report.facts["start"]["load"])
+        assert [shown[name] for name in ("value", "lower", "upper")] == pytest.approx(
+            [rule.value, rule.lower, rule.upper], rel=1e-6
+        )
+
+
 def test_report_states_alpha_of_junction_growth(tmp_path):
     spacing = write_maps(tmp_path)
     contact = 'load = ["1 mN", "2 mN"]\nhardness = "2 GPa"\njunction_growth = 9'

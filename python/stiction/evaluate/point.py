@@ -68,7 +68,7 @@ def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 
 
 SLIDING_RULE_ORDER = ("all", "opposing")
-"""Sliding rules, starting with the rule that is reported for measured bodies.
+"""Sliding rules, starting with the rule that is reported for measured bodies without an interface.
 
 Under the reported rule, friction acts at all contacts, because mu0 is measured on smooth faces.
 """
@@ -187,9 +187,20 @@ def mean_contact_pressure(point: xarray.Dataset) -> float:
 
 
 def list_sliding_rules_reported_first(study: Study) -> list[str]:
-    """Return the sliding rules of a study, starting with the rule whose coefficient is reported."""
+    """Return the sliding rules of a study, starting with the rule whose coefficient is reported.
+
+    With an interface, it is the rule under which mu0 and tau0 were fitted.
+    """
     rules = SLIDING_RULE_ORDER if study.is_measured else SLIDING_RULE_ORDER[::-1]
-    return sorted(study.contact.sliding_rules(), key=rules.index)
+    fitted_rule = None if study.friction.interface is None else study.friction.interface.fitted_rule
+    return sorted(study.contact.sliding_rules(), key=lambda rule: (rule != fitted_rule, rules.index(rule)))
+
+
+def sort_sliding_rules(table: Any, study: Study) -> Any:
+    """Return values of measured bodies with the reported sliding rule first. Other values are returned unchanged."""
+    rules = list_sliding_rules_reported_first(study)
+    is_sorted = not study.is_measured or "sliding" not in table.dims or table["sliding"].values.tolist() == rules
+    return table if is_sorted else table.sel(sliding=rules)
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:

@@ -475,12 +475,15 @@ def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
 class InterfaceSettings(SettingsSection):
     """Entry of a study for an interface, which defines mu0 and tau0 jointly.
 
-    `mu0` and `tau0` apply if the file of the interface is missing or has changed.
+    `mu0`, `tau0` and `sliding` apply if the file of the interface is missing or has changed.
     """
 
     file: str = Field(min_length=1, max_length=4096, description="Name or file of an interface.")
     mu0: FrictionCoefficientEntry
     tau0: ShearStrengthEntry
+    sliding: SlidingRule = Field(
+        default="all", description="Sliding rule under which mu0 and tau0 were fitted: all or opposing contacts."
+    )
 
     @classmethod
     def from_source(cls, name_or_path: str) -> InterfaceSettings:
@@ -497,12 +500,13 @@ class InterfaceSettings(SettingsSection):
                 round_median_strength(strength), strength.strength_intervals, (1.0, 1e3), ("", " MPa"), strict=True
             )
         )
-        return cls.model_validate({"file": file, "mu0": mu0, "tau0": tau0})
+        return cls.model_validate({"file": file, "mu0": mu0, "tau0": tau0, "sliding": strength.fits[0].sliding})
 
     def load(self) -> InterfaceStrength | None:
         """Return the interface, or None if its file is missing or has changed."""
         try:
-            if InterfaceSettings.from_source(self.file) != self:
+            entry = InterfaceSettings.from_source(self.file)
+            if (entry.mu0, entry.tau0) != (self.mu0, self.tau0):
                 return None
             is_published = self.file in _published_interfaces()
             return _read_cached_interface(self.file, 0 if is_published else Path(self.file).stat().st_mtime_ns)
@@ -513,6 +517,12 @@ class InterfaceSettings(SettingsSection):
     def name(self) -> str:
         """Name of the interface, or name of its file without the directory."""
         return Path(self.file).name
+
+    @property
+    def fitted_rule(self) -> SlidingRule:
+        """Sliding rule under which mu0 and tau0 were fitted. Entries of earlier versions have it only in the file."""
+        strength = self.load()
+        return self.sliding if strength is None else strength.fits[0].sliding
 
     @model_serializer(mode="wrap")
     def _serialize(self, serialize: SerializerFunctionWrapHandler) -> Any:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._units import exact_quantity
+from stiction.evaluate.point import sort_sliding_rules
 from stiction.study.members import generate_phases, generate_unscaled_profile, pair_of
 from stiction.summary.evaluation import Evaluation
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
@@ -48,7 +49,7 @@ def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Data
 def evaluate_positions_at_first_load(result: Evaluation) -> xarray.Dataset:
     """Evaluate the friction coefficients of single members at the first load, mu0 and tau0 in the study."""
     first_load = float(result.study.friction.load[0])
-    points = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0)
+    points = sort_sliding_rules(result.at_study_loads, result.study).isel(cut_off=0, mu0=0, tau0=0)
     return evaluate_positions(result, points.sel(load=first_load, method="nearest"))
 
 
@@ -71,7 +72,8 @@ def evaluate_height_factors(
     settings, factors = result.study.friction, result.height_factors[scaled_bodies]
     mu0, tau0 = settings.mu0[mu0_index], float(settings.tau0[tau0_index])
     points = result.at(float(settings.load[0]), mu0=mu0, tau0=tau0, height_scale=factors, scaled=scaled_bodies)
-    return omit_meaningless_area(points.isel(load=0, mu0=0, tau0=0), result.study)
+    points = sort_sliding_rules(points.isel(load=0, mu0=0, tau0=0), result.study)
+    return omit_meaningless_area(points, result.study)
 
 
 def omit_meaningless_area(points: xarray.Dataset, study: Study) -> xarray.Dataset:

@@ -141,12 +141,6 @@ def find_input_caveats(
         caveats.append(
             Caveat(text, "measure it (stiction calibrate), or give --mu0 and --tau0 with their ranges", "caution")
         )
-    if interface is not None and interface.fits[0].sliding == "opposing":
-        text = (
-            "μ0 and τ0 were determined with friction at opposing contacts only, so the coefficient for friction at all "
-            "contacts does not apply to this interface"
-        )
-        caveats.append(Caveat(text, "use the coefficient for friction at opposing contacts only", "caution"))
     area = float(np.prod(np.minimum(_get_axis_extents(upper), _get_axis_extents(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from stiction._caching import cached_property
 from stiction._checks import Floats
+from stiction.evaluate.point import list_sliding_rules_reported_first
 from stiction.study.study_description import StudyDescription, describe_study
 from stiction.summary.evaluation import Evaluation
 from stiction.summary.figure_values import (
@@ -181,7 +182,7 @@ def _collect_common_data(result: Evaluation) -> dict[str, Any]:
     study = result.study
     return {
         "study": study, "description": describe_study(study), "version": result.version,
-        "num_members": result.members.size, "rules": list(study.contact.sliding_rules()),
+        "num_members": result.members.size,
         "directions": [float(angle) for angle in study.contact.direction_angles()],
     }  # fmt: skip
 
@@ -196,6 +197,7 @@ def _collect_measured_data(result: Evaluation, picture: xarray.Dataset | None) -
     return MeasuredReportData(
         bodies={side: _read_body_history(getattr(study.surfaces, side), head.attrs.get(side)) for side in SIDES},
         **_collect_common_data(result),
+        rules=list_sliding_rules_reported_first(study),
         num_solved=result.members.size,
         cut_offs=head["cut_off"].values.tolist(),
         nominal_area=float(head["nominal_area"]),
@@ -227,6 +229,7 @@ def _collect_generated_data(result: Evaluation) -> GeneratedReportData:
     has_contact = bool(grid.loads.size)
     return GeneratedReportData(
         **_collect_common_data(result),
+        rules=list(study.contact.sliding_rules()),
         num_solved=num_solved,
         dimensions=head["fractal_dimension"].values,
         amplitudes=head["amplitude"].values,

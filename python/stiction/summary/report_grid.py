@@ -16,6 +16,7 @@ from stiction._checks import Floats
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty
 from stiction.evaluate.load_range import choose_loads_in_range
+from stiction.evaluate.point import sort_sliding_rules
 from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO
 from stiction.study.inputs import SAME_VALUE_TOLERANCE, Inputs
 from stiction.summary.assessment import NEARLY_BULK_STRENGTH_RATIO
@@ -128,7 +129,8 @@ class ReportGrid:
                 warnings.simplefilter("ignore", UserWarning)
                 at = at_load(self.result, self.loads, mu0=mu0, tau0=tau0, member_kind=kind, names=names)
             has_combined = kind != "surrogates"
-            tables.append(add_uncertainty(at, self.result, budget=False, tests=False) if has_combined else at)
+            table = add_uncertainty(at, self.result, budget=False, tests=False) if has_combined else at
+            tables.append(sort_sliding_rules(table, self.study))
         return tuple(tables)
 
     def evaluate_study_inputs(self) -> tuple[xarray.Dataset, ...]:

@@ -39,6 +39,7 @@ from stiction.evaluate.point import (
     read_estimates_along,
     read_point_quantities,
     select_sliding_rule,
+    sort_sliding_rules,
 )
 from stiction.evaluate.pull_off import PullOffValues, find_pull_off_values
 from stiction.mechanics import friction
@@ -336,7 +337,8 @@ class Summary:
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
         """Values at several cutoffs, from the result itself or, if the result has one cutoff, from its cutoff study."""
-        return self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
+        values = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
+        return None if values is None else sort_sliding_rules(values, self.study)
 
     @cached_property
     def onset_values(self) -> OnsetValues | None:
@@ -371,6 +373,7 @@ def summarize(
     **alongside : xarray.Dataset
         `onset` and `values_at_cutoffs`, if they are stored.
     """
+    at = sort_sliding_rules(at, study)
     summaries = [
         summarize_point(
             point,

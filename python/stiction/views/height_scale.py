@@ -16,12 +16,13 @@ from stiction.evaluate.point import (
     nominal_pressure_at,
     read_estimate,
     select_sliding_rule,
+    sort_sliding_rules,
 )
 from stiction.mechanics.friction import STATUS_OK
 from stiction.views import rows
 from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
-from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text
+from stiction.views.point import load_text
 from stiction.views.quantities import percent_text
 
 if TYPE_CHECKING:
@@ -50,7 +51,8 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
             "gradient of the gap. Intervals: 95 %, combined."
         )
     ]
-    rules = [rule for rule in SLIDING_RULE_DESCRIPTIONS if rule in np.atleast_1d(dataset["sliding"].values)]
+    dataset = sort_sliding_rules(dataset, study)
+    rules = np.atleast_1d(dataset["sliding"].values).tolist()
     is_areal = study.is_areal
     has_rms = "upper_rms" in dataset
     for point in iterate_points(dataset):
@@ -101,4 +103,5 @@ def height_scale_json(dataset: xarray.Dataset, study: Study) -> str:
     """Return a dataset from `evaluate_at_height_factors` as a JSON record."""
     fields = {"kind": "pair", "scaled": dataset.attrs["scaled"], "solved": dataset.attrs["solved"].tolist()}
     fields |= {name: float(dataset[name]) for name in ("effective_modulus", "nominal_area") if name in dataset.coords}
-    return record_json("at", rows.value_records(rows.values_frame(dataset)), **fields)
+    values = rows.values_frame(sort_sliding_rules(dataset, study))
+    return record_json("at", rows.value_records(values), **fields)

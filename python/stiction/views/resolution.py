@@ -54,7 +54,7 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
     The last row is the plastic limit if there is a hardness (GPa).
     """
     first_values = resolution.cutoffs[0].at
-    rules = [rule for rule in SLIDING_RULE_TITLES if f"friction_{rule}" in resolution.cutoffs[0].values]
+    rules = [name.removeprefix("friction_") for name in resolution.cutoffs[0].values if name.startswith("friction_")]
     rows = [["cutoff", "h'", "A/A0", "mean pressure", *(f"μ_s {SLIDING_RULE_TITLES[rule]}" for rule in rules)]]
     for point in resolution.cutoffs:
         if any(point.at[name] != first_values[name] for name in ("load", "mu0", "tau0")):
@@ -71,9 +71,8 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
         )
     if resolution.plastic_limit is not None and hardness is not None:
         friction_limit, area_limit = resolution.plastic_limit
-        rows.append(
-            ["plastic limit", "", percent_text(area_limit), format_with_unit(hardness, "GPa"), f"{friction_limit:.3f}"]
-        )
+        cells = ["plastic limit", "", percent_text(area_limit), format_with_unit(hardness, "GPa")]
+        rows.append([*cells, *[""] * rules.index("all"), f"{friction_limit:.3f}"])
     return rows
 
 

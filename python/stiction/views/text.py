@@ -48,6 +48,7 @@ from stiction.views.sentence import (
 if TYPE_CHECKING:
     import xarray
 
+    from stiction.evaluate.point import SlidingRuleCoefficient
     from stiction.study.study import Study
     from stiction.summary.evaluation import Evaluation
 
@@ -319,17 +320,25 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
     """Return a sentence about grooves. If `verbose`, add the coefficients along each axis and in each direction."""
     if not verbose:
         return [grooves_paragraph(point)]
-    by_direction = {rule.rule: rule.by_direction for rule in point.rules}
+    by_direction = {rule.rule: rule.by_direction for rule in _sort_rules_of_directions(point)}
     return [
         grooves_paragraph(point, verbose=True),
         _coefficients_table(by_direction, lambda degrees: f"upper body {motion_direction_text(degrees)}"),
     ]
 
 
+def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficient]:
+    """Return the coefficients of a point in the order of tables over axes and directions.
+
+    These tables start with friction at all contacts, unless an interface was fitted under the other rule.
+    """
+    return list(point.rules) if point.study.is_measured else sorted(point.rules, key=lambda rule: rule.rule)
+
+
 def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragraph:
     """Return a sentence about grooves if friction depends on the axis. `verbose` adds the values along each axis."""
-    coefficients = {rule.rule: rule.by_axis for rule in point.rules}
-    by_axis = next(coefficients[rule] for rule in SLIDING_RULE_DESCRIPTIONS if rule in coefficients)
+    coefficients = {rule.rule: rule.by_axis for rule in _sort_rules_of_directions(point)}
+    by_axis = next(iter(coefficients.values()))
     if len(by_axis) < 2:
         return []
     sentence = _grooves_text(by_axis)
@@ -363,12 +372,14 @@ def _coefficients_table(
     coefficients: Mapping[str, Mapping[float, Estimate]], format_coordinate: Callable[[float], str]
 ) -> Paragraph:
     """Return a table of coefficients with intervals of the mean: a row per coordinate, a column per sliding rule."""
-    rules = [rule for rule in SLIDING_RULE_DESCRIPTIONS if rule in coefficients]
     rows = [
-        [format_coordinate(coordinate), *(_coefficient_cell(coefficients[rule][coordinate]) for rule in rules)]
-        for coordinate in coefficients[rules[0]]
+        [
+            format_coordinate(coordinate),
+            *(_coefficient_cell(estimates[coordinate]) for estimates in coefficients.values()),
+        ]
+        for coordinate in next(iter(coefficients.values()))
     ]
-    headings = ["μ_s [sampling]", *(SLIDING_RULE_TITLES[rule] for rule in rules)]
+    headings = ["μ_s [sampling]", *(SLIDING_RULE_TITLES[rule] for rule in coefficients)]
     return [Table([headings, *rows])] if rows else []
 
 

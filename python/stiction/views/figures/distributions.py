@@ -37,7 +37,7 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
     axes: Any = figure.add_subplot(projection="polar")
     fine_degrees = np.linspace(0, 360, 361)
     highest_coefficient = 0.0
-    rules = [rule for rule in SLIDING_RULE_COLOURS if rule in np.atleast_1d(dataset["sliding"].values)]
+    rules = np.atleast_1d(dataset["sliding"].values).tolist()
     for rule in rules:
         colour, rule_values = SLIDING_RULE_COLOURS[rule], select_sliding_rule(dataset, rule)
         values = rule_values["friction_coefficient"].transpose("statistic", "direction")
@@ -125,7 +125,7 @@ def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
     axes = figure.subplots()
     by_offset = _has_single_profile_pair(values)
     highest_coefficient = float(np.nanmax(values.values)) if np.isfinite(values.values).any() else 1.0
-    for rule in (rule for rule in SLIDING_RULE_COLOURS if rule in np.atleast_1d(values["sliding"].values)):
+    for rule in np.atleast_1d(point["sliding"].values).tolist():
         rule_values = select_sliding_rule(values, rule)
         finite_values = rule_values.values[np.isfinite(rule_values.values)]
         if by_offset:

@@ -35,7 +35,7 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     has_load = np.array([not is_unloaded(points.isel(height_scale=index)) for index in range(height_factors.size)])
     figure = new_figure(114)
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-    for rule in (rule for rule in SLIDING_RULE_COLOURS if rule in np.atleast_1d(points["sliding"].values)):
+    for rule in np.atleast_1d(points["sliding"].values).tolist():
         combined_friction = select_sliding_rule(points["friction_combined"], rule)
         mean, low, high = (
             combined_friction.sel(statistic=statistic).where(has_load).values for statistic in MEAN_AND_LIMITS

@@ -263,8 +263,7 @@ def _friction_and_area_figure(
 
 
 def _list_sliding_rules(points: xarray.Dataset) -> list[str]:
-    rules = np.atleast_1d(points["sliding"].values).tolist() if "sliding" in points.coords else ["opposing"]
-    return [rule for rule in SLIDING_RULE_COLOURS if rule in rules]
+    return np.atleast_1d(points["sliding"].values).tolist() if "sliding" in points.coords else ["opposing"]
 
 
 def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colour: str) -> None:

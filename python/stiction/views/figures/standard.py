@@ -13,6 +13,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
+from stiction.evaluate.point import sort_sliding_rules
 from stiction.study.study import Study
 from stiction.study.study_description import get_pair_name
 from stiction.summary.evaluation import Evaluation
@@ -151,7 +152,7 @@ def _measured_surface_figures(
     result: Evaluation, study: Study, picture: xarray.Dataset | None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     study_loads = [float(load) for load in study.friction.load]
-    points = result.at_report_loads
+    points = sort_sliding_rules(result.at_report_loads, study)
     unfiltered_points, title, hardness = (
         points.isel(cut_off=0),
         format_print_title(get_pair_name(study)),

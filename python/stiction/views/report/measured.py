@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from stiction.summary.summary import PointSummary, Summary
 from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import (
+    SLIDING_RULE_DESCRIPTIONS,
     averaged_directions_text,
     cutoff_text,
     load_text,
@@ -39,6 +40,9 @@ from stiction.views.sentence import (
     quotable_sentence,
     small_slope_estimate_text,
 )
+
+if TYPE_CHECKING:
+    from stiction.study.study import Study
 
 
 def measured_report_content(data: MeasuredReportData, name: str) -> ReportContent:
@@ -100,11 +104,22 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
         ],
         "combined": [kind != "surrogates" for kind in values.member_kinds],
         "memberCounts": values.member_counts,
-        "ranged": any(axis.has_range.any() for axis in values.axes),
+        "ranged": any(axis.has_range.any() for axis in values.axes), "ruleNote": _rule_note(study),
         "points": [_assessment_record(point) for point in summary.points], "validity": [],
         "curves": _CURVE_PANELS[data.study.has_nominal_area],
         "modulus": data.effective_modulus, "area": area,
     }  # fmt: skip
+
+
+def _rule_note(study: Study) -> str:
+    """Return a sentence about the sliding rule that is valid for mu0 and tau0."""
+    if study.friction.interface is None:
+        return (
+            "If μ0 was measured on smooth surfaces, friction acts at all contacts. "
+            "In other cases, it is not known which rule is valid."
+        )
+    rule = SLIDING_RULE_DESCRIPTIONS[study.friction.interface.fitted_rule]
+    return f"μ0 and τ0 of the interface {study.friction.interface.name} belong to {rule}."
 
 
 _CURVE_PANELS: dict[bool, dict[str, dict[str, Any]]] = {

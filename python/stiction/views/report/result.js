@@ -112,7 +112,7 @@ function showReadout() {
     if (judged.answer?.bar && rule === "all" && at.isCombined) answers.push(contributionBar(judged.answer.bar), ...(judged.answer.most ? [element("p", {class: "hint"}, judged.answer.most)] : []));
   }
   if (points.length > 1 && isMeasured)
-    answers.push(element("p", {class: "hint"}, "If μ0 was measured on smooth surfaces, friction acts at all contacts. In other cases, it is not known which rule is valid."));
+    answers.push(element("p", {class: "hint"}, facts.ruleNote));
   const [{at: {status, value, lower, upper}}] = points;
   Object.assign(byId("readout").dataset, {dimension: cells.values[d], load: loads[l], mu0: state.mu0, tau0: state.tau0 / 1000, status, value, lower, upper});
   byId("answer").replaceChildren(...answers);
