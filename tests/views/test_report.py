@@ -9,7 +9,7 @@ import pytest
 from stiction import Profile, Result, Study, levelled, pair, run, self_affine
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_QUANTITIES
 from stiction.study.study import parse_study_of_dataset
-from stiction.summary.report_data import collect_report_data
+from stiction.summary.report_data import collect_report_data, evaluate_measured_values
 from stiction.summary.report_grid import NUM_REPORT_LOADS, ReportGrid
 from stiction.views.files import REPORT_FILE_SIGNATURE
 from stiction.views.report import ReportError, report_page, save_report
@@ -137,7 +137,7 @@ def test_report_shows_how_each_file_was_read(tmp_path):
 def test_report_divides_by_the_nominal_area_only_where_the_terminal_does(fixture_name, request):
     """The nominal area of spheres on a strip has no meaning."""
     result = Result(request.getfixturevalue(fixture_name))
-    content = measured_report_content(collect_report_data(result), "")
+    content = measured_report_content(collect_report_data(result), evaluate_measured_values(result), "")
     terminal_text = result_text(result.summary(), verbose=True)
     has_nominal_area = "true area A/A0" in terminal_text
     assert has_nominal_area == (fixture_name == "maps_dataset")
@@ -156,13 +156,13 @@ def test_report_divides_by_the_nominal_area_only_where_the_terminal_does(fixture
 def test_quantities_in_a_report_have_the_labels_numbers_and_units_of_the_terminal(fixture_name, request, monkeypatch):
     monkeypatch.setenv("COLUMNS", "200")
     result = Result(request.getfixturevalue(fixture_name))
-    data = collect_report_data(result)
-    load_index = data.values.loads.size // 2
-    summary = result.summary(float(data.values.loads[load_index]), mu0=0.3, tau0=0.0)
+    data, values = collect_report_data(result), evaluate_measured_values(result)
+    load_index = values.loads.size // 2
+    summary = result.summary(float(values.loads[load_index]), mu0=0.3, tau0=0.0)
     terminal_text = result_text(summary, verbose=True)
     printed_tables = [
         table
-        for table in measured_report_content(data, "").quantities
+        for table in measured_report_content(data, values, "").quantities
         if f"\n{table.words.lower()}" in terminal_text.lower()
     ]
     assert len(printed_tables) > 5

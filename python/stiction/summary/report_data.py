@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from stiction._caching import cached_property
 from stiction._checks import Floats
 from stiction.evaluate.point import list_sliding_rules_reported_first
 from stiction.study.study_description import StudyDescription, describe_study
@@ -54,7 +51,7 @@ class ReportData:
         Numbers of finished members, and of members with a solution at all loads. Both numbers are equal for measured
         surfaces, whose reports include members without a solution.
     rules, directions : list
-        Sliding rules and directions of motion (degrees), in the axis order of `values`.
+        Sliding rules and directions of motion (degrees), in the axis order of report values.
     """
 
     study: Study
@@ -82,8 +79,6 @@ class MeasuredReportData(ReportData):
     num_opposing_contacts : int
         Number of contacts in the picture that oppose the motion in the first direction.
     summary : Summary
-    evaluate_values : callable
-        Function that returns `values`.
     positions : xarray.Dataset or None
         Result of `evaluate_positions_at_first_load`, or None if there is only one member.
     height_factors : dict
@@ -98,14 +93,8 @@ class MeasuredReportData(ReportData):
     num_opposing_contacts: int
     loading_cycle: xarray.Dataset | None
     summary: Summary
-    evaluate_values: Callable[[], MeasuredReportValues]
     positions: xarray.Dataset | None
     height_factors: dict[ScaledBodies, xarray.Dataset]
-
-    @cached_property
-    def values(self) -> MeasuredReportValues:
-        """Values at all loads, mu0 and tau0 of the report, evaluated on first use, because figures do not need them."""
-        return self.evaluate_values()
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,8 +130,6 @@ class GeneratedReportData(ReportData):
         Loads shown on the page, or an empty array if no pair is in contact.
     num_steps : int
         Number of computed loads or approaches.
-    evaluate_values : callable
-        Function that returns `values`.
     contact_forces : xarray.Dataset or None
         As for `Result`.
     onset : xarray.Dataset or None
@@ -153,14 +140,22 @@ class GeneratedReportData(ReportData):
     amplitudes: Floats
     loads: Floats
     num_steps: int
-    evaluate_values: Callable[[], GeneratedReportValues | None]
     contact_forces: xarray.Dataset | None
     onset: xarray.Dataset | None
 
-    @cached_property
-    def values(self) -> GeneratedReportValues | None:
-        """Values at all loads, mu0 and tau0, evaluated on first use. None if no pair is in contact."""
-        return self.evaluate_values()
+
+def evaluate_measured_values(result: Evaluation) -> MeasuredReportValues:
+    """Evaluate the numbers of a report on measured surfaces at all its loads, mu0 and tau0; figures need none."""
+    return evaluate_measured_report(ReportGrid(result))
+
+
+def evaluate_generated_values(result: Evaluation) -> GeneratedReportValues | None:
+    """Evaluate the numbers of a report on generated surfaces, as for `evaluate_measured_values`.
+
+    None if no pair is in contact.
+    """
+    grid = ReportGrid(result)
+    return evaluate_generated_report(grid, result.num_solved) if grid.loads.size else None
 
 
 def count_coefficients(result: Evaluation) -> int:
@@ -171,7 +166,7 @@ def count_coefficients(result: Evaluation) -> int:
 def collect_report_data(
     result: Evaluation, picture: xarray.Dataset | None = None
 ) -> MeasuredReportData | GeneratedReportData:
-    """Evaluate everything that the report on a result shows, except `values`, which are evaluated on first use.
+    """Evaluate the data that a report shows for single loads, mu0 and tau0 of the study.
 
     `picture` is a result of `contact_picture`; by default the picture stored with the result.
     """
@@ -206,7 +201,6 @@ def _collect_measured_data(result: Evaluation, picture: xarray.Dataset | None) -
         num_opposing_contacts=0 if picture is None else int(find_opposing_contacts(picture, first_direction).sum()),
         loading_cycle=result.loading_cycle,
         summary=result.summary(),
-        evaluate_values=partial(evaluate_measured_report, ReportGrid(result)),
         positions=evaluate_positions_at_first_load(result) if result.members.size > 1 else None,
         height_factors={scaled: evaluate_height_factors(result, scaled) for scaled in result.height_factors},
     )
@@ -225,17 +219,16 @@ def _read_body_history(body: MeasuredBodySettings, history: str | None) -> BodyH
 
 
 def _collect_generated_data(result: Evaluation) -> GeneratedReportData:
-    study, head, grid, num_solved = result.study, result.head, ReportGrid(result), result.num_solved
-    has_contact = bool(grid.loads.size)
+    study, head, loads = result.study, result.head, ReportGrid(result).loads
+    has_contact = bool(loads.size)
     return GeneratedReportData(
         **_collect_common_data(result),
         rules=list(study.contact.sliding_rules()),
-        num_solved=num_solved,
+        num_solved=result.num_solved,
         dimensions=head["fractal_dimension"].values,
         amplitudes=head["amplitude"].values,
-        loads=grid.loads,
+        loads=loads,
         num_steps=int(head.sizes[study.step_quantity]),
-        evaluate_values=partial(evaluate_generated_report, grid, num_solved) if has_contact else lambda: None,
         contact_forces=result.contact_forces if has_contact else None,
         onset=evaluate_onset_over_dimension(result) if has_contact else None,
     )

@@ -68,11 +68,16 @@ BEYOND_MODEL_TEXT = (
 )
 
 
-def common_facts(data: MeasuredReportData | GeneratedReportData) -> dict[str, Any]:
-    """Return the data that the page script needs for reports of every kind."""
-    modulus, values = float(data.study.contact.effective_modulus), data.values
+def common_facts(
+    data: MeasuredReportData | GeneratedReportData, axes: tuple[ParameterAxis, ParameterAxis] | None
+) -> dict[str, Any]:
+    """Return the data that the page script needs for reports of every kind.
+
+    `axes` contains the values of mu0 and tau0; None if no pair is in contact.
+    """
+    modulus = float(data.study.contact.effective_modulus)
     return {
-        "axes": None if values is None else _slider_settings(values.axes, data.study),
+        "axes": None if axes is None else _slider_settings(axes, data.study),
         "percent": f"{100 * CONFIDENCE_LEVEL:g} %", "ticks": COLOUR_BAR_TICKS,
         "ruleDescriptions": SLIDING_RULE_DESCRIPTIONS, "ruleNames": SLIDING_RULE_LABELS,
         "why": {

@@ -25,15 +25,21 @@ from stiction.summary.report_values import (
 from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
 from stiction.views.point import coordinate_text, motion_direction_text
 from stiction.views.quantities import quantity_label
-from stiction.views.report.content import ReportContent
+from stiction.views.report.content import ReportContent, common_facts
 from stiction.views.report.page import escape_html, format_count
 from stiction.views.report.tables import QUANTITY_DIGITS, EstimateArray, NumberArray, ReportArray
 
 
-def generated_report_content(data: GeneratedReportData, name: str) -> ReportContent:
-    """Return the content of a report on generated surfaces. The default title is the name of the study."""
-    name, values = name or data.description.name, data.values
-    facts = _page_facts(data) | {"name": name, "repetitions": data.num_solved, "hasIntervals": data.num_solved > 1}
+def generated_report_content(
+    data: GeneratedReportData, values: GeneratedReportValues | None, name: str
+) -> ReportContent:
+    """Return the content of a report on generated surfaces. The default title is the name of the study.
+
+    `values` is None if no pair is in contact.
+    """
+    name = name or data.description.name
+    facts = common_facts(data, None if values is None else values.axes)
+    facts |= _page_facts(data) | {"name": name, "repetitions": data.num_solved, "hasIntervals": data.num_solved > 1}
     facts |= {"kinds": [REPETITION_NAMES.plural], "combined": [True], "points": [], "asked": []}
     arrays: dict[str, ReportArray] = {}
     if values is not None:

@@ -28,7 +28,7 @@ from stiction.views.point import (
 )
 from stiction.views.pull_off import pull_off_text
 from stiction.views.quantities import quantity_label
-from stiction.views.report.content import ReportContent
+from stiction.views.report.content import ReportContent, common_facts
 from stiction.views.report.page import MAX_SHOWN_LINE_LENGTH, escape_html
 from stiction.views.report.reading import LISTED_READING_OPTIONS, file_reading_table
 from stiction.views.report.tables import EstimateArray, QuantityTable, ReportArray
@@ -45,16 +45,16 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 
-def measured_report_content(data: MeasuredReportData, name: str) -> ReportContent:
+def measured_report_content(data: MeasuredReportData, values: MeasuredReportValues, name: str) -> ReportContent:
     """Return the content of a report on measured surfaces. The title contains the names of the files and `name`."""
     pair_name = data.description.name
     name = f"{pair_name} ({name})" if name else pair_name
     histories = [_history_markup(side, history) for side, history in data.bodies.items()]
     return ReportContent(
         name=name,
-        facts=_page_facts(data) | {"name": name},
-        arrays=_friction_arrays(data.values),
-        quantities=_list_quantity_tables(data),
+        facts=common_facts(data, values.axes) | _page_facts(data, values) | {"name": name},
+        arrays=_friction_arrays(values),
+        quantities=_list_quantity_tables(data.study, values),
         members_text=f"{data.study.member_names.with_count(data.num_members)} of the two surfaces",
         heading_lines=_heading_lines(data),
         description_markup=_summary_markup(data.summary) + "".join(histories),
@@ -64,8 +64,8 @@ def measured_report_content(data: MeasuredReportData, name: str) -> ReportConten
 _MEMBER_KIND_TEXTS = {"shifts": POSITION_NAMES.plural, "surrogates": SURROGATE_PAIR_NAMES.plural}
 
 
-def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
-    study, summary, area, values = data.study, data.summary, data.nominal_area, data.values
+def _page_facts(data: MeasuredReportData, values: MeasuredReportValues) -> dict[str, Any]:
+    study, summary, area = data.study, data.summary, data.nominal_area
     surfaces: Any = study.surfaces
     loads, angles = values.loads.tolist(), data.directions
     pressures = [load / area if data.study.has_nominal_area else math.nan for load in loads]
@@ -204,20 +204,20 @@ def _history_markup(side: str, history: BodyHistory) -> str:
     return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
-def _list_quantity_tables(data: MeasuredReportData) -> list[QuantityTable]:
+def _list_quantity_tables(study: Study, values: MeasuredReportValues) -> list[QuantityTable]:
     """Return a table for each quantity that has values, except friction."""
     tables = []
-    curve_panels = _CURVE_PANELS[data.study.has_nominal_area].values()
+    curve_panels = _CURVE_PANELS[study.has_nominal_area].values()
     factors = {curve_panel["of"]: curve_panel["factor"] for curve_panel in curve_panels}
-    for name, estimates in data.values.load_quantities.items():
-        if not data.study.has_nominal_area and name in ("contact_area_fraction", *STIFFNESS_PER_AREA_QUANTITIES):
+    for name, estimates in values.load_quantities.items():
+        if not study.has_nominal_area and name in ("contact_area_fraction", *STIFFNESS_PER_AREA_QUANTITIES):
             continue
         if not is_shown_in_report(name, estimates[0]):
             continue
         quantity = QUANTITIES[name]
-        label = quantity_label(name, data.study)
+        label = quantity_label(name, study)
         words = label[0].upper() + label[1:]
-        limit = data.values.check_limits[name]
+        limit = values.check_limits[name]
         tables.append(QuantityTable(name, words, quantity.table_unit, estimates, factors.get(name, 1), limit))
     return tables
 

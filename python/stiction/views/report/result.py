@@ -24,8 +24,10 @@ from stiction.summary.report_data import (
     ReportData,
     collect_report_data,
     count_coefficients,
+    evaluate_generated_values,
+    evaluate_measured_values,
 )
-from stiction.views.report.content import ReportContent, common_facts
+from stiction.views.report.content import ReportContent
 from stiction.views.report.generated import generated_report_content
 from stiction.views.report.measured import measured_report_content
 from stiction.views.report.page import (
@@ -107,7 +109,7 @@ def _build_page(result: Evaluation, name: str, picture: xarray.Dataset | None) -
     """
     _check_size(result)
     data = collect_report_data(result, picture)
-    with evaluate_in_copy(partial(_compose_content, data, name)) as get_content:
+    with evaluate_in_copy(partial(_compose_content, result, data, name)) as get_content:
         panels = list_panels(data)
         panel_markup = {
             is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main)
@@ -118,16 +120,15 @@ def _build_page(result: Evaluation, name: str, picture: xarray.Dataset | None) -
 
 
 def _compose_content(
-    data: MeasuredReportData | GeneratedReportData, name: str
+    result: Evaluation, data: MeasuredReportData | GeneratedReportData, name: str
 ) -> tuple[ReportContent, dict[str, Any], PackedArrays]:
     """Evaluate the values of the page. Return its content, the data for its scripts, and the encoded numbers."""
-    content = (
-        measured_report_content(data, name)
-        if isinstance(data, MeasuredReportData) else generated_report_content(data, name)
-    )  # fmt: skip
+    if isinstance(data, MeasuredReportData):
+        content = measured_report_content(data, evaluate_measured_values(result), name)
+    else:
+        content = generated_report_content(data, evaluate_generated_values(result), name)
     packed_arrays = pack_arrays(content.arrays)
-    facts = common_facts(data) | content.facts
-    facts |= {"quantities": [table.record() for table in content.quantities]}
+    facts = content.facts | {"quantities": [table.record() for table in content.quantities]}
     facts |= {"tables": packed_arrays.offsets, "formats": packed_arrays.formats, "leading": STORED_FLOAT_BYTES}
     return content, facts, packed_arrays
 
