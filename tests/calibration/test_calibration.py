@@ -201,6 +201,11 @@ def test_uncertainty_of_a_shared_hardness_cancels_in_the_prediction(tmp_path) ->
         for text in (hardness, "0.5..1.51 GPa")
     )
     assert np.ptp(shared_result.interval) < 0.5 * np.ptp(unrelated_result.interval)
+    # The row of the interface names the hardness if it replaces the row of the hardness.
+    for each, is_shared in ((shared_result, True), (unrelated_result, False)):
+        labels = each.budget["input"].tolist()
+        (label,) = (text for text in labels if text.startswith("the interface"))
+        assert (("the hardness" in label), ("the hardness" in labels)) == (is_shared, not is_shared)
     result_in_other_unit = pair(
         *rough_surface_pair(0.02), hardness="500..1500MPa", interface=tmp_path / "film.csv", **arguments
     )

@@ -195,11 +195,12 @@ def _evaluate_uncertainty(
         for tau0 in at["tau0"].values.tolist()
     }
     sampled_names = {name for inputs, _ in inputs_by_strength.values() for name in inputs}
+    joint_samples = next((strengths[0] for _, strengths in inputs_by_strength.values() if strengths), None)
     inputs = {name: each for name, each in study_inputs.uncertain.items() if name in sampled_names}
     scan_means = _average_pairs_of_scans(result, at, dims)
     drifts = find_slope_drifts(at.attrs)
     input_names = [
-        *([INTERFACE_INPUT_NAME] if any(strengths for _, strengths in inputs_by_strength.values()) else []),
+        *([] if joint_samples is None else [INTERFACE_INPUT_NAME]),
         *inputs,
         *(name for name in SAMPLING_INPUT_NAMES if scan_means or name in drifts or name == POSITIONS_INPUT_NAME),
         UNRESOLVED_ROUGHNESS_INPUT_NAME,
@@ -256,10 +257,10 @@ def _evaluate_uncertainty(
             "remaining_interval": (("input", *interval_dims), remaining_intervals),
             "remaining_width": (("input", *dims), remaining_widths),
         }
-        labels = [
-            inputs[name].label if name in inputs else {INTERFACE_INPUT_NAME: "the interface"}.get(name, name)
-            for name in input_names
-        ]
+        labels_by_input = {name: each.label for name, each in inputs.items()}
+        if joint_samples is not None:
+            labels_by_input[INTERFACE_INPUT_NAME] = _label_interface(study_inputs, joint_samples)
+        labels = [labels_by_input.get(name, name) for name in input_names]
         coordinates |= {"input": ("input", input_names), "input_label": ("input", labels)}
     if "junction_growth" in Inputs.from_study(study).entries:
         tables["fraction_unlimited"] = dims, unlimited_fractions
@@ -293,6 +294,17 @@ def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength 
     replaced_names |= {"junction_growth"} if growth is not None else set()
     strengths = [(*each, *hardness_and_growth) for each in interface.strength_samples]
     return {name: each for name, each in inputs.items() if name not in replaced_names}, strengths
+
+
+def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str:
+    """Return the label of an interface, with the labels of the uncertain inputs that its samples contain."""
+    _, _, hardness, growth = joint_samples
+    labels = [
+        study_inputs.uncertain[name].label
+        for name, samples in (("hardness", hardness), ("junction_growth", growth))
+        if samples is not None and name in study_inputs.uncertain
+    ]
+    return " with ".join(filter(None, ("the interface", " and ".join(labels))))
 
 
 def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
