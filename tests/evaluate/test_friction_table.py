@@ -156,6 +156,9 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     # The same command with another mu0 replaces the table.
     check_stiction("table", *COMMAND_OPTIONS, "--mu0", "0.1", cwd=tmp_path)
     assert len((tmp_path / "table" / "table.csv").read_text().splitlines()) == 1 + 2 * 3
+    # The stored study has this mu0 too, so that other commands print values for it.
+    assert open_result(tmp_path / "table").study.friction.mu0 == (0.1,)
+    assert "μ0 = 0.1," in check_stiction("info", "table", cwd=tmp_path).stdout
 
 
 def test_table_command_takes_materials_hardness_and_interface(tmp_path):

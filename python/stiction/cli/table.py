@@ -117,6 +117,7 @@ def table_command(
         shortest_wavelength=shortest_wavelength,
         repetitions=repetitions,
         seed=seed,
+        **friction_parameters,
     )
     signatures = {  # first bytes of the files of an earlier table, which may be overwritten
         NETCDF_FILE_NAME: CHECKSUM_PREFIX,
@@ -126,9 +127,9 @@ def table_command(
     check_all_replaceable(output, signatures)
     with open_executor(workers, scheduler) as executor:
         result = compute_result_in_folder(study, output, executor)
-    table = friction_table(result, **friction_parameters)
+    table = friction_table(result)
     print_output(friction_table_text(table))
-    if assessment_text := table_assessment_text(result.summary(**friction_parameters)):
+    if assessment_text := table_assessment_text(result.summary()):
         print_output(f"{assessment_text}\n")
     export(table, output / NETCDF_FILE_NAME, replace=True)
     for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, fitted_laws_csv(table))):
