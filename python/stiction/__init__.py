@@ -23,7 +23,7 @@ _PUBLIC_NAMES_BY_MODULE = {
     "stiction.mechanics.presliding": "FourParameterIwan LuGre",
     "stiction.mechanics.resolution": "resolution resolution_friction spectral_resolution",
     "stiction.calibration.calibration": "calibrate",
-    "stiction.evaluate.friction_table": "friction_table table_study",
+    "stiction.summary.friction_table": "friction_table table_study",
     "stiction.calibration.friction_tests": "Ball FrictionTest",
     "stiction.calibration.prediction": "Interface interface read_interface",
     "stiction.study.interfaces": "interfaces write_interface",

@@ -6,7 +6,7 @@ from stiction.calibration.prediction import (
     interface as interface,
     read_interface as read_interface,
 )
-from stiction.evaluate.friction_table import friction_table as friction_table, table_study as table_study
+from stiction.summary.friction_table import friction_table as friction_table, table_study as table_study
 from stiction.evaluate.maps import area_map as area_map, friction_map as friction_map, stiffness_map as stiffness_map
 from stiction.direct_shear import shear_test as shear_test
 from stiction.measured_pair import pair as pair

@@ -79,10 +79,10 @@ def table_command(
         return
     from stiction._arguments import parse_coefficients, parse_numbers, parse_quantities, parse_quantity, split_values
     from stiction.cli.execution import compute_result_in_folder, open_executor
-    from stiction.evaluate.friction_table import friction_table, table_study
     from stiction.solve.store import CHECKSUM_PREFIX, export
     from stiction.study.elasticity import determine_elasticity
     from stiction.study.interfaces import InterfaceStrength, round_median_strength
+    from stiction.summary.friction_table import friction_table, table_study
     from stiction.views.files import check_all_replaceable, replace_text_file
     from stiction.views.friction_table import (
         fitted_laws_csv,
@@ -129,7 +129,7 @@ def table_command(
         result = compute_result_in_folder(study, output, executor)
     table = friction_table(result)
     print_output(friction_table_text(table))
-    if assessment_text := table_assessment_text(result.summary()):
+    if assessment_text := table_assessment_text(table, result.summary()):
         print_output(f"{assessment_text}\n")
     export(table, output / NETCDF_FILE_NAME, replace=True)
     for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, fitted_laws_csv(table))):
@@ -173,8 +173,13 @@ def _tabulate_measured_pair(options: dict[str, Any], output: Path, workers: int 
     frames = []
     for mu0 in map(float, result.study.friction.mu0):
         for tau0 in map(float, result.study.friction.tau0):
-            frame = joint_frame(result.joint_table(mu0=mu0, tau0=tau0))
-            frames.append(frame.assign(**{"mu0": mu0, "tau0 (MPa)": 1000 * tau0}))
+            table = result.joint_table(mu0=mu0, tau0=tau0)
+            points = result.summarize_dataset(result.at([row.load for row in table.rows], mu0=mu0, tau0=tau0))
+            assessments = {point.at["load"]: point.assessment for point in points.reported_points}
+            columns = {
+                "mu0": mu0, "tau0 (MPa)": 1000 * tau0, "assessment": [assessments[row.load] for row in table.rows],
+            }  # fmt: skip
+            frames.append(joint_frame(table).assign(**columns))
     replace_text_file(output / CSV_FILE_NAME, frame_to_csv(pandas.concat(frames)), signature)
     print_output(f"wrote {printable_path(output / CSV_FILE_NAME)}")
 

@@ -499,13 +499,10 @@ def summarize_point(
     values_by_rule = {rule: select_sliding_rule(point, rule) for rule in list_sliding_rules_reported_first(study)}
     rules = tuple(_build_rule_coefficient(values, rule) for rule, values in values_by_rule.items())
     quoted_values = values_by_rule[rules[0].rule]
-    # If the coefficient is missing in one direction, the mean over all directions is NaN.
-    has_status = math.isnan(rules[0].value) or rules[0].status == friction.STATUS_BULK_SHEAR
-    status = rules[0].status if has_status else friction.STATUS_OK
+    status = _find_reported_status(rules[0])
     quantities = read_point_quantities(point, rules[0].rule)
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
-    interval_of_mean = rules[0].interval_of_mean
-    rule_with_interval_of_mean = replace(rules[0], lower=interval_of_mean.lower, upper=interval_of_mean.upper)
+    rule_with_interval_of_mean = _with_interval_of_mean(rules[0])
     has_interval_note = rules[0].has_interval and covers_alternatives
     # A cutoff removes caveats only if the user requested the cutoff.
     kept_caveats = [
@@ -535,7 +532,39 @@ def summarize_point(
     )
 
 
+def assess_coefficients(at: xarray.Dataset, study: Study) -> xarray.DataArray:
+    """Return the assessment of each coefficient of a dataset that `Result.at` returned for generated surfaces.
+
+    A summary assesses only the coefficient for the reported sliding rule; this array has the dimension `sliding`.
+    """
+    import xarray
+
+    rules, points = study.contact.sliding_rules(), list(iterate_points(at))
+    dims = [name for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in at.dims]
+    assessments = []
+    for rule in rules:
+        for values in (select_sliding_rule(point, rule) for point in points):
+            coefficient = _build_rule_coefficient(values, rule)
+            caveats = find_point_caveats(
+                values, study, _with_interval_of_mean(coefficient), _find_reported_status(coefficient)
+            )
+            assessments.append(assess_caveats(caveats))
+    array = np.array(assessments).reshape(len(rules), *(at.sizes[name] for name in dims))
+    return xarray.DataArray(array, {"sliding": list(rules)} | {name: at[name] for name in dims}, ("sliding", *dims))
+
+
 # ---- Values ----------------------------------------------------------------------------------------------------------
+
+
+def _find_reported_status(coefficient: SlidingRuleCoefficient) -> str:
+    """Return the status of a coefficient averaged over all directions; a missing one has the status of a direction."""
+    has_status = math.isnan(coefficient.value) or coefficient.status == friction.STATUS_BULK_SHEAR
+    return coefficient.status if has_status else friction.STATUS_OK
+
+
+def _with_interval_of_mean(coefficient: SlidingRuleCoefficient) -> SlidingRuleCoefficient:
+    interval = coefficient.interval_of_mean
+    return replace(coefficient, lower=interval.lower, upper=interval.upper)
 
 
 def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:

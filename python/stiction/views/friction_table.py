@@ -9,8 +9,9 @@ import numpy as np
 
 from stiction._estimate import Estimate, estimate_column_titles
 from stiction._number_format import format_with_unit
-from stiction.evaluate.friction_table import MAX_LAW_DEVIATION
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT, column_title_and_factor
+from stiction.summary.assessment import ASSESSMENTS_BY_SEVERITY
+from stiction.summary.friction_table import MAX_LAW_DEVIATION
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
 
@@ -35,8 +36,12 @@ _LAW_QUANTITIES = (*_LAW_PARAMETERS, "area_deviation", "stiffness_deviation")
 
 
 def friction_table_csv(table: xarray.Dataset) -> str:
-    """Return a `friction_table` as CSV. The header contains units, and each combination of inputs has one row."""
-    return _table_csv(table[list(_LOAD_QUANTITIES)], _COORDINATE_COLUMNS)
+    """Return a `friction_table` as CSV. The header contains units, and each combination of inputs has one row.
+
+    Tables of earlier versions have no assessments.
+    """
+    names = [name for name in (*_LOAD_QUANTITIES, "assessment") if name in table]
+    return _table_csv(table[names], _COORDINATE_COLUMNS)
 
 
 def fitted_laws_csv(table: xarray.Dataset) -> str:
@@ -49,6 +54,9 @@ def _table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> s
 
     columns: dict[str, Any] = {}
     for name, values in law_table.data_vars.items():
+        if name == "assessment":
+            columns[name] = values
+            continue
         title, factor = _COLUMN_TITLES.get(str(name)) or column_title_and_factor(str(name))
         if "statistic" not in values.dims:
             columns[title] = values * factor
@@ -92,24 +100,22 @@ def friction_table_text(table: xarray.Dataset) -> str:
     return "\n".join(lines) + "\n"
 
 
-def table_assessment_text(summary: Summary) -> str:
-    """Return a sentence with the number of values that must not be quoted and the most frequent remedies.
+def table_assessment_text(table: xarray.Dataset, summary: Summary) -> str:
+    """Return the number of coefficients of a table with each assessment, and the most frequent remedies.
 
-    The sentence is empty if every value may be quoted.
+    `summary` contains the caveats of the points of the table. The text is empty if every coefficient may be quoted.
     """
-    rejected_points = [point for point in summary.points if point.assessment == "Do not quote"]
-    if not rejected_points:
+    assessments = table["assessment"].values.ravel().tolist()
+    if set(assessments) <= {ASSESSMENTS_BY_SEVERITY[""]}:
         return ""
+    counts = Counter(assessments)
+    counts_text = ", ".join(f"{text} ({counts[text]})" for text in ASSESSMENTS_BY_SEVERITY.values() if counts[text])
     num_points_by_remedy = Counter(
-        remedy for point in rejected_points for remedy in {each.remedy for each in point.faults}
+        remedy for point in summary.points for remedy in {each.remedy for each in point.faults}
     )
-    remedies = "; ".join(
-        f"{remedy} ({count})" for remedy, count in num_points_by_remedy.most_common(MAX_LISTED_REMEDIES)
-    )
-    return wrap_text(
-        f"Do not quote {len(rejected_points)} of {len(summary.points)} values of the table (roughness, pressure, μ0 "
-        f"and τ0). What helps, with the number of values: {remedies}."
-    )
+    remedies = "; ".join(remedy for remedy, _ in num_points_by_remedy.most_common(MAX_LISTED_REMEDIES))
+    text = f"Assessment of {len(assessments)} coefficients (column assessment): {counts_text}."
+    return wrap_text(f"{text} What helps: {remedies}." if remedies else text)
 
 
 def _coefficient_range_text(coefficients: xarray.DataArray) -> str:

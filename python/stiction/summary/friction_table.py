@@ -15,9 +15,10 @@ from stiction.evaluate.ensemble_means import compute_ensemble_friction
 from stiction.evaluate.maps import choose_mu0_and_tau0
 from stiction.mechanics.friction import validate_friction_parameter
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT, quantity_attributes
-from stiction.solve.member_sums import MemberSums
 from stiction.study.study import Study
 from stiction.study.values import validate_section
+from stiction.summary.evaluation import Evaluation
+from stiction.summary.summary import assess_coefficients
 
 if TYPE_CHECKING:
     import xarray
@@ -156,7 +157,7 @@ def _require_positive_values(name: str, values: ArrayLike) -> list[float]:
 
 
 def friction_table(
-    result: MemberSums | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
+    result: Evaluation | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
     r"""Compute friction, true area and stiffness as functions of pressure, and fit laws to the area and the stiffness.
 
@@ -176,7 +177,8 @@ def friction_table(
         hurst_exponent, rms and pressure. The parameters of the laws have the dimensions hurst_exponent and rms:
         area_factor a (1/GPa), stiffness_factor b, stiffness_exponent c, and the largest relative differences of means
         from the laws, area_deviation and stiffness_deviation. All have the dimension statistic ("mean", "lower",
-        "upper"), with 95 % intervals over the pairs.
+        "upper"), with 95 % intervals over the pairs. assessment has the dimensions of friction_coefficient and states
+        whether a coefficient may be quoted: "Quote it", "Quote with care" or "Do not quote".
 
     Raises
     ------
@@ -203,11 +205,11 @@ def friction_table(
     """
     import xarray
 
-    result = MemberSums.of(result)
-    dataset, study = result.dataset, result.study
+    evaluation = Evaluation.of(result)
+    dataset, study = evaluation.dataset, evaluation.study
     if "load" not in dataset.dims or study.surfaces.kind != "surface":
         raise ValueError("result must be from a study of generated height maps with the half-space model")
-    strengths = choose_mu0_and_tau0(result, mu0, tau0)
+    strengths = choose_mu0_and_tau0(evaluation, mu0, tau0)
     area = float(np.prod(study.surfaces.extents()))
     pressure_steps = dataset["load"].values / area
     approach, touching_area = (
@@ -235,6 +237,8 @@ def friction_table(
     is_light_load = means["contact_area_fraction"][..., 0] <= MAX_FITTED_AREA_FRACTION
     is_light_load[is_light_load.sum(axis=-1) < 2] = True
     coefficient = compute_ensemble_friction(dataset, dataset["load"].values, *strengths)
+    at = evaluation.at(dataset["load"].values, mu0=strengths[0], tau0=strengths[1], load_definition="elastic")
+    assessment = assess_coefficients(at, study).transpose("sliding", *_DIMENSION_ORDER[1:], "mu0", "tau0")
     laws = _fit_area_and_stiffness_laws(pressure, is_light_load, values_of_pairs)
     area_factor, stiffness_factor, exponent = (values[..., :1] for values in laws.values())
     fitted_laws = {
@@ -251,6 +255,11 @@ def friction_table(
             ("sliding", *coordinate_names, "pressure", "mu0", "tau0", "statistic"),
             coefficient.transpose("sliding", *_DIMENSION_ORDER[1:], "mu0", "tau0", "statistic").values,
             coefficient.attrs,
+        ),
+        "assessment": (
+            ("sliding", *coordinate_names, "pressure", "mu0", "tau0"),
+            assessment.values,
+            {"long_name": "assessment of the friction coefficient"},
         ),
         **{
             name: ((*coordinate_names, "statistic"), values, quantity_attributes(name))

@@ -7,8 +7,9 @@ import numpy as np
 import pandas
 import pytest
 import xarray
-from stiction import half_space, material, open_result, pair_of, run
-from stiction.evaluate.friction_table import friction_table, table_study
+from stiction import Result, half_space, material, open_result, pair_of, run
+from stiction.solve.store import export
+from stiction.summary.friction_table import friction_table, table_study
 from stiction.views.friction_table import friction_table_csv, friction_table_text
 from stiction.views.joint import joint_frame
 from support.command import assert_rejected, call_stiction, check_stiction
@@ -112,6 +113,25 @@ def test_fit_of_laws_recovers_exact_power_laws(dataset):
     assert result["stiffness_exponent"].values == pytest.approx(1)
 
 
+def test_assessments_in_a_friction_table_are_those_of_summaries_and_depend_on_the_sliding_rule(dataset, table):
+    result = Result.of(dataset)
+    at = result.at(100 * table["pressure"].values, load_definition="elastic")
+    for point in result.summarize_dataset(at).points:
+        place = {"hurst_exponent": 2 - point.at["fractal_dimension"], "rms": point.at["amplitude"]}
+        place |= {"pressure": point.at["load"] / 100} | {name: point.at[name] for name in ("mu0", "tau0")}
+        assert table["assessment"].sel(sliding="opposing").sel(place, method="nearest").item() == point.assessment
+    # Without tau0, friction at all contacts equals the given mu0, which a caveat states.
+    without_tau0 = table["assessment"].sel(tau0=0.0)
+    assert "Quote it" not in without_tau0.sel(sliding="all").values
+    assert "Quote it" in without_tau0.sel(sliding="opposing").values
+
+
+def test_friction_table_of_an_earlier_version_is_written_without_assessments(table):
+    columns = friction_table_csv(table).splitlines()[0]
+    assert columns.endswith(",assessment")
+    assert friction_table_csv(table.drop_vars("assessment")).splitlines()[0] == columns.removesuffix(",assessment")
+
+
 def test_half_width_of_intervals_in_the_friction_table_is_2_to_14_times_the_standard_error(dataset, table):
     """Compare the upper half-width with the standard error of the coefficients of the pairs."""
     friction = table["friction_coefficient"].isel(hurst_exponent=0, rms=0, mu0=0, tau0=0, pressure=3).sel(sliding="all")
@@ -144,7 +164,8 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     )  # fmt: skip
     expected = friction_table(run(study))
     with xarray.open_dataset(tmp_path / "table" / "table.nc", engine="h5netcdf") as file_dataset:
-        for name in expected.data_vars:
+        assert (file_dataset["assessment"] == expected["assessment"]).all()
+        for name in expected.drop_vars("assessment").data_vars:
             np.testing.assert_allclose(file_dataset[name].values, expected[name].values, rtol=1e-9, err_msg=name)
     rows = list(csv.DictReader((tmp_path / "table" / "table.csv").read_text().splitlines()))
     assert len(rows) == 2 * 3 * 3
@@ -153,9 +174,15 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     assert float(rows[0]["mu_s"]) == pytest.approx(float(coefficient[0]))
     laws = list(csv.DictReader((tmp_path / "table" / "laws.csv").read_text().splitlines()))
     assert float(laws[0]["c of k/A0 = b p^c"]) == pytest.approx(float(expected["stiffness_exponent"][0, 0, 0]))
-    # The same command with another mu0 replaces the table.
-    check_stiction("table", *COMMAND_OPTIONS, "--mu0", "0.1", cwd=tmp_path)
-    assert len((tmp_path / "table" / "table.csv").read_text().splitlines()) == 1 + 2 * 3
+    assert [row["assessment"] for row in rows[:3]] == expected["assessment"].isel(pressure=0).values[0].ravel().tolist()
+    # The same command with another mu0 replaces the table, also one of an earlier version, without assessments.
+    export(expected.drop_vars("assessment"), tmp_path / "table" / "table.nc", replace=True)
+    (tmp_path / "table" / "table.csv").write_text(friction_table_csv(expected.drop_vars("assessment")))
+    completed = check_stiction("table", *COMMAND_OPTIONS, "--mu0", "0.1", cwd=tmp_path)
+    frame = pandas.read_csv(tmp_path / "table" / "table.csv")
+    assert (len(frame), frame["mu0"].unique().tolist()) == (2 * 3, [0.1])
+    for text, count in frame["assessment"].value_counts().items():
+        assert f"{text} ({count})" in " ".join(completed.stdout.split())
     # The stored study has this mu0 too, so that other commands print values for it.
     assert open_result(tmp_path / "table").study.friction.mu0 == (0.1,)
     assert "μ0 = 0.1," in check_stiction("info", "table", cwd=tmp_path).stdout
@@ -189,6 +216,9 @@ def test_table_command_tabulates_measured_profiles_as_their_joint_table(tmp_path
         rows = frame[frame["mu0"] == mu0].reset_index(drop=True)
         for name in ("nominal pressure (MPa)", "closure (mm)", "tangential stiffness (MPa/mm)", "mu_s 5 %"):
             np.testing.assert_allclose(rows[name], expected[name], rtol=1e-8)
+        is_study_load = np.isclose(rows["nominal pressure (MPa)"], 50)
+        point = result.summary("50 MPa", mu0=mu0, tau0=0.05).first
+        assert rows["assessment"][is_study_load].tolist() == [point.assessment]
     assert_rejected(
         call_stiction("table", "upper.npy", "lower.npy", *options, *arguments, "--hurst", "0.8", cwd=tmp_path),
         "--hurst applies only to generated surfaces",
@@ -238,7 +268,9 @@ def test_table_command_prints_the_number_of_values_that_must_not_be_quoted(tmp_p
     options = ["--effective-modulus", "10 GPa", "--hurst", "0.8", "--rms", "20 nm", "--points", "64"]
     options += ["--wavelengths", "1.25 um,2.5 um", "--mu0", "0.3"]
     few_contacts = check_stiction("table", *options, "--load", "10 kPa,100 MPa", cwd=tmp_path).stdout
-    assert "Do not quote 1 of 2 values of the table" in few_contacts
-    assert "use larger surfaces or a higher load (1)" in " ".join(few_contacts.split())
+    # At the higher pressure, friction at all contacts equals the given mu0, because tau0 is 0.
+    counts = "Do not quote (2), Quote with care (1), Quote it (1)"
+    assert f"Assessment of 4 coefficients (column assessment): {counts}." in " ".join(few_contacts.split())
+    assert "What helps: use larger surfaces or a higher load" in " ".join(few_contacts.split())
     many_contacts = check_stiction("table", *options, "--load", "30 MPa,100 MPa", "-o", "high", cwd=tmp_path).stdout
     assert "Do not quote" not in many_contacts
