@@ -188,6 +188,16 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     assert "μ0 = 0.1," in check_stiction("info", "table", cwd=tmp_path).stdout
 
 
+def test_command_at_accepts_pressures_for_a_table(tmp_path):
+    check_stiction("table", *COMMAND_OPTIONS, "--mu0", "0.2", cwd=tmp_path)
+    by_pressure, by_force = (
+        check_stiction("at", "table", "--load", load, cwd=tmp_path).stdout for load in ("5 MPa", "0.5 mN")
+    )
+    assert by_pressure == by_force
+    loads = open_result(tmp_path / "table").at("5 MPa")["load"].values
+    assert loads.tolist() == [0.5]
+
+
 def test_table_command_takes_materials_hardness_and_interface(tmp_path):
     materials = ["--upper", "steel", "--lower", "brass"]
     check_stiction("table", *materials, *COMMAND_OPTIONS[2:], "--output", "soft", cwd=tmp_path)

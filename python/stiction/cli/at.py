@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 LoadsOption = Annotated[
     list[str] | None,
     option(
-        "--load FORCE", 'Normal loads, such as "0.1 mN", or for measured surfaces pressures, such as "10 MPa,20 MPa".',
+        "--load FORCE", 'Normal loads, such as "0.1 mN" or, except for generated profiles, "10 MPa,20 MPa".',
         "loads of the study",
     ),
 ]  # fmt: skip
@@ -218,10 +218,9 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
         amount, is_per_area = parse_load("load", value, or_zero=result.study.contact.adheres)
         force = float(amount) * (1.0 if is_per_area else width_factor)
         if is_per_area:
-            coordinates = result.head.coords
-            if "nominal_area" not in coordinates:
+            if result.nominal_area is None:
                 raise ValueError(f"--load must be a force if the result has no nominal area, got {short_repr(value)}")
-            force *= float(coordinates["nominal_area"])
+            force *= result.nominal_area
         # Round forces in the same way as the loads of `pair`, so that equal loads compare as equal.
         loads.add(float(f"{force:.12g}"))
     return sorted(loads)

@@ -228,8 +228,8 @@ class Evaluation(MemberSums):
         Parameters
         ----------
         load : str or array_like of float, mN, optional
-            Loads such as "10 mN" or, for measured bodies, "10 MPa" on the nominal area; by default the loads of the
-            study.
+            Loads such as "10 mN" or, except for generated profiles, "10 MPa" on the nominal area; by default the loads
+            of the study.
         mu0 : array_like of float, optional
         tau0 : str or array_like of float, GPa, optional
             Such as "50 MPa".
@@ -312,11 +312,14 @@ class Evaluation(MemberSums):
 
     @property
     def nominal_area(self) -> float | None:
-        """Nominal area (µm²) of a member of measured bodies, or None for generated bodies."""
-        return float(self.head["nominal_area"]) if self.study.is_measured else None
+        """Nominal area (µm²) of a member of measured bodies or generated maps, or None for generated profiles."""
+        if self.study.is_measured:
+            return float(self.head["nominal_area"])
+        surfaces: Any = self.study.surfaces
+        return float(np.prod(surfaces.extents())) if self.study.is_areal else None
 
     def _to_forces(self, load: Any) -> Any:
-        """Convert loads to mN. For measured bodies, pressures are multiplied by the nominal area."""
+        """Convert loads to mN. Pressures are multiplied by the nominal area."""
         area = self.nominal_area
         return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
 

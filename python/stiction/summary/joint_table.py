@@ -142,7 +142,7 @@ def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
     The loads between them belong to nominal pressures of four digits. Raises a `ValueError` if the bodies were
     generated.
     """
-    if nominal_area is None:
+    if nominal_area is None or not study.is_measured:
         raise ValueError("a joint table needs a measured pair, got generated surfaces; stiction table tabulates these")
     steps = study.contact.loading_steps()
     counts = np.maximum(np.ceil(np.log(steps[1:] / steps[:-1]) / math.log(MAX_LOAD_RATIO) - 0.02), 1).astype(int)
