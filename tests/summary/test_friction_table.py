@@ -1,6 +1,7 @@
 """Test friction tables: values against direct solutions, monotonic quantities, fitted laws and the command."""
 
 import csv
+import json
 import re
 
 import numpy as np
@@ -188,14 +189,21 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     assert "μ0 = 0.1," in check_stiction("info", "table", cwd=tmp_path).stdout
 
 
-def test_command_at_accepts_pressures_for_a_table(tmp_path):
+def test_command_at_accepts_pressures_for_a_table_and_prints_the_assessments_of_the_computed_loads(tmp_path):
     check_stiction("table", *COMMAND_OPTIONS, "--mu0", "0.2", cwd=tmp_path)
     by_pressure, by_force = (
         check_stiction("at", "table", "--load", load, cwd=tmp_path).stdout for load in ("5 MPa", "0.5 mN")
     )
     assert by_pressure == by_force
-    loads = open_result(tmp_path / "table").at("5 MPa")["load"].values
-    assert loads.tolist() == [0.5]
+    frame = pandas.read_csv(tmp_path / "table" / "table.csv").set_index(["contacts with friction", "pressure (MPa)"])
+    low, high = (frame.loc[("opposing", pressure), "assessment"] for pressure in (3.0, 10.0))
+    text = f"Interpolated at 0.5 mN (5 MPa), between 0.3 mN (3 MPa): {low} and 1 mN (10 MPa): {high}."
+    assert text in " ".join(by_pressure.split())
+    record = json.loads(check_stiction("at", "table", "--load", "5 MPa", "--json", cwd=tmp_path).stdout)
+    assert record["interpolated"] == [
+        {"load": 0.5, "between": [{"load": 0.3, "assessments": {low: 1}}, {"load": 1.0, "assessments": {high: 1}}]}
+    ]
+    assert "Interpolated" not in check_stiction("at", "table", "--load", "10 MPa", cwd=tmp_path).stdout
 
 
 def test_table_command_takes_materials_hardness_and_interface(tmp_path):

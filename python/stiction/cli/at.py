@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from stiction.result import Result
     from stiction.solve.store import StoredResult
+    from stiction.summary.summary import PointSummary
 
 
 LoadsOption = Annotated[
@@ -105,9 +106,14 @@ def at(
         validate_nonnegative_values,
     )
     from stiction.cli.result_output import VERBOSE_OPTION, open_result_with_warning
-    from stiction.evaluate.computed_loads import find_loads_without_values
+    from stiction.evaluate.computed_loads import find_loads_without_values, find_neighbouring_loads
     from stiction.views import rows
-    from stiction.views.text import default_friction_parameters_text, result_text
+    from stiction.views.text import (
+        default_friction_parameters_text,
+        interpolation_records,
+        interpolation_text,
+        result_text,
+    )
 
     result = open_result_with_warning(directory)
     mu0_values = None if mu0 is None else parse_coefficients("mu0", mu0)
@@ -135,18 +141,28 @@ def at(
                 got=repr(hurst),
             )
         dimensions = [2 - exponent for exponent in parse_numbers("hurst", hurst)]
-    values = _select_nearest_parameters(values, dimensions, None if amplitude_length is None else [amplitude_length])
+    amplitudes = None if amplitude_length is None else [amplitude_length]
+    values = _select_nearest_parameters(values, dimensions, amplitudes)
     if direction is not None:
         values = _select_direction(values, direction)
     missing_loads = find_loads_without_values(result, values)
     _report_missing_loads(result, values, missing_loads)
+    neighbours = find_neighbouring_loads(result.study, values["load"].values)
+    node_points: Sequence[PointSummary] = ()
+    if neighbours:
+        node_loads = sorted({load for loads in neighbours.values() for load in loads})
+        nodes = result.at(node_loads, mu0=mu0_values, tau0=tau0_values, load_definition="elastic")
+        node_points = result.summarize_dataset(_select_nearest_parameters(nodes, dimensions, amplitudes)).points
     if as_json:
-        print_output(rows.summary_json("at", result.summarize_dataset(values)))
+        fields = {"interpolated": interpolation_records(neighbours, node_points)} if neighbours else {}
+        print_output(rows.summary_json("at", result.summarize_dataset(values), **fields))
     else:
         summary = result.summarize_dataset(values.drop_sel(load=missing_loads))
         if default_text := default_friction_parameters_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
             print_output(default_text)
         print_output(result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
+        if neighbours:
+            print_output(interpolation_text(neighbours, node_points, result.nominal_area))
 
 
 def _report_missing_loads(result: Result, values: xarray.Dataset, missing_loads: Sequence[float]) -> None:

@@ -17,8 +17,10 @@ from stiction.mechanics.friction import (
 
 if TYPE_CHECKING:
     import xarray
+    from numpy.typing import ArrayLike
 
     from stiction.solve.member_sums import MemberSums
+    from stiction.study.study import Study
 
 _MEAN_LOAD_ROUND_OFF = 1e-6  # relative round-off of a load that is the mean over members
 
@@ -57,6 +59,23 @@ def find_computed_load_range(result: MemberSums, values: xarray.Dataset | None =
         loads = loads.sel(selection)
     computed_loads = loads.values[loads.values > 0]
     return float(computed_loads.min(initial=np.inf)), float(computed_loads.max(initial=0.0))
+
+
+def find_neighbouring_loads(study: Study, loads: ArrayLike) -> dict[float, tuple[float, float]]:
+    """Return the two computed loads (mN) between which each load lies, by load.
+
+    Computed loads, loads outside the computed range, and all loads of measured bodies or of approaches are left out.
+    """
+    if study.is_measured or study.step_quantity != "load":
+        return {}
+    steps = np.asarray(study.contact.loading_steps())
+    neighbours = {}
+    for load in np.atleast_1d(np.asarray(loads, float)).tolist():
+        index = int(np.searchsorted(steps, load))
+        is_computed = np.isclose(steps, load, rtol=_MEAN_LOAD_ROUND_OFF, atol=0.0).any()
+        if 0 < index < steps.size and not is_computed:
+            neighbours[load] = float(steps[index - 1]), float(steps[index])
+    return neighbours
 
 
 def find_loads_outside_range(result: MemberSums, values: xarray.Dataset) -> list[float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -42,7 +43,7 @@ def assessment_paragraph(
     group_lines = [_caveat_line(_merge_caveats(group), f" ({len(group)} of {len(points)})") for group in groups]
     max_shown = max_groups if max_lines is None else None
     return [
-        _assessment_counts_text(points),
+        f"{count_assessments_text(points)}.",
         ShortenedList(group_lines, max(num_fault_groups, 1), max_shown, max_lines, "caveat", complete_command),
     ]
 
@@ -56,13 +57,15 @@ def _common_assessment_text(points: Sequence[PointSummary]) -> str:
     return f"{point.assessment}. {measurement_text}" if measurement_text else point.assessment
 
 
-def _assessment_counts_text(points: Sequence[PointSummary]) -> str:
+def count_assessments(points: Sequence[PointSummary]) -> dict[str, int]:
+    """Return the number of points with each assessment that a point has, starting with "Do not quote"."""
+    counts = Counter(point.assessment for point in points)
+    return {assessment: counts[assessment] for assessment in ASSESSMENTS_BY_SEVERITY.values() if counts[assessment]}
+
+
+def count_assessments_text(points: Sequence[PointSummary]) -> str:
     """Return each assessment with the number of its points."""
-    counts = {
-        assessment: sum(point.assessment == assessment for point in points)
-        for assessment in ASSESSMENTS_BY_SEVERITY.values()
-    }
-    return ", ".join(f"{assessment} ({count} of {len(points)})" for assessment, count in counts.items() if count) + "."
+    return ", ".join(f"{text} ({count} of {len(points)})" for text, count in count_assessments(points).items())
 
 
 def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,7 +18,13 @@ from stiction.evaluate.point import has_nominal_area
 from stiction.study.study import find_step_dimension
 from stiction.summary.assessment import STATUS_EXPLANATIONS
 from stiction.summary.summary import PointSummary, Summary
-from stiction.views.assessment import COMPLETE_OUTPUT_METHOD, MAX_CAVEAT_GROUPS, assessment_paragraph
+from stiction.views.assessment import (
+    COMPLETE_OUTPUT_METHOD,
+    MAX_CAVEAT_GROUPS,
+    assessment_paragraph,
+    count_assessments,
+    count_assessments_text,
+)
 from stiction.views.layout import Paragraph, Table, WrappedText, format_paragraph, format_paragraphs
 from stiction.views.onset import onset_paragraph
 from stiction.views.overview import overview_text
@@ -222,6 +228,49 @@ def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads
         else f"change contact.{find_step_dimension(result.head)} in the study"
     )
     return f"no values at {listed_texts}: {reason}; to compute other loads, {remedy}"
+
+
+def interpolation_text(
+    neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary], nominal_area: float | None
+) -> str:
+    """Return a sentence for each load that lies between two computed loads, with the assessment at the computed loads.
+
+    `neighbours` contains the two computed loads by load (mN), and `points` all points at the computed loads.
+    """
+
+    def describe_load(load: float) -> str:
+        return load_text(load, math.nan if nominal_area is None else load / nominal_area)
+
+    def describe_node(load: float) -> str:
+        points_of_load = [point for point in points if point.at["load"] == load]
+        assessments = {point.assessment for point in points_of_load}
+        text = assessments.pop() if len(assessments) == 1 else count_assessments_text(points_of_load)
+        return f"{describe_load(load)}: {text}"
+
+    sentences = [
+        f"Interpolated at {describe_load(load)}, between {' and '.join(map(describe_node, loads))}."
+        for load, loads in neighbours.items()
+    ]
+    return format_paragraph(list(sentences))
+
+
+def interpolation_records(
+    neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary]
+) -> list[dict[str, Any]]:
+    """Return the content of `interpolation_text` as JSON records, with the number of points of each assessment."""
+    return [
+        {
+            "load": load,
+            "between": [
+                {
+                    "load": each,
+                    "assessments": count_assessments([point for point in points if point.at["load"] == each]),
+                }
+                for each in loads
+            ],
+        }
+        for load, loads in neighbours.items()
+    ]
 
 
 # ---- Selection of points ---------------------------------------------------------------------------------------------
