@@ -33,7 +33,7 @@ from stiction.mechanics.quantities import (
     select_quantity_names,
 )
 from stiction.solve.member_sums import MemberSums
-from stiction.study.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
+from stiction.study.contact_settings import MAX_AREAL_LOAD_RATIO, choose_load_steps
 from stiction.study.members import load_bodies
 from stiction.study.study import parse_study
 from stiction.views.quantities import quantities_paragraph, quantity_label

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from stiction import HertzCylinder, HertzSphere, JacksonGreen, Study
 from stiction.solve.store import STUDY_FILE
-from stiction.study.contact_tables import CONTACT_SETTINGS_CLASSES, HertzCylinderSettings, JacksonGreenSettings
+from stiction.study.contact_settings import CONTACT_SETTINGS_CLASSES, HertzCylinderSettings, JacksonGreenSettings
 from stiction.study.study import FRICTION_SETTINGS_CLASSES, parse_study
 from stiction.study.values import StudyError
 

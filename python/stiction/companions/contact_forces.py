@@ -9,7 +9,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import FrictionLaw
-from stiction.study.contact_tables import AsperityModelSettings
+from stiction.study.contact_settings import AsperityModelSettings
 from stiction.study.members import generate_profile_pairs, load_bodies
 from stiction.surfaces.profile import Profile
 

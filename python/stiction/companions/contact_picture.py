@@ -25,7 +25,7 @@ from stiction.solve.contact_statistics import ContactList
 from stiction.solve.member_solution import PressedPair
 from stiction.solve.member_sums import MemberSums
 from stiction.solve.store import CONTACT_PICTURE_FILE, StoredResult, read_companion_file
-from stiction.study.contact_tables import HalfSpaceSettings
+from stiction.study.contact_settings import HalfSpaceSettings
 from stiction.study.measured_surfaces import MeasuredSurfaceSettings
 from stiction.study.members import load_bodies, pair_of
 from stiction.study.stored_values import ANY_STORED_VALUE, POSITIVE_STORED_VALUE, AttributeSpec, VariableSpec

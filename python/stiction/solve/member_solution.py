@@ -48,7 +48,7 @@ from stiction.solve.contact_statistics import (
     tabulate_contact_patches,
 )
 from stiction.solve.layout import ArraysByName, list_variable_names, variable_specs
-from stiction.study.contact_tables import AsperityModelSettings, CommonContactSettings, HalfSpaceSettings
+from stiction.study.contact_settings import AsperityModelSettings, CommonContactSettings, HalfSpaceSettings
 from stiction.study.members import (
     MAX_BATCH_BYTES,
     count_grid_points,

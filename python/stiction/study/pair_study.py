@@ -28,7 +28,7 @@ from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_a
 from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.materials import Material, material, softest_material
 from stiction.mechanics.model import PROFILE_WIDTH
-from stiction.study.contact_tables import choose_load_steps
+from stiction.study.contact_settings import choose_load_steps
 from stiction.study.elasticity import (
     NUM_ELASTIC_CONSTANT_DIGITS,
     NUM_MATERIAL_DIGITS,

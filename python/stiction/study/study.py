@@ -32,7 +32,7 @@ from stiction.mechanics.quantities import (
     SUM_QUANTITIES,
     YIELDING_QUANTITIES,
 )
-from stiction.study.contact_tables import (
+from stiction.study.contact_settings import (
     DERIVED_ELASTICITY_KEYS,
     MAX_AREAL_LOAD_RATIO,
     ContactSettings,

@@ -12,7 +12,7 @@ from pydantic_core import PydanticUndefined
 from stiction._units import Quantity
 from stiction.mechanics.law import CONTACT_LAWS_BY_NAME
 from stiction.study import values
-from stiction.study.contact_tables import (
+from stiction.study.contact_settings import (
     CONTACT_SETTINGS_CLASSES,
     LAW_SETTINGS_CLASSES,
     SHARED_CONTACT_SETTINGS_CLASSES,
