@@ -40,14 +40,14 @@ class StoredSumsReader:
         self.path = path
         self.has_shared_directory = has_shared_directory
 
-    def __call__(self, version: str, study: Study, directory: runner.SharedResultFolder, members: range) -> object:
+    def __call__(self, version: str, study: Study, directory: runner.SharedResultDirectory, members: range) -> object:
         if self.path not in _read:
             _read[self.path] = pickle.loads(Path(self.path).read_bytes())
         runner.compute_member_arrays = lambda _, member: _read[self.path][member % NUM_DIFFERENT_MEMBERS]
         return _compute_real_block(
             version,
             study,
-            directory if self.has_shared_directory else runner.SharedResultFolder(Path("/nowhere"), ""),
+            directory if self.has_shared_directory else runner.SharedResultDirectory(Path("/nowhere"), ""),
             members,
         )
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from stiction import half_space, self_affine_surface, write_surface
 from stiction.companions.onset import NUM_AREAL_ONSET_MEMBERS, compute_member_onset
-from stiction.companions.resolution import CUTOFF_STUDY_FOLDER
+from stiction.companions.resolution import CUTOFF_STUDY_DIRECTORY
 from stiction.solve.store import open_stored_result
 from stiction.study.members import load_bodies
 from stiction.study.study import Study
@@ -81,7 +81,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
         write_scans(directory)
         commands = [measure_command_times(directory, "0")]
         study, cutoff_study = (
-            open_stored_result(directory / "0" / subdirectory).study for subdirectory in ("", CUTOFF_STUDY_FOLDER)
+            open_stored_result(directory / "0" / subdirectory).study for subdirectory in ("", CUTOFF_STUDY_DIRECTORY)
         )
         tasks = prepare_load_solver(study), prepare_load_solver(cutoff_study), lambda: compute_member_onsets(study)
         # Do not measure the first solution, which imports modules and computes kernels.

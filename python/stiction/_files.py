@@ -120,19 +120,19 @@ def new_partial_file_name() -> str:
     return f".stiction-{_MACHINE_TOKEN}-{os.getpid()}-{_PROCESS_TOKEN}-{secrets.token_hex(4)}.partial"
 
 
-class FolderClaim:
+class DirectoryClaim:
     """Partial file by which a run claims a directory, from `acquire` until the end of the context.
 
     A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
     process is killed, the file stays and becomes stale, so that it does not lock the directory.
     """
 
-    def __init__(self, folder: str | Path) -> None:
-        self.file = Path(folder) / new_partial_file_name()
+    def __init__(self, directory: str | Path) -> None:
+        self.file = Path(directory) / new_partial_file_name()
         self._has_ended = threading.Event()
         self._refresh_thread: threading.Thread | None = None
 
-    def __enter__(self) -> FolderClaim:
+    def __enter__(self) -> DirectoryClaim:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -167,18 +167,18 @@ class FolderClaim:
         return None
 
 
-def remove_stale_partial_files(folder: Path) -> None:
+def remove_stale_partial_files(directory: Path) -> None:
     """Remove partial files left by processes that have died. Errors, such as missing permissions, are ignored."""
     with suppress(OSError):
-        for entry, is_stale in _scan_partial_files(folder):
+        for entry, is_stale in _scan_partial_files(directory):
             if is_stale:
                 with suppress(OSError):
                     os.unlink(entry)
 
 
-def _scan_partial_files(folder: Path) -> Iterator[tuple[os.DirEntry[str], bool]]:
+def _scan_partial_files(directory: Path) -> Iterator[tuple[os.DirEntry[str], bool]]:
     """Yield the partial files in a directory, each with True if the process that wrote it has died."""
-    with os.scandir(folder) as iterator:
+    with os.scandir(directory) as iterator:
         entries = list(iterator)
     for entry in entries:
         match = PARTIAL_FILE_NAME_PATTERN.fullmatch(entry.name)

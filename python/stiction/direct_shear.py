@@ -217,27 +217,27 @@ def shear_test(
     setup = _build_setup(box, contact, offsets, strips)
     if directory is None:
         return _compute(setup, SolutionRecord(), progress).assign_attrs(attributes)
-    folder, description = parse_path("directory", directory), _describe_inputs(setup)
+    test_directory, description = parse_path("directory", directory), _describe_inputs(setup)
     key, steps_key = hashlib.sha256(description.encode()).hexdigest()[:16], compute_steps_key(description)
-    if (test := _open_stored_test(folder, key, replace=replace)) is not None:
+    if (test := _open_stored_test(test_directory, key, replace=replace)) is not None:
         return test
-    _create_folder(folder)
-    record = stored_record(folder, 0, steps_key)
+    _create_directory(test_directory)
+    record = stored_record(test_directory, 0, steps_key)
     test = _compute(setup, record, progress).assign_attrs(attributes, key=key)
-    export(test, folder / TEST_FILE_NAME, replace=True)
-    remove_stored_steps(folder, key=steps_key)
+    export(test, test_directory / TEST_FILE_NAME, replace=True)
+    remove_stored_steps(test_directory, key=steps_key)
     return test
 
 
-def _create_folder(folder: Path) -> None:
+def _create_directory(directory: Path) -> None:
     """Create the directory of a shear test. Raise a `ValueError` if it cannot be created, or contains a study."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        has_study = (folder / STUDY_FILE).exists()
+        directory.mkdir(parents=True, exist_ok=True)
+        has_study = (directory / STUDY_FILE).exists()
     except OSError as error:
-        raise ValueError(f"{printable_path(folder)}: {describe_os_error(error)}") from None
+        raise ValueError(f"{printable_path(directory)}: {describe_os_error(error)}") from None
     if has_study:
-        raise ValueError(f"{printable_path(folder)} contains the result of a study; choose another directory")
+        raise ValueError(f"{printable_path(directory)} contains the result of a study; choose another directory")
 
 
 @dataclass(frozen=True, eq=False)
@@ -361,11 +361,11 @@ def _describe_inputs(setup: _TestSetup) -> str:
     return repr((checksums, sorted(numbers.items()), texts, setup.offsets.tolist(), len(setup.strips)))
 
 
-def _open_stored_test(folder: Path, key: str, *, replace: bool) -> xr.Dataset | None:
+def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset | None:
     """Return the finished test in a directory, or None if the directory has no test, or another test to be replaced."""
     import xarray as xr
 
-    path = folder / TEST_FILE_NAME
+    path = directory / TEST_FILE_NAME
     if not path.exists():
         return None
     check_replaceable(path, CHECKSUM_PREFIX, ValueError)
@@ -375,8 +375,8 @@ def _open_stored_test(folder: Path, key: str, *, replace: bool) -> xr.Dataset | 
     if replace:
         return None
     raise ArgumentError(
-        "{folder} contains another shear test; choose another directory, or overwrite the test with {replace}",
-        folder=printable_path(folder),
+        "{directory} contains another shear test; choose another directory, or overwrite the test with {replace}",
+        directory=printable_path(directory),
     )
 
 

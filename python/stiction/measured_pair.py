@@ -271,9 +271,11 @@ def pair(
             )
     for name, value in (("replace", replace), ("progress", progress)):
         check_bool(name, value)
-    folder = Path(tempfile.mkdtemp(prefix="stiction-")) if directory is None else parse_path("directory", directory)
+    result_directory = (
+        Path(tempfile.mkdtemp(prefix="stiction-")) if directory is None else parse_path("directory", directory)
+    )
     if directory is None:  # a temporary directory is removed when Python exits
-        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        atexit.register(shutil.rmtree, result_directory, ignore_errors=True)
     try:
         with convert_validation_errors():
             options = PairOptions(
@@ -332,10 +334,12 @@ def pair(
                 onset=onset,
             )
         if isinstance(interface, InterfaceStrength):  # the study file contains the file name of the interface
-            options = options.model_copy(update={"interface": store_interface(interface, folder)})
+            options = options.model_copy(update={"interface": store_interface(interface, result_directory)})
         study = build_study_from_options(options)
         with executor_or_thread_pool(executor) as workers:
-            return complete_result(study, folder, workers, replace=replace, onset=options.onset, progress=progress)
+            return complete_result(
+                study, result_directory, workers, replace=replace, onset=options.onset, progress=progress
+            )
     except ArgumentError as error:
         raise ValueError(error.translated_message(format_python_name)) from None
     except ValueError as error:

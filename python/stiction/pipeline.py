@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stiction._core import __version__
-from stiction._files import FolderClaim, check_replaceable, replace_file_atomically
+from stiction._files import DirectoryClaim, check_replaceable, replace_file_atomically
 from stiction._text import format_duration
 from stiction.companions.contact_picture import contact_picture
 from stiction.companions.onset import (
@@ -29,7 +29,7 @@ from stiction.evaluate.load_range import has_only_negligible_loads
 from stiction.result import Result
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, find_alternative_study
 from stiction.solve.member_solution import estimate_member_time
-from stiction.solve.runner import complete_blocks, compute_member_sums, compute_preview_sums, prepare_result_folder
+from stiction.solve.runner import complete_blocks, compute_member_sums, compute_preview_sums, prepare_result_directory
 from stiction.solve.store import (
     AREAS_BY_HARDNESS_FILE,
     CHECKSUM_PREFIX,
@@ -115,7 +115,7 @@ def compute_preview_result(study: Study) -> Result:
 
 
 def complete_result(
-    study: Study, folder: Path, executor: Executor, *, part: tuple[int, int] | None = None, replace: bool = False,
+    study: Study, directory: Path, executor: Executor, *, part: tuple[int, int] | None = None, replace: bool = False,
     onset: int | None = None, progress: bool = False, print_finished: LinePrintFunction = _ignore_line,
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
@@ -130,12 +130,12 @@ def complete_result(
     complete.
     """
     for name, signature in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
-        check_replaceable(folder / name, signature, StoreError)
-    existing_result = open_result_to_complete(folder)
-    with FolderClaim(folder) as claim:
+        check_replaceable(directory / name, signature, StoreError)
+    existing_result = open_result_to_complete(directory)
+    with DirectoryClaim(directory) as claim:
         if replace and existing_result:
             remove_result(existing_result, claim)
-        stored_result = prepare_result_folder(study, folder, claim, part)
+        stored_result = prepare_result_directory(study, directory, claim, part)
         num_members = study.ensemble.repetitions
         num_existing = stored_result.num_finished
         differences = (
@@ -146,7 +146,7 @@ def complete_result(
         existing_text, all_text = map(study.member_names.with_count, (num_existing, num_members))
         if friction_differences := [difference for difference in differences if difference[0].startswith("friction.")]:
             print_remark(
-                f"{folder} has results for other friction parameters; its {existing_text} are kept, and output "
+                f"{directory} has results for other friction parameters; its {existing_text} are kept, and output "
                 f"files with the same names are replaced\n{format_study_differences(friction_differences)}"
             )
         is_measured = stored_result.study.is_measured
@@ -164,7 +164,7 @@ def complete_result(
         )
         if part is not None:
             print_finished(
-                f"part {part[0]}/{part[1]} is finished; {stored_result.num_finished} of {all_text} are in {folder}"
+                f"part {part[0]}/{part[1]} is finished; {stored_result.num_finished} of {all_text} are in {directory}"
             )
             return Result(stored_result)
         result = Result(stored_result)
@@ -172,13 +172,13 @@ def complete_result(
             _compute_alternatives(stored_result, executor, progress=progress, print_remark=print_remark)
         if num_existing < num_members and (num_existing or not is_measured):
             print_finished(
-                f"wrote {folder}" + (f" ({num_existing} of {all_text} already existed)" if num_existing else "")
+                f"wrote {directory}" + (f" ({num_existing} of {all_text} already existed)" if num_existing else "")
             )
         elif num_existing == num_members:
             version_text = (
                 "" if stored_result.version == __version__ else f", computed by stiction {stored_result.version}"
             )
-            print_finished(f"{folder} already contains this study{version_text}")
+            print_finished(f"{directory} already contains this study{version_text}")
         show_result(result)
         if is_measured and (num_existing < num_members or not (stored_result.path / CONTACT_PICTURE_FILE).exists()):
             _write_companion_file(stored_result, CONTACT_PICTURE_FILE, lambda: contact_picture(result))

@@ -162,9 +162,9 @@ def open_result(directory: str | Path) -> Result:
     >>> import tempfile
     >>> from stiction import Study, open_result, run
     >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
-    >>> folder = tempfile.mkdtemp()
-    >>> _ = run(Study.named("quick").with_changes(small), store=folder)
-    >>> dict(open_result(folder).dataset.sizes)["repetition"]
+    >>> directory = tempfile.mkdtemp()
+    >>> _ = run(Study.named("quick").with_changes(small), store=directory)
+    >>> dict(open_result(directory).dataset.sizes)["repetition"]
     2
     """
     return Result(open_stored_result(parse_path("directory", directory)))

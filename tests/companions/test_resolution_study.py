@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from stiction import Study, run, self_affine_surface
 from stiction.companions.resolution import (
-    CUTOFF_STUDY_FOLDER,
+    CUTOFF_STUDY_DIRECTORY,
     build_cutoff_study,
     estimate_yield_wavelengths,
     evaluate_at_cutoffs,
@@ -75,7 +75,7 @@ def test_resolution_result_stored_for_another_hardness_is_ignored(study, tmp_pat
     compute_missing_blocks(small_study, tmp_path)
     assert evaluate_at_cutoffs(open_stored_result(tmp_path)) is None
     cutoff_study = build_cutoff_study(small_study)
-    compute_missing_blocks(cutoff_study, tmp_path / CUTOFF_STUDY_FOLDER)
+    compute_missing_blocks(cutoff_study, tmp_path / CUTOFF_STUDY_DIRECTORY)
     result = evaluate_at_cutoffs(open_stored_result(tmp_path))
     expected = at_load(run(cutoff_study), [2.0])
     np.testing.assert_array_equal(result["mean_friction"].values, expected["mean_friction"].values)
@@ -99,7 +99,7 @@ def test_resolution_result_stored_for_another_hardness_is_ignored(study, tmp_pat
     # A resolution study that is stored with the result of another hardness is ignored.
     softer_directory = tmp_path / "softer"
     compute_missing_blocks(small_study.with_changes({"contact.hardness": "3 GPa"}), softer_directory)
-    compute_missing_blocks(cutoff_study, softer_directory / CUTOFF_STUDY_FOLDER)
+    compute_missing_blocks(cutoff_study, softer_directory / CUTOFF_STUDY_DIRECTORY)
     assert evaluate_at_cutoffs(open_stored_result(softer_directory)) is None
 
 

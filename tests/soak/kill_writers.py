@@ -132,7 +132,7 @@ class WriterKillTest:
         return (self.directory / "output").read_text()[-1000:]
 
     def count_blocks(self) -> int:
-        return sum(1 for _ in (self.result_directory / store.BLOCKS_FOLDER).glob("*.nc"))
+        return sum(1 for _ in (self.result_directory / store.BLOCKS_DIRECTORY).glob("*.nc"))
 
     def kill(self, target: str, process: subprocess.Popen[bytes]) -> None:
         assert process.poll() is None, f"{target} ended by itself: {process.returncode}: {self.read_last_output()}"
@@ -200,18 +200,18 @@ class WriterKillTest:
 
     def check_blocks(self) -> None:
         """Check that blocks are complete and unchanged, and that no command computed a finished repetition again."""
-        if not (self.result_directory / store.BLOCKS_FOLDER).exists():
+        if not (self.result_directory / store.BLOCKS_DIRECTORY).exists():
             assert not self.checksums
             return
         current_files = {
             file.name: (file.stat().st_ino, file.stat().st_mtime_ns)
-            for file in (self.result_directory / store.BLOCKS_FOLDER).glob("[0-9]*.nc")
+            for file in (self.result_directory / store.BLOCKS_DIRECTORY).glob("[0-9]*.nc")
         }
         assert self.known_files.keys() <= current_files.keys(), (
             f"lost: {sorted(self.known_files.keys() - current_files.keys())[:5]}"
         )
         for name in current_files.keys() - self.known_files.keys():
-            content = (self.result_directory / store.BLOCKS_FOLDER / name).read_bytes()
+            content = (self.result_directory / store.BLOCKS_DIRECTORY / name).read_bytes()
             assert name.endswith(f"-{zlib.crc32(content):08x}.nc"), f"{name} is torn"
             members = decode_members(content)
             for member_index, number in enumerate(members.numbers.tolist()):

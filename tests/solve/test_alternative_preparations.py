@@ -17,7 +17,7 @@ from stiction.evaluate.budget import add_uncertainty
 from stiction.solve import alternative_preparations
 from stiction.solve.alternative_preparations import (
     ALTERNATIVE_LABELS,
-    ALTERNATIVES_FOLDER,
+    ALTERNATIVES_DIRECTORY,
     TIP_CORRECTION,
     build_alternative_study,
 )
@@ -47,7 +47,7 @@ def open_without_alternatives(result):
     """Return a stored result whose interval does not include alternative preparations of the scans."""
     directory = result.path.with_name(f"{result.path.name}-without-alternatives")
     if not directory.exists():
-        shutil.copytree(result.path, directory, ignore=shutil.ignore_patterns(ALTERNATIVES_FOLDER))
+        shutil.copytree(result.path, directory, ignore=shutil.ignore_patterns(ALTERNATIVES_DIRECTORY))
     return open_result(directory)
 
 
@@ -237,7 +237,7 @@ def test_caveat_mentions_the_alternative_only_where_the_interval_covers_it(spike
 def test_pair_without_spikes_and_tip_has_no_alternatives(true_surfaces, tmp_path):
     result = pair(*true_surfaces, directory=tmp_path / "result", **PAIR_OPTIONS)
     assert result.alternatives == {}
-    assert not (result.path / ALTERNATIVES_FOLDER).exists()
+    assert not (result.path / ALTERNATIVES_DIRECTORY).exists()
 
 
 def test_area_interval_of_pair_with_hardness_includes_result_without_blunt_tip(true_surfaces, tmp_path):
@@ -280,7 +280,7 @@ def test_budget_at_a_load_of_the_study_does_not_depend_on_another_load(spiked_re
 def test_result_without_stored_alternative_has_own_interval_until_pair_runs_again(blunt_result, blunt_scans, tmp_path):
     directory = tmp_path / "result"
     shutil.copytree(blunt_result.path, directory)
-    shutil.rmtree(directory / ALTERNATIVES_FOLDER)
+    shutil.rmtree(directory / ALTERNATIVES_DIRECTORY)
     old_result = open_result(directory)
     assert old_result.interval == open_without_alternatives(blunt_result).interval
     assert any("the interval does not include this" in caveat.text for caveat in old_result.caveats)

@@ -12,12 +12,12 @@ from stiction.solve import executors, members_in_progress, runner
 from stiction.solve.companion_study import CompanionStudy
 from stiction.solve.member_solution import compute_member_arrays
 from stiction.solve.members_in_progress import (
-    IN_PROGRESS_FOLDER,
+    IN_PROGRESS_DIRECTORY,
     MembersInProgress,
     find_members_in_progress,
     remove_stored_steps,
 )
-from stiction.solve.store import BLOCKS_FOLDER
+from stiction.solve.store import BLOCKS_DIRECTORY
 from support.generated_studies import assert_same_bits
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
@@ -95,7 +95,7 @@ def test_interrupted_solution_continues_with_bit_identical_results(
     for variable, values in expected.items():
         assert arrays[variable].tobytes() == values.tobytes(), variable
     remove_stored_steps(tmp_path)
-    assert not (tmp_path / IN_PROGRESS_FOLDER).exists()
+    assert not (tmp_path / IN_PROGRESS_DIRECTORY).exists()
 
 
 @pytest.mark.parametrize("study", [(ADHESION, True)], indirect=True)
@@ -108,11 +108,11 @@ def test_interrupted_run_resumes_inside_a_partly_solved_pair(study, tmp_path, mo
     with pytest.raises(KeyboardInterrupt):
         run(study, store=directory)
     assert find_members_in_progress(directory) == {0}
-    assert list((directory / BLOCKS_FOLDER).iterdir()) == []
+    assert list((directory / BLOCKS_DIRECTORY).iterdir()) == []
     calls.max_calls = None
     assert_same_bits(run(study, store=directory).dataset, expected)
     assert calls.num_calls < 1.2 * num_calls
-    assert not (directory / IN_PROGRESS_FOLDER).exists()
+    assert not (directory / IN_PROGRESS_DIRECTORY).exists()
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
@@ -125,11 +125,11 @@ def test_interrupted_companion_study_resumes_inside_a_partly_solved_pair(study, 
     with executors.executor_or_thread_pool(None) as executor:
         with pytest.raises(KeyboardInterrupt):
             companion_study.complete(executor)
-        assert find_members_in_progress(companion_study.folder) == {0}
+        assert find_members_in_progress(companion_study.directory) == {0}
         calls.max_calls = None
         assert_same_bits(companion_study.complete(executor).dataset, expected)
     assert calls.num_calls == num_calls
-    assert not (companion_study.folder / IN_PROGRESS_FOLDER).exists()
+    assert not (companion_study.directory / IN_PROGRESS_DIRECTORY).exists()
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
@@ -140,7 +140,7 @@ def test_next_run_removes_steps_of_a_member_whose_run_was_killed_after_storing_i
     assert find_members_in_progress(directory) == {0}
     monkeypatch.undo()
     run(study, store=directory)
-    assert not (directory / IN_PROGRESS_FOLDER).exists()
+    assert not (directory / IN_PROGRESS_DIRECTORY).exists()
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
@@ -148,8 +148,8 @@ def test_stored_load_steps_that_are_damaged_or_of_another_study_are_computed_aga
     expected = compute_member_arrays(study, 0)
     calls = InterruptedCalls(monkeypatch, ContactSolver, "at")
     compute_member_arrays(study, 0, MembersInProgress(study, tmp_path, estimate_iterations).add(0))
-    (member_folder,) = (tmp_path / IN_PROGRESS_FOLDER).iterdir()
-    paths = sorted(member_folder.iterdir())
+    (member_directory,) = (tmp_path / IN_PROGRESS_DIRECTORY).iterdir()
+    paths = sorted(member_directory.iterdir())
     assert [path.name for path in paths] == [f"{number:05d}.npz" for number in range(4)]
     for damage, expected_calls in (
         (lambda: None, 0),

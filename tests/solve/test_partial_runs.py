@@ -9,7 +9,7 @@ import pytest
 import xarray
 from stiction import run
 from stiction.solve import runner, store
-from stiction.solve.runner import SharedResultFolder, compute_missing_blocks
+from stiction.solve.runner import SharedResultDirectory, compute_missing_blocks
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, with_repetitions
 
 pytestmark = pytest.mark.usefixtures("write_blocks_of_four_members")
@@ -55,10 +55,12 @@ class RemoteExecutor(Executor):
 
     def submit(self, function, /, *args):
         if not self.has_directory:
-            args = [replace(arg, path=Path("/nowhere")) if isinstance(arg, SharedResultFolder) else arg for arg in args]
-            # The function is the method SharedResultFolder.is_accessible.
-            if isinstance(getattr(function, "__self__", None), SharedResultFolder):
-                function = SharedResultFolder(Path("/nowhere"), "").is_accessible
+            args = [
+                replace(arg, path=Path("/nowhere")) if isinstance(arg, SharedResultDirectory) else arg for arg in args
+            ]
+            # The function is the method SharedResultDirectory.is_accessible.
+            if isinstance(getattr(function, "__self__", None), SharedResultDirectory):
+                function = SharedResultDirectory(Path("/nowhere"), "").is_accessible
         return InlineExecutor().submit(function, *args)
 
 

@@ -24,7 +24,7 @@ import xarray
 from stiction import Result, Study, __version__, _files, run
 from stiction.solve import layout, runner, store
 from stiction.solve.runner import compute_missing_blocks
-from stiction.solve.store import BLOCKS_FOLDER, STUDY_FILE, BlockFile, ExportError, StoreError, export
+from stiction.solve.store import BLOCKS_DIRECTORY, STUDY_FILE, BlockFile, ExportError, StoreError, export
 from stiction.study.study import parse_study
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, rewrite_variable, with_repetitions
 from support.studies_of_files import create_study_from_files, write_maps
@@ -50,11 +50,11 @@ def directory_copy(finished_directory, tmp_path):
 
 def block_states(path):
     """Return the inode and modification time of each block file by name."""
-    return {file.name: (file.stat().st_ino, file.stat().st_mtime_ns) for file in (path / BLOCKS_FOLDER).iterdir()}
+    return {file.name: (file.stat().st_ino, file.stat().st_mtime_ns) for file in (path / BLOCKS_DIRECTORY).iterdir()}
 
 
 def find_block_file(path, first):
-    return next((path / BLOCKS_FOLDER).glob(f"{first:07d}-*.nc"))
+    return next((path / BLOCKS_DIRECTORY).glob(f"{first:07d}-*.nc"))
 
 
 def replace_block_content(file, content):
@@ -77,13 +77,13 @@ def test_stored_result_equals_the_computed_dataset(tmp_path, uninterrupted_datas
     path = tmp_path / "deep" / "r"
     assert_same_bits(run(TINY_STUDY, store=path).dataset, uninterrupted_dataset)
     assert_same_bits(store.read(path), uninterrupted_dataset)
-    assert sorted(os.listdir(path)) == [BLOCKS_FOLDER, STUDY_FILE]
+    assert sorted(os.listdir(path)) == [BLOCKS_DIRECTORY, STUDY_FILE]
     assert [file[:15] for file in sorted(block_states(path))] == [
         f"{k:07d}-{min(k + 3, 21):07d}" for k in range(0, 22, 4)
     ]
     info = store.info(path)
     assert (info.study, info.finished) == (TINY_STUDY, 22)
-    assert info.size == sum(file.stat().st_size for file in (path / BLOCKS_FOLDER).iterdir())
+    assert info.size == sum(file.stat().st_size for file in (path / BLOCKS_DIRECTORY).iterdir())
 
 
 def test_result_without_a_quantity_of_newer_versions_can_be_read(tmp_path):
@@ -109,7 +109,7 @@ def test_two_runs_write_blocks_with_equal_checksums(tmp_path, directory_copy):
 def test_xarray_can_open_blocks_of_a_stored_result(directory_copy, uninterrupted_dataset):
     pytest.importorskip("dask")
     find_block_file(directory_copy, 8).unlink()
-    with xarray.open_mfdataset(str(directory_copy / BLOCKS_FOLDER / "*.nc")) as opened_blocks:
+    with xarray.open_mfdataset(str(directory_copy / BLOCKS_DIRECTORY / "*.nc")) as opened_blocks:
         opened_dataset = opened_blocks.load()
     expected = uninterrupted_dataset.isel(repetition=[*range(8), *range(12, 22)])
     for name, variable in expected.variables.items():
@@ -262,7 +262,7 @@ def test_overlapping_blocks_are_accepted(directory_copy, uninterrupted_dataset, 
         monkeypatch.setattr(runner, "choose_block_size", lambda study, size=size: size)
         shutil.rmtree(other_directory, ignore_errors=True)
         compute_missing_blocks(TINY_STUDY, other_directory)
-        shutil.copy(find_block_file(other_directory, first), directory_copy / BLOCKS_FOLDER)
+        shutil.copy(find_block_file(other_directory, first), directory_copy / BLOCKS_DIRECTORY)
     find_block_file(directory_copy, 4).unlink()
     assert_same_bits(store.read(directory_copy), uninterrupted_dataset)
 
@@ -412,7 +412,7 @@ def test_invalid_block_is_reported_with_a_one_line_error(directory_copy, damage)
 def test_files_of_other_programs_are_left_unchanged(directory_copy, uninterrupted_dataset):
     names = ["notes.txt", "0000004-0000007.nc", "0000007-0000004-00000000.nc", ".hidden", "4-7-00000000.nc"]
     for name in names:
-        (directory_copy / BLOCKS_FOLDER / name).write_text("mine")
+        (directory_copy / BLOCKS_DIRECTORY / name).write_text("mine")
     (directory_copy / "more").mkdir()
     assert_same_bits(run(TINY_STUDY, store=directory_copy).dataset, uninterrupted_dataset)
     assert {*names} <= block_states(directory_copy).keys()
@@ -611,12 +611,12 @@ def test_partial_files_of_ended_processes_are_removed(directory_copy):
         ".stiction-00000000-1-00000000-00000001.partial": False,
         "mine.partial": True,
     }
-    for directory, name in itertools.product((directory_copy, directory_copy / BLOCKS_FOLDER), is_kept):
+    for directory, name in itertools.product((directory_copy, directory_copy / BLOCKS_DIRECTORY), is_kept):
         (directory / name).write_text("half")
         if name.endswith("1.partial"):
             os.utime(directory / name, (0, 0))
     run(TINY_STUDY, store=directory_copy)
-    for directory in (directory_copy, directory_copy / BLOCKS_FOLDER):
+    for directory in (directory_copy, directory_copy / BLOCKS_DIRECTORY):
         assert {name for name in os.listdir(directory) if name.endswith(".partial")} == {
             n for n in is_kept if is_kept[n]
         }

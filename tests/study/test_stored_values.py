@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from stiction import run
 from stiction.solve import store
-from stiction.solve.store import BLOCKS_FOLDER, decode_members
+from stiction.solve.store import BLOCKS_DIRECTORY, decode_members
 from stiction.study.stored_values import DamagedFileError
 from support.command import call_stiction
 from support.generated_studies import rewrite_variable, with_repetitions
@@ -32,7 +32,7 @@ def result_directories(tmp_path_factory):
 
 
 def read_first_block(directory):
-    return sorted((directory / BLOCKS_FOLDER).iterdir())[0].read_bytes()
+    return sorted((directory / BLOCKS_DIRECTORY).iterdir())[0].read_bytes()
 
 
 def change_file(content, name, change):
@@ -130,7 +130,7 @@ def test_randomly_changed_block_is_rejected_or_gives_finite_output(result_direct
     for name, changed_content in accepted[:1]:
         directory = tmp_path / name
         shutil.copytree(result_directories[kind], directory)
-        for block in (directory / BLOCKS_FOLDER).iterdir():
+        for block in (directory / BLOCKS_DIRECTORY).iterdir():
             block.unlink()
         num_members = len(decode_members(changed_content).numbers)
         store.write_block(directory, 0, changed_content, num_members)

@@ -33,24 +33,24 @@ def test_description_of_a_generated_study_lists_its_differences_from_the_default
 
 def test_description_of_a_measured_study_contains_file_names_without_directories(maps_dataset):
     study = parse_study_of_dataset(maps_dataset)
-    folder = str(Path(study.surfaces.upper.file).parent)
+    directory = str(Path(study.surfaces.upper.file).parent)
     description = describe_study(study)
-    assert folder in study.to_toml()
-    assert folder not in description.file_text
+    assert directory in study.to_toml()
+    assert directory not in description.file_text
     assert description.name == "upper-maps.npy on lower-maps.npy"
 
 
 def test_description_of_a_study_contains_no_directories_of_scans_or_interfaces(maps_dataset):
     study = parse_study_of_dataset(maps_dataset)
     surfaces = study.surfaces
-    folder = str(Path(surfaces.upper.file).parent)
+    directory = str(Path(surfaces.upper.file).parent)
     upper = surfaces.upper.model_copy(update={"others": (surfaces.lower,)})
-    interface = InterfaceSettings(file=f"{folder}/steel.csv", mu0=0.2, tau0="20..80 MPa")
+    interface = InterfaceSettings(file=f"{directory}/steel.csv", mu0=0.2, tau0="20..80 MPa")
     changes = {"friction.interface": interface.model_dump()}
     study = study.model_copy(update={"surfaces": surfaces.model_copy(update={"upper": upper})}).with_changes(changes)
     description = describe_study(study)
-    assert study.to_toml().count(folder) == 4
-    assert folder not in description.file_text
+    assert study.to_toml().count(directory) == 4
+    assert directory not in description.file_text
     assert 'interface = { file = "steel.csv", mu0' in description.file_text
 
 

@@ -24,8 +24,8 @@ pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 
 @pytest.fixture
-def scan_folder(tmp_path, monkeypatch):
-    """Change to a folder with the scans upper.npy and lower.npy."""
+def scan_directory(tmp_path, monkeypatch):
+    """Change to a directory with the scans upper.npy and lower.npy."""
     monkeypatch.chdir(tmp_path)
     for side, surface in zip(("upper", "lower"), rough_maps(points=32), strict=True):
         np.save(f"{side}.npy", surface.heights)
@@ -51,7 +51,7 @@ def test_height_step_of_a_scan_is_found_once(monkeypatch):
     assert steps == [pytest.approx(1e-3)]
 
 
-def test_defects_of_each_scan_are_found_once(scan_folder, monkeypatch):
+def test_defects_of_each_scan_are_found_once(scan_directory, monkeypatch):
     num_calls = Counter()
 
     def count_calls(name):
@@ -87,10 +87,10 @@ def test_cached_defects_are_released_with_their_scan():
     assert reference() is None
 
 
-def test_file_is_read_once_for_its_relative_and_its_absolute_path(scan_folder):
+def test_file_is_read_once_for_its_relative_and_its_absolute_path(scan_directory):
     relative, absolute = (
         MeasuredBodySettings(file=str(file), unit="um", spacing="0.1 um")
-        for file in ("upper.npy", scan_folder / "upper.npy")
+        for file in ("upper.npy", scan_directory / "upper.npy")
     )
     assert relative.with_checksums().read() is absolute.read()
     assert relative.model_copy(update={"texture": "ground"}).read() is absolute.read()

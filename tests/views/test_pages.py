@@ -44,7 +44,7 @@ def surface():
 def pages(
     generated_dataset, maps_dataset, opposing_interface_dataset, profiles_dataset, profile, surface, tmp_path_factory
 ):
-    folder = tmp_path_factory.mktemp("pages")
+    directory = tmp_path_factory.mktemp("pages")
     texts = {
         "study": report_page(generated_dataset),
         "maps": report_page(maps_dataset, picture=contact_picture(maps_dataset)),
@@ -55,8 +55,8 @@ def pages(
         "surface": surface_page(surface, **SCAN_OPTIONS).html(),
     }
     for name, text in texts.items():
-        (folder / f"{name}.html").write_text(text, encoding="utf-8")
-    return {name: folder / f"{name}.html" for name in texts}
+        (directory / f"{name}.html").write_text(text, encoding="utf-8")
+    return {name: directory / f"{name}.html" for name in texts}
 
 
 PLOTS_WITH_AXES = {

@@ -66,7 +66,7 @@ class Job:
     number: int
     title: str
     arguments: list[str]  # arguments of the `stiction` command
-    folder: Path
+    directory: Path
     preview: tuple[list[str], Any] | None = None  # scans and options of a preview with the asperity model
     state: str = "waiting"  # "waiting", "running", "done", "stopped" or "failed"
     file_stem: str = ""  # name, without extension, under which the files of the result are saved
@@ -114,13 +114,19 @@ class JobQueue:
     def __init__(self, root: Path) -> None:
         self.root = root
         self.jobs_by_number: dict[int, Job] = {}
-        self._folder_count = 0
+        self._directory_count = 0
         self._is_ending = False
         self._job_lock = asyncio.Lock()
         self._reader_slots = asyncio.Semaphore(2)
 
     def add(
-        self, title: str, arguments: list[str], *, file_stem: str = "", folder: Path | None = None, preview: Any = None
+        self,
+        title: str,
+        arguments: list[str],
+        *,
+        file_stem: str = "",
+        directory: Path | None = None,
+        preview: Any = None,
     ) -> Job:
         """Add a command to the queue. If a result of the same command is stored, its computation is resumed.
 
@@ -132,9 +138,9 @@ class JobQueue:
         is_shear = arguments[0] == "shear"
         identifying_arguments = [item for item in arguments if is_shear or not re.match("--(mu0|tau0)=", item)]
         digest = hashlib.sha256("\0".join(identifying_arguments).encode()).hexdigest()[:12]
-        folder = folder or self.root / "results" / digest / arguments[0]
+        directory = directory or self.root / "results" / digest / arguments[0]
         job = self.jobs_by_number[len(self.jobs_by_number) + 1] = Job(
-            len(self.jobs_by_number) + 1, title, arguments, folder, preview, file_stem=file_stem or title
+            len(self.jobs_by_number) + 1, title, arguments, directory, preview, file_stem=file_stem or title
         )
         job.task = asyncio.create_task(self._run_job(job))
         job.task.add_done_callback(_print_unexpected_error)
@@ -188,7 +194,7 @@ class JobQueue:
             job.state, job.activity = final_state, ""
 
     async def _run_command(self, job: Job) -> None:
-        if job.folder.is_relative_to(self.root):
+        if job.directory.is_relative_to(self.root):
             record = await self._compute_result(job)
             if job.arguments[0] in FILES_BY_COMMAND:
                 await self._show_files(job, record)
@@ -204,7 +210,7 @@ class JobQueue:
         job.activity, has_record = "computing", job.arguments[0] in FILES_BY_COMMAND
         monitor_task = asyncio.create_task(self._monitor_progress(job))
         reading_tasks = [monitor_task]
-        if job.preview is not None and not job.folder.exists():
+        if job.preview is not None and not job.directory.exists():
             reading_tasks.append(asyncio.create_task(self._show_preview(job)))
         for task in reading_tasks:
             task.add_done_callback(_print_unexpected_error)
@@ -216,7 +222,7 @@ class JobQueue:
             job.show(_read_answer(job, record), None)
 
         output_option = "--json" if has_record else "--part=1/1"
-        arguments = ["stiction", *job.arguments, output_option, f"--output={job.folder}"]
+        arguments = ["stiction", *job.arguments, output_option, f"--output={job.directory}"]
         try:
             return await run_module(
                 arguments, grace_time=MAX_SHUTDOWN_TIME, memory=JOB_MEMORY_FRACTION, on_record=show_values
@@ -238,7 +244,7 @@ class JobQueue:
 
     async def _show_files(self, job: Job, record: str) -> None:
         """Copy the files that a finished command wrote, and show them with the values in its JSON record."""
-        files = self._choose_folder()
+        files = self._choose_directory()
         # The thread does not change the job, because it continues if the job is stopped in the meantime.
         counts = await asyncio.to_thread(self._copy_files, job, files, record)
         job.show(_read_answer(job, record), files, counts=counts)
@@ -246,13 +252,13 @@ class JobQueue:
     def _copy_files(self, job: Job, files: Path, record: str) -> tuple[int, int] | None:
         """Copy the files and the JSON record of a job to a new directory. For a pair, return the member counts."""
         sources = FILES_BY_COMMAND[job.arguments[0]]
-        texts = {name: (job.folder / source).read_text("utf-8") for name, source in sources.items()}
+        texts = {name: (job.directory / source).read_text("utf-8") for name, source in sources.items()}
         files.mkdir(parents=True)
         for name, text in (texts | {"result.json": record}).items():
             (files / name).write_text(hide_private_paths(text, self.root), "utf-8", "replace")
         if job.arguments[0] != "pair":
             return None
-        stored_result = open_stored_result(job.folder)
+        stored_result = open_stored_result(job.directory)
         return stored_result.num_finished, stored_result.study.ensemble.repetitions
 
     async def _monitor_progress(self, job: Job) -> None:
@@ -262,7 +268,7 @@ class JobQueue:
             await asyncio.sleep(POLL_INTERVAL)
             # Exceptions are raised if there is no result yet, or if the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
-                stored_result = await asyncio.to_thread(open_stored_result, job.folder)
+                stored_result = await asyncio.to_thread(open_stored_result, job.directory)
                 job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
                 if job.total > job.finished >= 2 * num_reported:
                     num_reported = job.finished
@@ -272,8 +278,8 @@ class JobQueue:
 
     async def _read_result(self, job: Job, scope: str = "", **source: Any) -> None:
         """Read the finished part of a job and write a report on it. For the final result, `scope` is empty."""
-        files = self._choose_folder()
-        request = {"folder": str(job.folder), "name": job.folder.name,
+        files = self._choose_directory()
+        request = {"directory": str(job.directory), "name": job.directory.name,
                    "command": "" if scope else job.arguments[0],
                    "files": str(files), "root": str(self.root)}  # fmt: skip
         arguments = ["stiction.app.result_worker", json.dumps(request | source)]
@@ -288,17 +294,17 @@ class JobQueue:
             counts=None if source else (response["finished"], response["total"]),
         )
 
-    def _choose_folder(self) -> Path:
+    def _choose_directory(self) -> Path:
         """Return a new path for the files of a result that the user can save."""
-        self._folder_count += 1
-        return self.root / "shared" / f"{self._folder_count}"
+        self._directory_count += 1
+        return self.root / "shared" / f"{self._directory_count}"
 
     async def evaluate_result(self, job: Job, numbers: list[float], dimension: float | None) -> str:
         """Return the record of a result at a load (mN), mu0 and tau0 (GPa)."""
         load, mu0, tau0 = numbers
         options = [f"--load={load!r} mN", f"--mu0={mu0!r}", f"--tau0={tau0!r} GPa"]
         options += [] if dimension is None else [f"--d={dimension!r}"]
-        return await self.run_short_module(["stiction", "at", str(job.folder), *options, "--json"])
+        return await self.run_short_module(["stiction", "at", str(job.directory), *options, "--json"])
 
     async def run_short_module(self, arguments: list[str]) -> str:
         """Run a module that finishes quickly, and return its output. At most two such modules run at the same time."""

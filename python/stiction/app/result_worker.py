@@ -27,8 +27,8 @@ def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Stu
 def main() -> None:
     """Print the values and the member count of a result, and write its report and other files.
 
-    The argument is JSON: `folder` of the result, or `preview` with the scans and options of a `pair` command; `name`;
-    the `command` of a final result (empty for an intermediate result); `files`, the directory to write; and the
+    The argument is JSON: `directory` of the result, or `preview` with the scans and options of a `pair` command;
+    `name`; the `command` of a final result (empty for an intermediate result); `files`, the directory to write; and the
     private directory `root`.
     """
     request = json.loads(sys.argv[1])
@@ -38,7 +38,7 @@ def main() -> None:
             study = load_preview_study([Path(file) for file in files], options)
             result = None if study is None else compute_preview_result(study)
         else:
-            result = open_result(request["folder"])
+            result = open_result(request["directory"])
         print(to_json(None if result is None else _write_result_files(result, request)))
     except REPORTED_EXCEPTIONS as error:
         sys.exit(f"stiction: {error or 'not enough memory for this result'}")

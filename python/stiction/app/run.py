@@ -70,10 +70,10 @@ class TimeLimitedConnection(H11Protocol):
 def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
     """Serve the page until its last window has been closed for some time, or until the user interrupts the command."""
     with (
-        tempfile.TemporaryDirectory(prefix=WORKING_DIRECTORY_PREFIX) as folder,
+        tempfile.TemporaryDirectory(prefix=WORKING_DIRECTORY_PREFIX) as directory,
         socket.create_server(("127.0.0.1", 0)) as listener,
     ):
-        server = Server(Path(folder).resolve(), Path.cwd(), listener.getsockname()[1], has_demo=demo)
+        server = Server(Path(directory).resolve(), Path.cwd(), listener.getsockname()[1], has_demo=demo)
         address = f"{server.origin}/?token={server.token}"
         config = uvicorn.Config(
             server,

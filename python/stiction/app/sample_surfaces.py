@@ -14,10 +14,10 @@ from stiction.surfaces.measured.writing import write_surface
 from stiction.surfaces.self_affine import self_affine_surface
 
 
-def write_sample_surfaces(folder: Path) -> list[Path]:
+def write_sample_surfaces(directory: Path) -> list[Path]:
     """Write CSV files with two sample surfaces (side 26 µm, rms height Sq 50 nm), unless the files exist."""
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"{side}.csv" for side in ("upper", "lower")]
+    directory.mkdir(parents=True, exist_ok=True)
+    paths = [directory / f"{side}.csv" for side in ("upper", "lower")]
     for path in paths:
         if not path.exists():
             surface = self_affine_surface(

@@ -230,17 +230,17 @@ class Server:
         """Add the app to the applications menu of the desktop, so that it starts without a terminal."""
         if re.search(r'["`$\\%\n]', f"{sys.executable}{self.working_directory}"):
             raise RejectedRequestError(f"{sys.executable}: a menu entry cannot contain this path")
-        applications_folder = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
-        applications_folder.mkdir(parents=True, exist_ok=True)
+        applications_directory = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
+        applications_directory.mkdir(parents=True, exist_ok=True)
         with replace_file_atomically(
-            applications_folder / "stiction.desktop", b"Name=stiction\n", ValueError
+            applications_directory / "stiction.desktop", b"Name=stiction\n", ValueError
         ) as partial_path:
             partial_path.write_text(
                 "[Desktop Entry]\nType=Application\nName=stiction\nComment=Static friction of two surfaces\n"
                 f'Exec="{sys.executable}" -P -m stiction app\nPath={self.working_directory}\nCategories=Science;\n',
                 "utf-8",
             )
-        return JSONResponse({"file": str(applications_folder / "stiction.desktop")})
+        return JSONResponse({"file": str(applications_directory / "stiction.desktop")})
 
     # ---- Scans ------------------------------------------------------------------------------------------------------
 
@@ -337,8 +337,8 @@ class Server:
         command, options = request_data.get("command"), request_data.get("options")
         if command == "open":
             name = request_data.get("name", "")
-            folder = self._find_result_folders().get(name) or _raise_not_found("this result no longer exists")
-            return JSONResponse({"job": self.jobs.add(name, ["info", name], folder=folder).number})
+            directory = self._find_result_directories().get(name) or _raise_not_found("this result no longer exists")
+            return JSONResponse({"job": self.jobs.add(name, ["info", name], directory=directory).number})
         if command not in ALLOWED_OPTIONS_BY_COMMAND or not isinstance(options, list):
             raise HTTPException(400)
         for name, value in options:
@@ -395,30 +395,30 @@ class Server:
     async def get_result_file(self, request: Request) -> Response:
         """Return the report, JSON, CSV or study file of a job."""
         job, name = self._find_job(request), request.path_params["name"]
-        folder = job.files or _raise_not_found()
-        if name not in [path.name for path in folder.iterdir()]:
+        directory = job.files or _raise_not_found()
+        if name not in [path.name for path in directory.iterdir()]:
             _raise_not_found()
         saved_name = f"{job.file_stem}{Path(name).suffix}" if "save" in request.query_params else None
         return FileResponse(
-            folder / name, filename=saved_name, headers={"content-security-policy": REPORT_SECURITY_POLICY}
+            directory / name, filename=saved_name, headers={"content-security-policy": REPORT_SECURITY_POLICY}
         )
 
     # ---- Existing results and generated surfaces -------------------------------------------------------------
 
-    def _find_result_folders(self) -> dict[str, Path]:
-        folders = [
+    def _find_result_directories(self) -> dict[str, Path]:
+        directories = [
             path.parent for path in self.working_directory.glob("*/study.toml") if (path.parent / "blocks").is_dir()
         ]
         return {
-            os.fsencode(folder.name).decode("utf-8", "replace"): folder
-            for folder in sorted(folders)[:MAX_LISTED_RESULTS]
+            os.fsencode(directory.name).decode("utf-8", "replace"): directory
+            for directory in sorted(directories)[:MAX_LISTED_RESULTS]
         }
 
     async def list_results(self, _: Request) -> Response:
         """Return the results in the current directory with their progress."""
         return JSONResponse(
             await asyncio.to_thread(
-                lambda: [_stored_result_list_entry(*item) for item in self._find_result_folders().items()]
+                lambda: [_stored_result_list_entry(*item) for item in self._find_result_directories().items()]
             )
         )
 
@@ -430,9 +430,9 @@ class Server:
         return Response(await asyncio.to_thread(sample_surfaces.draw_profiles, changes), media_type="image/svg+xml")
 
 
-def _stored_result_list_entry(name: str, folder: Path) -> dict[str, Any]:
+def _stored_result_list_entry(name: str, directory: Path) -> dict[str, Any]:
     try:
-        stored_result = open_stored_result(folder)
+        stored_result = open_stored_result(directory)
     except ValueError as error:
         return {"name": name, "error": str(error)}
     return {

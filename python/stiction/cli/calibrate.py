@@ -85,7 +85,7 @@ def calibrate(
     from stiction.views.calibration import calibration_figure, calibration_json, calibration_text, tested_pair_notes
     from stiction.views.style import save_figure
 
-    bodies: dict[str, Any] = {folder.resolve().name: open_result_with_warning(folder) for folder in pair or ()}
+    bodies: dict[str, Any] = {directory.resolve().name: open_result_with_warning(directory) for directory in pair or ()}
     if len(bodies) < len(pair or ()):
         raise ValueError(
             "directories of --pair must have different names, because the names identify the pairs in the column 'pair'"

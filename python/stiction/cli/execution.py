@@ -70,7 +70,7 @@ def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable:
     return "; or ".join(remedies)
 
 
-def compute_result_in_folder(
+def compute_result_in_directory(
     study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
     show_companions: Callable[[Result], Any] = lambda _: None, **options: Any,
 ) -> Result:  # fmt: skip

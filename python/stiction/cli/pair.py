@@ -133,7 +133,7 @@ def pair(
     files; repeat an option to set UPPER and LOWER separately. The result is a study in DIR that run, at, plot, report,
     info and export accept.
     """
-    from stiction.cli.execution import check_output_directory, compute_result_in_folder, open_executor, parse_part
+    from stiction.cli.execution import check_output_directory, compute_result_in_directory, open_executor, parse_part
     from stiction.cli.result_output import (
         choose_message_printer,
         print_pair_values,
@@ -185,10 +185,10 @@ def pair(
         if replace or not (output / STUDY_FILE).exists():
             submit_preview(measured_pair.preview_study, executor)
         for study in studies:
-            folder = output / study.contact.mechanics if results else output
-            result = compute_result_in_folder(
+            directory = output / study.contact.mechanics if results else output
+            result = compute_result_in_directory(
                 study,
-                folder,
+                directory,
                 executor,
                 print_written=print_written,
                 part=part_number,

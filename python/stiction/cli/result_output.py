@@ -99,31 +99,31 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     If another command has stored other mu0, tau0 or loads in the directory in the meantime, the files are written for
     these values, so that they agree with the stored study.
     """
-    folder = result.path
-    assert folder is not None, "the result of the command is stored"
-    show_status(f"the result is stored in {printable_path(folder)}; writing its table, figure and report")
+    directory = result.path
+    assert directory is not None, "the result of the command is stored"
+    show_status(f"the result is stored in {printable_path(directory)}; writing its table, figure and report")
     file_names: list[str] = []
     for _ in range(MAX_OUTPUT_ATTEMPTS):
-        stored_result = open_stored_result(folder)
+        stored_result = open_stored_result(directory)
         is_current = stored_result.study.friction == result.study.friction
         if file_names and is_current:
             break
         result = result if is_current else Result(stored_result)
-        file_names = _write_result_files(result, folder)
+        file_names = _write_result_files(result, directory)
     print_written(f"wrote {file_names[0]} (open it), {' and '.join(file_names[1:])}")
 
 
 MAX_OUTPUT_ATTEMPTS = 4  # maximum number of attempts to write files while the study keeps changing
 
 
-def _write_result_files(result: Result, folder: Path) -> list[str]:
+def _write_result_files(result: Result, directory: Path) -> list[str]:
     from stiction.views.figures import draw_figures
     from stiction.views.report import save_report
 
-    replace_text_file(folder / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_SIGNATURES[RESULT_TABLE_NAME])
-    figure_paths = draw_figures(result, folder, first=True)
-    report_path = folder / "report.html"
-    save_report(result, report_path, name=folder.resolve().name)
+    replace_text_file(directory / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_SIGNATURES[RESULT_TABLE_NAME])
+    figure_paths = draw_figures(result, directory, first=True)
+    report_path = directory / "report.html"
+    save_report(result, report_path, name=directory.resolve().name)
     return [str(report_path), RESULT_TABLE_NAME, *(figure_path.name for figure_path in figure_paths)]
 
 

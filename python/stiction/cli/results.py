@@ -159,13 +159,13 @@ def export(
 
 def _compute_joint(result: Result, directory: Path, workers: int | None) -> Result:
     """Compute a pair at all loads of its joint table. A stored joint result of another study is replaced."""
-    from stiction.cli.execution import compute_result_in_folder, open_executor
+    from stiction.cli.execution import compute_result_in_directory, open_executor
     from stiction.solve.store import StudyMismatchError
     from stiction.summary.joint_table import build_joint_study
 
     study = build_joint_study(result.study, result.nominal_area)
     with open_executor(workers, None) as executor:
         try:
-            return compute_result_in_folder(study, directory, executor, onset=0)
+            return compute_result_in_directory(study, directory, executor, onset=0)
         except StudyMismatchError:
-            return compute_result_in_folder(study, directory, executor, onset=0, replace=True)
+            return compute_result_in_directory(study, directory, executor, onset=0, replace=True)

@@ -44,7 +44,7 @@ def run_study_command(
 
     Repetitions (for a pair, positions) that already exist in the output directory are kept.
     """
-    from stiction.cli.execution import compute_result_in_folder, open_executor, parse_part
+    from stiction.cli.execution import compute_result_in_directory, open_executor, parse_part
     from stiction.cli.result_output import print_result, write_figures
     from stiction.study.values import MAX_LISTED_FAULTS, StudyError
 
@@ -57,7 +57,7 @@ def run_study_command(
     directory = directory if output is None else output
     part_number = parse_part(part)
     with open_executor(workers, scheduler) as executor:
-        result = compute_result_in_folder(chosen_study, directory, executor, part=part_number)
+        result = compute_result_in_directory(chosen_study, directory, executor, part=part_number)
     if part_number is None:
         print_output("")
         print_result(result, verbose=verbose)

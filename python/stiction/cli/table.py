@@ -78,7 +78,7 @@ def table_command(
         _tabulate_measured_pair(given_options, output, workers, scheduler)
         return
     from stiction._arguments import parse_coefficients, parse_numbers, parse_quantities, parse_quantity, split_values
-    from stiction.cli.execution import compute_result_in_folder, open_executor
+    from stiction.cli.execution import compute_result_in_directory, open_executor
     from stiction.solve.store import CHECKSUM_PREFIX, export
     from stiction.study.elasticity import determine_elasticity
     from stiction.study.interfaces import InterfaceStrength, round_median_strength
@@ -126,7 +126,7 @@ def table_command(
     }
     check_all_replaceable(output, signatures)
     with open_executor(workers, scheduler) as executor:
-        result = compute_result_in_folder(study, output, executor)
+        result = compute_result_in_directory(study, output, executor)
     table = friction_table(result)
     print_output(friction_table_text(table))
     if assessment_text := table_assessment_text(table, result.summary()):
@@ -158,7 +158,7 @@ def _tabulate_measured_pair(options: dict[str, Any], output: Path, workers: int 
     """Compute a measured pair, and write its joint table for each mu0 and tau0."""
     import pandas
 
-    from stiction.cli.execution import compute_result_in_folder, open_executor
+    from stiction.cli.execution import compute_result_in_directory, open_executor
     from stiction.study.pair_options import validate_option_values
     from stiction.study.pair_study import build_study_from_options
     from stiction.views.files import check_all_replaceable, replace_text_file
@@ -169,7 +169,7 @@ def _tabulate_measured_pair(options: dict[str, Any], output: Path, workers: int 
     check_all_replaceable(output, {CSV_FILE_NAME: signature})
     study = build_study_from_options(validate_option_values(options))
     with open_executor(workers, scheduler) as executor:
-        result = compute_result_in_folder(study, output, executor, onset=0)
+        result = compute_result_in_directory(study, output, executor, onset=0)
     frames = []
     for mu0 in map(float, result.study.friction.mu0):
         for tau0 in map(float, result.study.friction.tau0):

@@ -44,7 +44,7 @@ from stiction.surfaces.pairing import SIDES
 if TYPE_CHECKING:
     import xarray
 
-HEIGHT_SCALE_FOLDER = "height_scale"
+HEIGHT_SCALE_DIRECTORY = "height_scale"
 """Name of the subdirectory of a result directory that contains a study for each factor."""
 
 HEIGHT_FACTOR_EXPONENT_STEP = 0.5
@@ -190,7 +190,7 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
 def find_factor_study(study: Study, path: Path, factor: float, scaled: ScaledBodies) -> CompanionStudy:
     """Return the study with a height factor, and its subdirectory of a result directory."""
     return CompanionStudy(
-        scale_study_heights(study, factor, scaled), path / HEIGHT_SCALE_FOLDER / f"{scaled}-{factor:.6g}"
+        scale_study_heights(study, factor, scaled), path / HEIGHT_SCALE_DIRECTORY / f"{scaled}-{factor:.6g}"
     )
 
 
@@ -200,9 +200,9 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
     The given result is included as factor 1. All results are opened with its friction parameters.
     """
     results = {1.0: MemberSums(result)}
-    for folder in (result.path / HEIGHT_SCALE_FOLDER).glob(f"{scaled}-*"):
+    for directory in (result.path / HEIGHT_SCALE_DIRECTORY).glob(f"{scaled}-*"):
         try:
-            factor = float(folder.name.removeprefix(f"{scaled}-"))
+            factor = float(directory.name.removeprefix(f"{scaled}-"))
             sums = find_factor_study(result.study, result.path, factor, scaled).open()
         except ValueError:  # raised if the name of the directory is not a factor
             continue
@@ -219,7 +219,7 @@ def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]
     study = result.study
     if not study.is_measured or result.num_finished < study.ensemble.repetitions:
         return {}
-    if not (result.path / HEIGHT_SCALE_FOLDER).is_dir():
+    if not (result.path / HEIGHT_SCALE_DIRECTORY).is_dir():
         return {}
     factors: dict[ScaledBodies, list[float]] = {
         scaled: list(open_results_by_factor(result, scaled)) for scaled in get_args(ScaledBodies)

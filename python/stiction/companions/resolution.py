@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from stiction.study.measured_bodies import ScanCutoffs
 
-CUTOFF_STUDY_FOLDER = "resolution"  # name of the subdirectory of a result that contains the cutoff study
+CUTOFF_STUDY_DIRECTORY = "resolution"  # name of the subdirectory of a result that contains the cutoff study
 NUM_AREAL_MEMBERS = 4  # maximum number of members in a cutoff study of height maps
 NUM_LINE_MEMBERS = 16  # maximum number of members in a cutoff study of profiles
 MAX_CUTOFFS = 4  # maximum number of cutoffs above 0, each twice as long as the cutoff before
@@ -100,7 +100,7 @@ def build_cutoff_study(study: Study) -> Study | None:
 def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
     """Return the cutoff study of a measured pair with its directory in `path`, or None without a second cutoff."""
     cutoff_study = build_cutoff_study(study)
-    return None if cutoff_study is None else CompanionStudy(cutoff_study, path / CUTOFF_STUDY_FOLDER)
+    return None if cutoff_study is None else CompanionStudy(cutoff_study, path / CUTOFF_STUDY_DIRECTORY)
 
 
 def _find_first_scan_member(study: Study) -> int:
@@ -117,7 +117,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
     study = result.study
     if not study.is_measured:
         return None
-    if not (result.path / CUTOFF_STUDY_FOLDER / STUDY_FILE).exists():
+    if not (result.path / CUTOFF_STUDY_DIRECTORY / STUDY_FILE).exists():
         return None
     try:
         cutoff_study = find_cutoff_study(study, result.path)

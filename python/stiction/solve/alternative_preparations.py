@@ -14,7 +14,7 @@ from stiction.solve.member_sums import MemberSums
 from stiction.solve.store import StoredResult
 from stiction.study.study import Study
 
-ALTERNATIVES_FOLDER = "alternatives"
+ALTERNATIVES_DIRECTORY = "alternatives"
 """Name of the subdirectory of a result directory that contains a study for each alternative preparation."""
 
 AlternativeName = Literal["spikes", "tip"]
@@ -64,7 +64,7 @@ def build_alternative_study(study: Study, name: AlternativeName) -> Study:
 
 def find_alternative_study(study: Study, path: Path, name: AlternativeName) -> CompanionStudy:
     """Return the study of an alternative preparation of the scans, with its subdirectory of a result directory."""
-    return CompanionStudy(build_alternative_study(study, name), path / ALTERNATIVES_FOLDER / name)
+    return CompanionStudy(build_alternative_study(study, name), path / ALTERNATIVES_DIRECTORY / name)
 
 
 def load_stored_alternatives(sums: MemberSums) -> dict[AlternativeName, MemberSums]:
@@ -74,7 +74,7 @@ def load_stored_alternatives(sums: MemberSums) -> dict[AlternativeName, MemberSu
 
 def _open_alternatives(result: StoredResult) -> dict[AlternativeName, MemberSums] | None:
     """Open the finished results of all alternative preparations, or return None if none are stored."""
-    if not result.study.is_measured or not (result.path / ALTERNATIVES_FOLDER).is_dir():
+    if not result.study.is_measured or not (result.path / ALTERNATIVES_DIRECTORY).is_dir():
         return None
     alternatives = {
         name: sums

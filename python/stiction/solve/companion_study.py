@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stiction._files import FolderClaim
+from stiction._files import DirectoryClaim
 from stiction.solve.member_solution import estimate_member_time
 from stiction.solve.member_sums import MemberSums
-from stiction.solve.runner import complete_blocks, prepare_result_folder
+from stiction.solve.runner import complete_blocks, prepare_result_directory
 from stiction.solve.store import STUDY_FILE, StoredResult, open_result_to_complete, open_stored_result, remove_result
 from stiction.study.study import Study, find_member_differences
 
@@ -26,7 +26,7 @@ class CompanionStudy:
     """A study derived from the study of a measured pair, and the directory that contains its members."""
 
     study: Study
-    folder: Path
+    directory: Path
 
     def open(self, *, allow_unfinished: bool = False) -> MemberSums | None:
         """Open the stored members, with the friction parameters of the study.
@@ -34,10 +34,10 @@ class CompanionStudy:
         Returns None if the directory is missing or damaged, if its members are those of another pair, or if members are
         missing. With `allow_unfinished`, one finished member suffices.
         """
-        if not (self.folder / STUDY_FILE).exists():
+        if not (self.directory / STUDY_FILE).exists():
             return None
         try:
-            stored_result = open_stored_result(self.folder)
+            stored_result = open_stored_result(self.directory)
         except ValueError:  # raised if the directory is damaged
             return None
         if find_member_differences(stored_result.study, self.study):
@@ -46,7 +46,7 @@ class CompanionStudy:
         is_finished = stored_result.num_finished == num_members == stored_result.study.ensemble.repetitions
         if not (is_finished or (allow_unfinished and stored_result.num_finished)):
             return None
-        return MemberSums(StoredResult(self.folder, self.study, stored_result.blocks))
+        return MemberSums(StoredResult(self.directory, self.study, stored_result.blocks))
 
     def complete(
         self, executor: Executor, *, progress: bool = False, announce_time: TimeAnnouncer = lambda _: None
@@ -56,11 +56,11 @@ class CompanionStudy:
         Members of another study, for example of another pair, are removed first. Raises the errors of
         `compute_missing_blocks`.
         """
-        existing_result = open_result_to_complete(self.folder)
-        with FolderClaim(self.folder) as claim:
+        existing_result = open_result_to_complete(self.directory)
+        with DirectoryClaim(self.directory) as claim:
             if existing_result and find_member_differences(existing_result.study, self.study):
                 remove_result(existing_result, claim)
-            stored_result = prepare_result_folder(self.study, self.folder, claim)
+            stored_result = prepare_result_directory(self.study, self.directory, claim)
             if num_missing := self.study.ensemble.repetitions - stored_result.num_finished:
                 announce_time(num_missing * estimate_member_time(self.study))
             return MemberSums(complete_blocks(stored_result, executor=executor, progress=progress))

@@ -32,12 +32,12 @@ from stiction._errors import NoSolutionError
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.study.study import Study
 
-IN_PROGRESS_FOLDER = "in_progress"
+IN_PROGRESS_DIRECTORY = "in_progress"
 STORAGE_INTERVAL = 15.0  # time (s) between two writes of the steps of a member
 MAX_STEP_BYTES = 2**32  # maximum size (bytes) of a file that is read
 _STATE_FILE = "state.npz"
 _STEP_FILE_PATTERN = re.compile(r"([0-9]{5,}|state)\.npz")
-_MEMBER_FOLDER_PATTERN = re.compile(r"([0-9]{7,18})-[0-9a-f]{16}")
+_MEMBER_DIRECTORY_PATTERN = re.compile(r"([0-9]{7,18})-[0-9a-f]{16}")
 MAX_LINEAR_FRACTION = 0.5
 """Fraction of the expected iterations up to which the progress of a member is proportional to its iterations.
 
@@ -52,8 +52,8 @@ class MembersInProgress:
     `estimate_iterations` returns the expected number of iterations of a member.
     """
 
-    def __init__(self, study: Study, folder: Path | None, estimate_iterations: Callable[[], float]) -> None:
-        self._study, self._folder, self._estimate_iterations = study, folder, estimate_iterations
+    def __init__(self, study: Study, directory: Path | None, estimate_iterations: Callable[[], float]) -> None:
+        self._study, self._directory, self._estimate_iterations = study, directory, estimate_iterations
         self._records: dict[int, SolutionRecord] = {}
         self._finished_counts: list[int] = []
 
@@ -64,7 +64,7 @@ class MembersInProgress:
 
     def add(self, member: int) -> SolutionRecord:
         """Return a new record of a member whose computation starts."""
-        record = SolutionRecord() if self._folder is None else stored_record(self._folder, member, self._key)
+        record = SolutionRecord() if self._directory is None else stored_record(self._directory, member, self._key)
         self._records[member] = record
         return record
 
@@ -73,8 +73,8 @@ class MembersInProgress:
         for member in members:
             if record := self._records.pop(member, None):
                 self._finished_counts.append(record.counter.count)
-        if self._folder is not None:
-            remove_stored_steps(self._folder, members)
+        if self._directory is not None:
+            remove_stored_steps(self._directory, members)
 
     def estimate_progress(self) -> float:
         """Return the sum of the finished fractions of all members that are being computed."""
@@ -99,9 +99,9 @@ def compute_steps_key(inputs: str) -> str:
     return hashlib.sha256(repr(all_inputs).encode()).hexdigest()[:16]
 
 
-def stored_record(folder: Path, member: int, key: str) -> SolutionRecord:
+def stored_record(directory: Path, member: int, key: str) -> SolutionRecord:
     """Return a record that stores the steps of a member in a result directory, and reads the steps found there."""
-    return _StoredRecord(folder / IN_PROGRESS_FOLDER / f"{member:07d}-{key}")
+    return _StoredRecord(directory / IN_PROGRESS_DIRECTORY / f"{member:07d}-{key}")
 
 
 def _estimate_finished_fraction(iteration_ratio: float) -> float:
@@ -111,44 +111,44 @@ def _estimate_finished_fraction(iteration_ratio: float) -> float:
     return 1 - MAX_LINEAR_FRACTION**2 / iteration_ratio
 
 
-def find_members_in_progress(folder: Path) -> set[int]:
+def find_members_in_progress(directory: Path) -> set[int]:
     """Return the members of a result directory that have stored steps."""
     return {
         member
-        for member, member_folder in _list_member_folders(folder)
-        if any(_STEP_FILE_PATTERN.fullmatch(path.name) for path in member_folder.iterdir())
+        for member, member_directory in _list_member_directories(directory)
+        if any(_STEP_FILE_PATTERN.fullmatch(path.name) for path in member_directory.iterdir())
     }
 
 
-def remove_stored_steps(folder: Path, members: Container[int] | None = None, key: str | None = None) -> None:
+def remove_stored_steps(directory: Path, members: Container[int] | None = None, key: str | None = None) -> None:
     """Remove the stored steps of some or all members, with one or any key, from a result directory. Ignore errors."""
-    for member, member_folder in _list_member_folders(folder):
-        if (members is None or member in members) and (key is None or member_folder.name.endswith(f"-{key}")):
+    for member, member_directory in _list_member_directories(directory):
+        if (members is None or member in members) and (key is None or member_directory.name.endswith(f"-{key}")):
             with contextlib.suppress(OSError):
-                for path in member_folder.iterdir():
+                for path in member_directory.iterdir():
                     if _STEP_FILE_PATTERN.fullmatch(path.name):
                         path.unlink(missing_ok=True)
-                _files.remove_stale_partial_files(member_folder)
-                member_folder.rmdir()
+                _files.remove_stale_partial_files(member_directory)
+                member_directory.rmdir()
     with contextlib.suppress(OSError):  # raised if the directory is missing, or contains other members
-        (folder / IN_PROGRESS_FOLDER).rmdir()
+        (directory / IN_PROGRESS_DIRECTORY).rmdir()
 
 
-def _list_member_folders(folder: Path) -> list[tuple[int, Path]]:
+def _list_member_directories(directory: Path) -> list[tuple[int, Path]]:
     try:
-        paths = list((folder / IN_PROGRESS_FOLDER).iterdir())
+        paths = list((directory / IN_PROGRESS_DIRECTORY).iterdir())
     except OSError:
         return []
-    matches = [(_MEMBER_FOLDER_PATTERN.fullmatch(path.name), path) for path in paths]
+    matches = [(_MEMBER_DIRECTORY_PATTERN.fullmatch(path.name), path) for path in paths]
     return [(int(match[1]), path) for match, path in matches if match]
 
 
 class _StoredRecord(SolutionRecord):
     """Record of a member that stores its steps in a directory, and reads the steps of an interrupted computation."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, directory: Path) -> None:
         super().__init__()
-        self._folder = folder
+        self._directory = directory
         self._step = -1
         self._is_resuming, self._is_writable = True, True
         self._unsaved_steps: list[tuple[int, StepResult]] = []
@@ -176,7 +176,7 @@ class _StoredRecord(SolutionRecord):
         return result
 
     def read_state(self) -> StepResult | None:
-        state = _read_result(self._folder / _STATE_FILE) if self._had_files else None
+        state = _read_result(self._directory / _STATE_FILE) if self._had_files else None
         if state is None or int(state["step"]) != self._step:
             return None
         self.counter.add(int(state["iteration_count"]))
@@ -189,11 +189,11 @@ class _StoredRecord(SolutionRecord):
 
     @cached_property
     def _had_files(self) -> bool:
-        return self._folder.is_dir()
+        return self._directory.is_dir()
 
     def _read_step(self, step: int) -> StepResult | None:
         """Return a stored step, or None if the step or an earlier step is missing."""
-        result = _read_result(self._folder / f"{step:05d}.npz") if self._is_resuming and self._had_files else None
+        result = _read_result(self._directory / f"{step:05d}.npz") if self._is_resuming and self._had_files else None
         self._is_resuming = result is not None
         return result
 
@@ -206,12 +206,12 @@ class _StoredRecord(SolutionRecord):
         A step that cannot be written does not end the computation: after an interruption, the member is computed again.
         """
         try:
-            self._folder.parent.mkdir(exist_ok=True)
-            self._folder.mkdir(exist_ok=True)
+            self._directory.parent.mkdir(exist_ok=True)
+            self._directory.mkdir(exist_ok=True)
             for step, result in self._unsaved_steps:
-                _files.write_atomically(self._folder / f"{step:05d}.npz", _encode_result(result))
+                _files.write_atomically(self._directory / f"{step:05d}.npz", _encode_result(result))
             if state:
-                _files.write_atomically(self._folder / _STATE_FILE, _encode_result(state))
+                _files.write_atomically(self._directory / _STATE_FILE, _encode_result(state))
         except OSError:
             self._is_writable = False
         self._unsaved_steps.clear()

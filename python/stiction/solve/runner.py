@@ -20,7 +20,7 @@ import numpy as np
 
 from stiction._checks import check_bool, check_instance, parse_path
 from stiction._core import __version__
-from stiction._files import FolderClaim
+from stiction._files import DirectoryClaim
 from stiction._text import format_bytes, format_duration, printable_path
 from stiction.solve.executors import (
     WORKER_DIED_MESSAGE,
@@ -39,7 +39,7 @@ from stiction.solve.member_solution import compute_member_arrays, estimate_membe
 from stiction.solve.member_sums import MemberSums
 from stiction.solve.members_in_progress import MembersInProgress, remove_stored_steps
 from stiction.solve.store import (
-    BLOCKS_FOLDER,
+    BLOCKS_DIRECTORY,
     STUDY_FILE,
     StoredResult,
     StoreError,
@@ -97,13 +97,13 @@ def compute_member_sums(
     if store is None:
         return MemberSums(_run_in_memory(study.with_checksums(), executor, progress))
     store = parse_path("store", store)
-    with FolderClaim(store) as claim:
-        stored_result = prepare_result_folder(study, store, claim)
+    with DirectoryClaim(store) as claim:
+        stored_result = prepare_result_directory(study, store, claim)
         return MemberSums(complete_blocks(stored_result, executor=executor, progress=progress))
 
 
 def compute_missing_blocks(
-    study: Study, folder: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
+    study: Study, directory: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None,
 ) -> int:  # fmt: skip
     """Compute all blocks of a study that its directory does not contain yet.
@@ -114,9 +114,9 @@ def compute_missing_blocks(
     blocks. `announce` receives a line about the work ahead. Returns the number of finished repetitions of the study, or
     of the part. Raises the errors of `run`.
     """
-    with FolderClaim(folder) as claim:
+    with DirectoryClaim(directory) as claim:
         stored_result = complete_blocks(
-            prepare_result_folder(study, folder, claim, part),
+            prepare_result_directory(study, directory, claim, part),
             part=part,
             executor=executor,
             progress=progress,
@@ -126,8 +126,8 @@ def compute_missing_blocks(
     return unfinished_members.total - unfinished_members.count
 
 
-def prepare_result_folder(
-    study: Study, folder: str | Path, claim: FolderClaim, part: tuple[int, int] | None = None
+def prepare_result_directory(
+    study: Study, directory: str | Path, claim: DirectoryClaim, part: tuple[int, int] | None = None
 ) -> StoredResult:
     """Create or open the directory in which a study is stored, and acquire the claim of the run.
 
@@ -142,9 +142,9 @@ def prepare_result_folder(
             f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; reduce the number of values of "
             f"contact.{study.step_quantity} or {keys}"
         )
-    if not is_complete(folder, study):
+    if not is_complete(directory, study):
         check_last_member(study.with_checksums())
-    return create_or_open_result(folder, study.with_checksums(Path(folder)), claim)
+    return create_or_open_result(directory, study.with_checksums(Path(directory)), claim)
 
 
 def complete_blocks(
@@ -182,8 +182,8 @@ def complete_blocks(
     return stored_result
 
 
-def _create_members_in_progress(study: Study, folder: Path | None) -> MembersInProgress:
-    return MembersInProgress(study, folder, functools.partial(estimate_member_iterations, study))
+def _create_members_in_progress(study: Study, directory: Path | None) -> MembersInProgress:
+    return MembersInProgress(study, directory, functools.partial(estimate_member_iterations, study))
 
 
 def _compute_blocks(
@@ -220,8 +220,8 @@ def _compute_blocks(
 
     with contextlib.ExitStack() as stack:
         is_local = isinstance(pool, ThreadPoolExecutor)
-        folder = None if is_local else stack.enter_context(_create_run_token(stored_result.path))
-        is_visible = folder is not None and pool.submit(folder.is_accessible).result()
+        directory = None if is_local else stack.enter_context(_create_run_token(stored_result.path))
+        is_visible = directory is not None and pool.submit(directory.is_accessible).result()
         if announce is not None:
             announce(
                 _describe_remaining_work(stored_result, unfinished_members, is_local or is_visible, num_workers or 1)
@@ -234,22 +234,30 @@ def _compute_blocks(
             else compute_block
         )
         _submit_member_ranges(
-            unfinished_members, pool, max_tasks, accept_block, advance, task, __version__, stored_result.study, folder
+            unfinished_members,
+            pool,
+            max_tasks,
+            accept_block,
+            advance,
+            task,
+            __version__,
+            stored_result.study,
+            directory,
         )
 
 
 @contextlib.contextmanager
-def _create_run_token(path: Path) -> Iterator[SharedResultFolder]:
+def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
     """Create a token file that exists as long as the run is active.
 
     If a worker finds the token file, the worker can access the directory, and the run is still active.
     """
-    with FolderClaim(path.resolve() / BLOCKS_FOLDER) as token:
+    with DirectoryClaim(path.resolve() / BLOCKS_DIRECTORY) as token:
         try:
             token.acquire()
         except OSError as error:
             raise StoreError(f"{printable_path(path)}: cannot be written: {error.strerror}") from None
-        yield SharedResultFolder(path.resolve(), token.file.name)
+        yield SharedResultDirectory(path.resolve(), token.file.name)
 
 
 @contextlib.contextmanager
@@ -425,7 +433,7 @@ def _submit_member_ranges(
 
 
 @dataclass(frozen=True)
-class SharedResultFolder:
+class SharedResultDirectory:
     """Result directory. Workers on other machines write their blocks into the directory if they can access it."""
 
     path: Path
@@ -433,21 +441,21 @@ class SharedResultFolder:
 
     def is_accessible(self) -> bool:
         """Return whether this process can access the directory."""
-        return (self.path / BLOCKS_FOLDER / self.token).exists()
+        return (self.path / BLOCKS_DIRECTORY / self.token).exists()
 
 
 def compute_block(
-    version: str, study: Study, folder: SharedResultFolder | None, members: range,
+    version: str, study: Study, directory: SharedResultDirectory | None, members: range,
     members_in_progress: MembersInProgress | None = None,
 ) -> bytes | None:  # fmt: skip
     """Compute a block of members and write its file. If the directory is not accessible, return the file content."""
-    if folder is not None and folder.is_accessible():
-        members_in_progress = _create_members_in_progress(study, folder.path)
+    if directory is not None and directory.is_accessible():
+        members_in_progress = _create_members_in_progress(study, directory.path)
     content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))
     # If the run has ended in the meantime, a run of another study may use the directory.
-    if folder is None or not folder.is_accessible():
+    if directory is None or not directory.is_accessible():
         return content
-    write_block(folder.path, members[0], content, len(members))
+    write_block(directory.path, members[0], content, len(members))
     return None
 
 

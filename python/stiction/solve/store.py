@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 import stiction._files as _files
 from stiction._core import __version__
 from stiction._files import (
-    FolderClaim,
+    DirectoryClaim,
     UnreadableFileError,
     create_file_atomically,
     describe_os_error,
@@ -82,7 +82,7 @@ if TYPE_CHECKING:
     import xarray
 
 STUDY_FILE = "study.toml"
-BLOCKS_FOLDER = "blocks"
+BLOCKS_DIRECTORY = "blocks"
 AREAS_BY_HARDNESS_FILE = "hardness.nc"  # file of areas at other hardnesses, which earlier versions stored
 CONTACT_PICTURE_FILE = "picture.nc"  # file of the contacts of a typical member
 ONSET_FILE = "onset.nc"  # file of the onset of sliding
@@ -169,7 +169,7 @@ class StoredResult:
     @cached_property
     def total_file_size(self) -> int:
         """Total size of the block files in bytes."""
-        return sum((self.path / BLOCKS_FOLDER / block.name).lstat().st_size for block in self.blocks)
+        return sum((self.path / BLOCKS_DIRECTORY / block.name).lstat().st_size for block in self.blocks)
 
     @property
     def nbytes(self) -> int:
@@ -198,7 +198,7 @@ class StoredResult:
             raise StoreError(
                 f"{printable_path(self.path)}: the result takes {self.nbytes / 2**30:.1f} GiB of memory, more than "
                 f"the limit of {MAX_RESULT_BYTES / 2**30:.0f} GiB; use Result.pieces, or open "
-                f"{printable_path(self.path / BLOCKS_FOLDER)} with xarray.open_mfdataset"
+                f"{printable_path(self.path / BLOCKS_DIRECTORY)} with xarray.open_mfdataset"
             )
         return (
             self._whole_dataset.copy(deep=True)
@@ -304,7 +304,7 @@ class StoredResult:
             return {name: _read_member_array(file, name, shapes.get(name, numbers.shape)) for name in names}
 
     def _read_block_bytes(self, block: BlockFile) -> bytes:
-        return read_file_bytes(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
+        return read_file_bytes(self.path / BLOCKS_DIRECTORY / block.name, MAX_RESULT_BYTES)
 
     @contextmanager
     def _convert_read_errors(self, block: BlockFile) -> Iterator[None]:
@@ -319,8 +319,8 @@ class StoredResult:
 
 def _build_damage_error(path: Path, block: BlockFile, reason: str) -> StoreError:
     return StoreError(
-        f"{printable_path(path / BLOCKS_FOLDER / block.name)}: {reason}; remove that file and run the study again to "
-        f"recompute members {block.first} to {block.last}"
+        f"{printable_path(path / BLOCKS_DIRECTORY / block.name)}: {reason}; remove that file and run the study again "
+        f"to recompute members {block.first} to {block.last}"
     )
 
 
@@ -460,12 +460,12 @@ def info(path: str | Path) -> StoreInfo:
 
 def _list_block_files(path: Path) -> tuple[BlockFile, ...]:
     try:
-        names = sorted(os.listdir(path / BLOCKS_FOLDER))
+        names = sorted(os.listdir(path / BLOCKS_DIRECTORY))
     except (FileNotFoundError, NotADirectoryError):
         return ()
     except OSError as error:
         raise StoreError(
-            f"{printable_path(path / BLOCKS_FOLDER)}: cannot be read: {describe_os_error(error)}"
+            f"{printable_path(path / BLOCKS_DIRECTORY)}: cannot be read: {describe_os_error(error)}"
         ) from None
     matches = (_BLOCK_NAME_PATTERN.fullmatch(name) for name in names)
     blocks = (BlockFile(int(match[1]), int(match[2]), int(match[3], 16)) for match in matches if match)
@@ -487,7 +487,7 @@ def _read_study_file(path: Path) -> Study:
 # ---- Writing --------------------------------------------------------------------------------------------------------
 
 
-def create_or_open_result(path: str | Path, study: Study, claim: FolderClaim | None = None) -> StoredResult:
+def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim | None = None) -> StoredResult:
     """Create a result in a directory. If the directory already contains a result of the same study, open it to resume.
 
     Stale partial files are removed. The claim of the run, if given, is acquired, so that no other study can use the
@@ -502,10 +502,10 @@ def create_or_open_result(path: str | Path, study: Study, claim: FolderClaim | N
     if os.path.lexists(path / STUDY_FILE) and not _contains_study(path, study):
         _check_replaceable(path, study)
     try:
-        with FolderClaim(path) if claim is None else nullcontext(claim) as claim:
-            (path / BLOCKS_FOLDER).mkdir(parents=True, exist_ok=True)
-            for folder in (path, path / BLOCKS_FOLDER):
-                _files.remove_stale_partial_files(folder)
+        with DirectoryClaim(path) if claim is None else nullcontext(claim) as claim:
+            (path / BLOCKS_DIRECTORY).mkdir(parents=True, exist_ok=True)
+            for directory in (path, path / BLOCKS_DIRECTORY):
+                _files.remove_stale_partial_files(directory)
             claim.acquire()
             if not _contains_study(path, study):
                 _write_study_file(stored_result, claim)
@@ -516,7 +516,7 @@ def create_or_open_result(path: str | Path, study: Study, claim: FolderClaim | N
     return stored_result
 
 
-def _write_study_file(stored_result: StoredResult, claim: FolderClaim) -> None:
+def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> None:
     """Write the study file of a new result, or replace a study file that stiction wrote and no other run uses."""
     path, study = stored_result.path, stored_result.study
     text = study.to_toml()
@@ -539,7 +539,7 @@ def _format_study_file_header(text: str) -> str:
     return f"{STUDY_FILE_SIGNATURE} {__version__}. CRC-32 of the text below: {zlib.crc32(text.encode()):08x}."
 
 
-def remove_result(stored_result: StoredResult, claim: FolderClaim) -> None:
+def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
     """Remove the files of a result (study, blocks, areas, onset) from a directory, and leave other files.
 
     Raises a `StoreError` if the study file was written or edited by hand, or if another run uses the directory.
@@ -548,7 +548,7 @@ def remove_result(stored_result: StoredResult, claim: FolderClaim) -> None:
     claim.acquire()
     check_unused(stored_result.path, claim)
     for block in stored_result.blocks:
-        (stored_result.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
+        (stored_result.path / BLOCKS_DIRECTORY / block.name).unlink(missing_ok=True)
     area_files = (AREAS_BY_HARDNESS_FILE,) if stored_result.study.is_measured else ()
     onset_files = (ONSET_FILE, ONSET_TABLE_FILE) if (stored_result.path / ONSET_FILE).exists() else ()
     remove_stored_steps(stored_result.path)
@@ -640,7 +640,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
         raise StudyMismatchError(path, stored_study, differences, is_edited=True) from None
 
 
-def check_unused(path: Path, claim: FolderClaim) -> None:
+def check_unused(path: Path, claim: DirectoryClaim) -> None:
     """Raise a `StoreError` if another active run uses a result directory. The claim must be acquired."""
     if competitor := claim.find_competitor():
         raise StoreError(
@@ -699,10 +699,10 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
     block = BlockFile(first_member, first_member + num_members - 1, zlib.crc32(content))
     for attempt in range(1, MAX_WRITE_ATTEMPTS + 1):
         try:
-            _files.write_atomically(path / BLOCKS_FOLDER / block.name, content)
+            _files.write_atomically(path / BLOCKS_DIRECTORY / block.name, content)
             return
         except FileNotFoundError:  # raised if another process removed the partial file
-            if attempt == MAX_WRITE_ATTEMPTS or not (path / BLOCKS_FOLDER).is_dir():
+            if attempt == MAX_WRITE_ATTEMPTS or not (path / BLOCKS_DIRECTORY).is_dir():
                 raise StoreError(f"{printable_path(path)} was removed or replaced while it was being written") from None
         except OSError as error:
             raise StoreError(f"{printable_path(path)}: cannot be written: {describe_os_error(error)}") from None

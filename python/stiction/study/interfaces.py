@@ -360,8 +360,8 @@ def write_interface(interface: InterfaceStrength, path: str | Path, about: Mappi
     >>> import tempfile
     >>> from pathlib import Path
     >>> from stiction import interface, read_interface, write_interface
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder) / "film.csv"
+    >>> with tempfile.TemporaryDirectory() as directory:
+    ...     path = Path(directory) / "film.csv"
     ...     write_interface(interface("MoS2 on bearing steel, dry air"), path, {"operator": "A. B."})
     ...     read_interface(path).about["operator"]
     'A. B.'
@@ -374,16 +374,16 @@ def write_interface(interface: InterfaceStrength, path: str | Path, about: Mappi
         file.write_bytes(content)
 
 
-def store_interface(interface: InterfaceStrength, folder: Path) -> Path:
+def store_interface(interface: InterfaceStrength, directory: Path) -> Path:
     """Write the interface of a study to the directory of the study, and return the path of the file.
 
     Files of other interfaces in the directory belong to other studies and are kept.
     """
     content = _format_interface(interface, {})
-    path = folder / "interface.csv"
-    folder.mkdir(parents=True, exist_ok=True)
+    path = directory / "interface.csv"
+    directory.mkdir(parents=True, exist_ok=True)
     if path.exists() and path.read_bytes() != content:
-        path = folder / f"interface-{zlib.crc32(content):08x}.csv"
+        path = directory / f"interface-{zlib.crc32(content):08x}.csv"
     write_interface(interface, path)
     return path
 
@@ -457,7 +457,9 @@ def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
     is_single_file = path.is_file()
     try:
         files = (
-            [path] if is_single_file else sorted(folder_item for folder_item in path.iterdir() if folder_item.is_file())
+            [path]
+            if is_single_file
+            else sorted(directory_item for directory_item in path.iterdir() if directory_item.is_file())
         )
     except OSError as error:
         raise ValueError(f"{printable_path(path)} cannot be listed: {describe_os_error(error)}") from None

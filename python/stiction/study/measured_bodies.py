@@ -258,17 +258,17 @@ class MeasuredBodySettings(SettingsSection):
             )  # fmt: skip
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
-    def with_saved_bodies(self, folder: Path, side: str) -> MeasuredBodySettings:
+    def with_saved_bodies(self, directory: Path, side: str) -> MeasuredBodySettings:
         """Write bodies that are in memory to files in a directory. The returned entry refers to these files."""
-        return self._apply_to_scans(lambda scan: scan._with_saved_body(folder, side))
+        return self._apply_to_scans(lambda scan: scan._with_saved_body(directory, side))
 
-    def _with_saved_body(self, folder: Path, side: str) -> MeasuredBodySettings:
+    def _with_saved_body(self, directory: Path, side: str) -> MeasuredBodySettings:
         if self.body is None:
             return self
         assert self.sha256 is not None
         body = self.body.body
         file_extension = "csv" if isinstance(body, JoinedSpectrum) else "npy"
-        path = (folder / "bodies" / self.sha256[:12] / f"{side}.{file_extension}").absolute()
+        path = (directory / "bodies" / self.sha256[:12] / f"{side}.{file_extension}").absolute()
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
             write_body: Any = (
@@ -325,7 +325,7 @@ class MeasuredBodySettings(SettingsSection):
                 raise ValueError(f"height_factor must be {allowed_range}, got {total_factor:g} for {scan.name}")
         return self._apply_to_scans(lambda scan: scan.model_copy(update={"height_factor": factor * scan.height_factor}))
 
-    def without_folders(self) -> MeasuredBodySettings:
+    def without_directories(self) -> MeasuredBodySettings:
         """Return a copy of the entry in which all scans have only the names of their files."""
         return self._apply_to_scans(lambda scan: scan.model_copy(update={"file": Path(scan.file).name}))
 

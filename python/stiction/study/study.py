@@ -93,7 +93,7 @@ _LEADING_KEYS = (
 )  # fmt: skip
 """Keys that are written first in their sections."""
 
-_STUDY_LIBRARY_FOLDER = resources.files("stiction.study") / "library"
+_STUDY_LIBRARY_DIRECTORY = resources.files("stiction.study") / "library"
 DEFAULT_SEED = 2016
 StudyDifference = tuple[str, str, str]  # dotted key, with its TOML values in the first and the second study
 MAX_LISTED_DIFFERENCES = 4  # maximum number of differences in a message
@@ -512,7 +512,7 @@ class Study(SettingsSection):
             raise StudyError(
                 f"there is no built-in study {short_repr(name)}; the studies are {', '.join(study_names())}"
             )
-        return parse_study((_STUDY_LIBRARY_FOLDER / f"{name}.toml").read_text(encoding="utf-8"), name)
+        return parse_study((_STUDY_LIBRARY_DIRECTORY / f"{name}.toml").read_text(encoding="utf-8"), name)
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Study:
@@ -534,8 +534,8 @@ class Study(SettingsSection):
             raise StudyError(f"{printable_path(path)} is not a text file, so it is not a study") from None
         if not isinstance(study.surfaces, MeasuredSurfaceSettings):
             return study
-        folder = Path(path).absolute().parent
-        surfaces = study.surfaces.with_changed_files(lambda file, _: file.with_absolute_paths(folder))
+        directory = Path(path).absolute().parent
+        surfaces = study.surfaces.with_changed_files(lambda file, _: file.with_absolute_paths(directory))
         return study.model_copy(update={"surfaces": surfaces})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
@@ -660,13 +660,13 @@ def study_names() -> list[str]:
     True
     """
     return sorted(
-        item.name.removesuffix(".toml") for item in _STUDY_LIBRARY_FOLDER.iterdir() if item.name.endswith(".toml")
+        item.name.removesuffix(".toml") for item in _STUDY_LIBRARY_DIRECTORY.iterdir() if item.name.endswith(".toml")
     )
 
 
 def read_study_description(name: str) -> str:
     """Return the one-sentence description of a built-in study."""
-    return (_STUDY_LIBRARY_FOLDER / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+    return (_STUDY_LIBRARY_DIRECTORY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 
 def parse_study_of_dataset(dataset: xarray.Dataset) -> Study:

@@ -32,7 +32,7 @@ class StudyDescription:
 def describe_study(study: Study) -> StudyDescription:
     """Return the description of a study."""
     if study.is_measured:
-        return StudyDescription(get_pair_name(study), _strip_folders(study).to_toml(), [])
+        return StudyDescription(get_pair_name(study), _strip_directories(study).to_toml(), [])
     name, file_text = _find_built_in_name(study), study.to_toml()
     return StudyDescription(
         name, file_text, [(key, value) for key, _, value in find_section_differences(Study(), study)]
@@ -47,9 +47,9 @@ def get_pair_name(study: Study) -> str:
     return f"{upper} on {lower}"
 
 
-def _strip_folders(study: Study) -> Study:
+def _strip_directories(study: Study) -> Study:
     surfaces: Any = study.surfaces
-    changes: dict[str, Any] = {"surfaces": surfaces.with_changed_files(lambda file, _: file.without_folders())}
+    changes: dict[str, Any] = {"surfaces": surfaces.with_changed_files(lambda file, _: file.without_directories())}
     if (interface := study.friction.interface) is not None:
         interface = interface.model_copy(update={"file": interface.name})
         changes["friction"] = study.friction.model_copy(update={"interface": interface})

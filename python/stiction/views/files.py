@@ -28,10 +28,10 @@ OUTPUT_FILE_SIGNATURES = {
 """Files that `pair` writes into its directory, each with the bytes that identify it as an output of `pair`."""
 
 
-def check_all_replaceable(folder: Path, file_marks: Mapping[str, bytes]) -> None:
+def check_all_replaceable(directory: Path, file_marks: Mapping[str, bytes]) -> None:
     """Raise a `ValueError` if an existing file lacks the bytes that mark a replaceable file."""
     for name, file_mark in file_marks.items():
-        check_replaceable(folder / name, file_mark, ValueError)
+        check_replaceable(directory / name, file_mark, ValueError)
 
 
 def replace_text_file(path: Path, text: str, file_mark: bytes) -> None:

@@ -59,8 +59,8 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     if not main_xml_names:
         raise FormatError(f"is a zip archive without {_MAIN_XML_FILE}, so it is not an X3P file")
     # Some programs store all members in a directory of the archive.
-    folder = min(main_xml_names, key=len).removesuffix(_MAIN_XML_FILE)
-    root = _MainXml(archive, folder)
+    directory = min(main_xml_names, key=len).removesuffix(_MAIN_XML_FILE)
+    root = _MainXml(archive, directory)
     feature = _get_element_text(root, "Record1/FeatureType")
     if feature not in ("PRF", "SUR"):
         raise FormatError(f"contains the feature type {feature!r}; only profiles (PRF) and surfaces (SUR) can be read")
@@ -78,7 +78,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     heights = axes["Z"].to_lengths(columns["Z"])
     if (link := _get_element_text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
         valid_bits = np.frombuffer(
-            b"".join(read_member_chunks(archive, root.folder + link, points // 8 + _MAX_SPARE_MASK_BYTES)),
+            b"".join(read_member_chunks(archive, root.directory + link, points // 8 + _MAX_SPARE_MASK_BYTES)),
             dtype=np.uint8,
         )
         if valid_bits.size * 8 < points:
@@ -114,8 +114,8 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
 class _MainXml:
     """Texts of the elements in main.xml, by element path, and the points listed in main.xml."""
 
-    def __init__(self, archive: zipfile.ZipFile, folder: str) -> None:
-        self.folder = folder
+    def __init__(self, archive: zipfile.ZipFile, directory: str) -> None:
+        self.directory = directory
         self.texts: dict[str, str] = {}
         self.listed_points: list[str] | None = None
         self._element_path: list[str] = []
@@ -128,7 +128,7 @@ class _MainXml:
         parser.EndElementHandler = self._handle_end_tag
         parser.CharacterDataHandler = self._words.append
         num_bytes = 0
-        for chunk in read_member_chunks(archive, folder + _MAIN_XML_FILE, MAX_TEXT_BYTES):
+        for chunk in read_member_chunks(archive, directory + _MAIN_XML_FILE, MAX_TEXT_BYTES):
             parser.Parse(chunk)
             num_bytes += len(chunk)
             if num_bytes > _MAX_MAIN_XML_BYTES + (
@@ -221,7 +221,7 @@ def _read_columns(
     if root.listed_points is not None:
         return _parse_listed_points(root.listed_points, list(stored), points)
     kind = np.dtype(list(stored.items()))
-    link, num_bytes = root.folder + _get_element_text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
+    link, num_bytes = root.directory + _get_element_text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
     size = num_bytes
     if link in archive.namelist():
         member = archive.getinfo(link)
