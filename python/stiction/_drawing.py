@@ -90,7 +90,8 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
     x, y = right - 0.05 * (right - left) - length, bottom + 0.05 * (top - bottom)
     halo = [withStroke(linewidth=2.5, foreground="black")]
     ax.plot([x, x + length], [y, y], color="white", linewidth=1.5, path_effects=halo, solid_capstyle="butt")
-    length_text = f"{length:g} µm" if length >= 1 else f"{1000 * length:g} nm"
+    unit_length, unit = (1000.0, "mm") if length >= 1000 else (1.0, "µm") if length >= 1 else (0.001, "nm")
+    length_text = f"{length / unit_length:g} {unit}"
     style |= {"color": "white", "path_effects": halo, "ha": "center", "va": "bottom"}
     ax.text(x + length / 2, y + 0.015 * (top - bottom), length_text, **style)
 

@@ -356,6 +356,23 @@ def test_contacts_figure_marks_every_contact_and_load_percentages_that_add_up_to
     assert sum(int(text.split("with ")[1].split()[0]) for text in texts) == pytest.approx(100, abs=1)
 
 
+def test_contacts_figure_of_a_map_longer_than_a_millimetre_is_labelled_in_millimetres(maps_at_two_cutoffs):
+    picture = contact_picture(maps_at_two_cutoffs)
+    axes_of_short_map = contacts_and_pressure_figure(picture).axes[0]
+    assert "(µm)" in axes_of_short_map.get_xlabel()
+    factor = 1e5
+    names = [name for name in picture.variables if str(name).endswith(("_x", "_y")) and picture[name].ndim == 1]
+    long_picture = picture.assign({name: factor * picture[name] for name in names})
+    figure = contacts_and_pressure_figure(long_picture)
+    figure.canvas.draw()
+    axes = figure.axes[0]
+    assert "(mm)" in axes.get_xlabel()
+    assert "(mm)" in axes.get_ylabel()
+    assert any(text.get_text().endswith(" mm") for text in axes.texts)  # the scale bar
+    longest_tick_in_micrometres = axes.get_xticks()[-1]
+    assert float(axes.get_xticklabels()[-1].get_text()) == pytest.approx(longest_tick_in_micrometres / 1000)
+
+
 def test_contacts_figure_frames_the_contact_with_the_largest_load_even_at_the_edge():
     x = np.linspace(-1, 1, 64)
     # The highest hill is in a corner; another one is in the middle.

@@ -23,6 +23,7 @@ INCHES_PER_MILLIMETRE = 1 / 25.4
 # Width of a one-column figure, at which no text is smaller than 6 pt.
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
 PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width of a two-column figure
+MIN_MILLIMETRE_LENGTH = 1000.0  # minimum length (µm) of an axis that is labelled in mm
 MAX_LITERAL_TEXT_LENGTH = 300  # maximum number of characters of a text from a file or a user in a figure
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {

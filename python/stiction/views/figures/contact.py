@@ -21,6 +21,7 @@ from stiction.views.style import (
     FORCE_COLOUR,
     FRICTION_COLOUR,
     LOWER_BODY_COLOUR,
+    MIN_MILLIMETRE_LENGTH,
     NOT_OPPOSING_COLOUR,
     OPPOSING_COLOUR,
     UPPER_BODY_COLOUR,
@@ -251,7 +252,17 @@ def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[floa
     )
     colour_bar = figure.colorbar(image, ax=axes, extend="both", shrink=0.8)
     colour_bar.set_label("lower body, " + axis_label("height_nm" if in_nanometres else "height"))
-    axes.set(xlabel=axis_label("x"), ylabel=axis_label("y"))
+    label_map_axes(axes, box)
+
+
+def label_map_axes(axes: Axes, box: tuple[float, float, float, float]) -> None:
+    """Label the axes of a map in µm, or in mm if it is long; `box` is (left, right, bottom, top) in µm."""
+    left, right, bottom, top = box
+    in_millimetres = max(right - left, top - bottom) >= MIN_MILLIMETRE_LENGTH
+    for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
+        axis.set_label_text(f"${name}$ (mm)" if in_millimetres else axis_label(name))
+        if in_millimetres:
+            axis.set_major_formatter(lambda length, _: f"{length / 1000:g}".replace("-", "\N{MINUS SIGN}"))
 
 
 def draw_frame(axes: Axes, box: tuple[float, float, float, float]) -> None:
@@ -289,7 +300,7 @@ def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, ha
     title = "around the contact with the largest load (frame above)"
     title += "\nthe edge of the pressed area cuts this contact" if is_at_edge else ""
     axes.set_title(title, loc="left", fontsize=6, pad=3)
-    axes.set(xlabel=axis_label("x"), ylabel=axis_label("y"))
+    label_map_axes(axes, box)
 
 
 # ---- Contacts --------------------------------------------------------------------------------------------------------
@@ -343,7 +354,7 @@ def _draw_contact_map(
     )
     if (has_outline := np.append(False, is_cut)[contact_indices]).any():
         axes.contour(has_outline, levels=[0.5], colors=EDGE_CONTACT_COLOUR, linewidths=1.2, **image_options)
-    axes.set(xlabel=axis_label("x"), ylabel=axis_label("y"))
+    label_map_axes(axes, image_options["extent"])
 
 
 def _draw_profile_contacts(

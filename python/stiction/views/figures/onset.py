@@ -19,7 +19,7 @@ from stiction.companions.contact_picture import MIN_ZOOM_SIDE_POINTS, ZOOM_FACTO
 from stiction.evaluate.point import MEAN_AND_LIMITS
 from stiction.study.study import Study
 from stiction.summary.assessment import MAX_AFFECTED_FRACTION
-from stiction.views.figures.contact import draw_frame, draw_height_map, map_extent
+from stiction.views.figures.contact import draw_frame, draw_height_map, label_map_axes, map_extent
 from stiction.views.figures.ensemble import (
     HEADING_HEIGHT,
     create_figure_with_axes_rows,
@@ -35,7 +35,6 @@ from stiction.views.style import (
     FORCE_COLOUR,
     FRICTION_COLOUR,
     SLIP_COLOUR_MAP,
-    axis_label,
     friction_parameters_text,
     new_figure,
 )
@@ -149,7 +148,7 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         panels[1].imshow(onset["lower_height"].values[fraction], extent=box, origin="lower", cmap="gray", alpha=0.6)
         _draw_slip_map(panels[1], onset["slip"].values[fraction], box, colour_norm)
         panels[1].set_title("region with the most contact (frame above)", loc="left", fontsize=6, pad=3)
-        panels[1].set(xlabel=axis_label("x"), ylabel=axis_label("y"))
+        label_map_axes(panels[1], box)
     else:
         area = onset["contact_area"].values
         panels[0].scatter(
