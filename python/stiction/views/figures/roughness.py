@@ -19,13 +19,12 @@ from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import length_text, to_characterisation
-from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
+from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, MIN_MILLIMETRE_LENGTH, PAGE_WIDTH, new_figure
 
 MAX_DRAWN_PROFILE_POINTS = 1500  # maximum number of profile points in the figure; longer profiles are averaged
 NUM_HEIGHT_BINS = 40
 MEASURED_COLOUR, FITTED_COLOUR = "#0072b2", "#d55e00"
 TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # spacings of ticks, in units of a power of ten
-MIN_MILLIMETRE_LENGTH = 1000.0  # length (µm) above which an axis is labelled in mm
 
 
 def characterisation_figure(body: Profile | Surface | Characterisation, **options: Any) -> Figure:
@@ -85,6 +84,7 @@ def _draw_height_distribution(axes: Axes, heights: Floats) -> None:
     axes.set(xlabel=f"height ({height_unit})", ylabel=f"density (1/{height_unit})")
     axes.set_title("dashed: Gaussian", fontsize=6, pad=2)
     axes.locator_params(nbins=4, steps=TICK_STEPS)
+    axes.locator_params(axis="x", nbins=3)  # The panel of a profile is narrow.
 
 
 def _draw_spectrum(axes: Axes, result: Characterisation) -> None:
