@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from stiction._number_format import choose_prefixed_unit, format_with_unit
+from stiction._number_format import choose_prefixed_unit
 from stiction.views.style import AREA_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, OPPOSING_COLOUR, new_figure
 
 MARKER_AREA = 2.0  # area of the marker of a contact point (points²)
@@ -47,7 +47,7 @@ def shear_figure(test: xarray.Dataset) -> Figure:
                 ha="center", va="bottom",
             )  # fmt: skip
             _draw_contacts(panels[2], test["peak_pressure"])
-            panels[2].set_title(f"contacts at the peak, {format_with_unit(test.attrs['peak_displacement_um'], 'um')}")
+            panels[2].set_title(f"contacts at the peak, {peak:.3g} {unit}")
         return figure
 
 
