@@ -563,6 +563,17 @@ def test_report_is_readable_at_double_font_size_and_on_a_phone(driver, pages):
         assert driver.execute_script("return document.documentElement.scrollWidth") <= 1280
 
 
+def test_texts_of_the_compass_do_not_overlap_on_a_phone(driver, pages):
+    browser.open_page(driver, pages["maps"], width=360, height=740)
+    overlapping_texts = driver.execute_script(
+        "const texts = [...document.querySelectorAll('#compass text')]"
+        ".map((each) => [each.textContent, each.getBoundingClientRect()]);"
+        "return texts.flatMap(([name, a], i) => texts.slice(i + 1).filter(([, b]) => a.left < b.right"
+        " && b.left < a.right && a.top < b.bottom && b.top < a.bottom).map(([other]) => [name, other]))"
+    )
+    assert overlapping_texts == []
+
+
 def test_tab_key_reaches_every_control(generated_report):
     from selenium.webdriver import ActionChains
     from selenium.webdriver.common.keys import Keys

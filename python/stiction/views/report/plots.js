@@ -547,7 +547,9 @@ function smooth(points) {
 function drawCompass(place, directions, series, picked, describe) {
   const unit = rem();
   const [width, height] = [Math.max(place.clientWidth, 12 * unit), Math.max(place.clientHeight, 12 * unit)];
-  const [x, y, radius] = [width / 2, height / 2, Math.min(width, height) / 2 - 2.2 * unit];
+  // In a narrow plot, the names of the curves are above the circle, because they would cover its label "+y".
+  const top = width < 28 * unit ? 1.3 * unit * series.length : 0;
+  const [x, y, radius] = [width / 2, (height + top) / 2, Math.min(width, height - top) / 2 - 2.2 * unit];
   const [, most] = rangeOf(series.flatMap(({points}) => points), false);
   const picture = pictureOf(width, height);
   const at = (angle, value) => {
