@@ -312,6 +312,7 @@ def _compute(setup: _TestSetup, record: SolutionRecord, progress: Callable[[int,
     return test.assign_attrs(
         mu0=inputs.entries["mu0"].estimate.short_text, tau0=inputs.entries["tau0"].text,
         interface=setup.interface_name,
+        **({} if setup.strength is None else {"interface_rule": setup.strength.fits[0].sliding}),
         direction_deg=box.direction, load_mN=box.load,
         normal_stress_GPa=box.load / area, normal_stiffness_GPa_per_um=box.stiffness / area,
         effective_modulus_GPa=box.effective_modulus, hardness_GPa=math.nan if box.hardness is None else box.hardness,

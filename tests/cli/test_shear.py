@@ -1,11 +1,12 @@
 """Tests of `stiction shear` and of stored shear tests: output files, resumption, messages."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray
-from stiction import Profile, Surface, flipped, self_affine_surface, shear_test
+from stiction import Profile, Surface, flipped, interface, self_affine_surface, shear_test
 from stiction.solve import members_in_progress
 from stiction.views.figures.shear import shear_figure
 from stiction.views.shear import list_caveats, shear_text
@@ -284,6 +285,17 @@ def test_shear_test_of_faces_that_do_not_fit_at_the_start_has_a_caveat():
     assert abs(other.attrs["fit_correlation"]) < 0.3
     assert "agree poorly where the path starts" in " ".join(list_caveats(other))
     assert "agree poorly" not in " ".join(list_caveats(fitting))
+
+
+@pytest.mark.parametrize("rule", ["all", "opposing"])
+def test_shear_test_with_an_interface_fitted_at_opposing_contacts_has_a_caveat(rule):
+    film = interface("MoS2 on bearing steel, dry air")
+    film = replace(film, fits=(replace(film.fits[0], sliding=rule),))
+    test = shear_test(*create_faces(), path="0.5 mm", steps=1, interface=film, **CONDITIONS)
+    assert test.attrs["interface_rule"] == rule
+    assert any("fit them with stiction calibrate --sliding all" in each for each in list_caveats(test)) == (
+        rule == "opposing"
+    )
 
 
 @pytest.mark.parametrize(

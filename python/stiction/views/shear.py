@@ -106,6 +106,11 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
     """Return the caveats about a shear test as sentences."""
     status, displacement = test["status"].values, test["displacement"].values
     caveats = _list_fit_caveats(test.attrs)
+    if test.attrs.get("interface_rule") == "opposing":
+        caveats.append(
+            "μ0 and τ0 of the interface were fitted with friction at opposing contacts only, but a shear test has "
+            "friction at all contacts: fit them with stiction calibrate --sliding all."
+        )
     if (reason := _NO_PEAK_REASONS.get(str(test.attrs["peak_status"]))) is not None:
         first = displacement[int(np.argmax(status == test.attrs["peak_status"]))]
         caveats.append(f"There is no peak: at a displacement of {format_with_unit(first, 'um')}, {reason}.")
