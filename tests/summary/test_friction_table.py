@@ -3,12 +3,13 @@
 import csv
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pandas
 import pytest
 import xarray
-from stiction import Result, half_space, material, open_result, pair_of, run
+from stiction import Result, half_space, interface, material, open_result, pair_of, run, write_interface
 from stiction.solve.store import export
 from stiction.summary.friction_table import friction_table, table_study
 from stiction.views.friction_table import friction_table_csv, friction_table_text
@@ -220,6 +221,17 @@ def test_table_command_takes_materials_hardness_and_interface(tmp_path):
     assert (areas[0] > areas[1]).all()
     assert sorted(soft["mu0"].unique()) == [0.2, 0.4, 0.6]
     assert hard["mu0"].nunique() == hard["tau0 (MPa)"].nunique() == 1
+
+
+@pytest.mark.parametrize("rule", ["all", "opposing"])
+def test_table_command_starts_with_the_sliding_rule_of_the_interface(tmp_path, rule):
+    film = interface("MoS2 on bearing steel, dry air")
+    write_interface(replace(film, fits=(replace(film.fits[0], sliding=rule),)), tmp_path / "film.csv")
+    output = check_stiction("table", *COMMAND_OPTIONS, "--interface", "film.csv", cwd=tmp_path).stdout
+    headings = [f"μ_s {name} contacts" for name in ("all", "opposing")]
+    assert (output.index(headings[0]) < output.index(headings[1])) == (rule == "all")
+    frame = pandas.read_csv(tmp_path / "table" / "table.csv")
+    assert frame["contacts with friction"].iloc[0] == rule
 
 
 def test_table_command_tabulates_measured_profiles_as_their_joint_table(tmp_path):

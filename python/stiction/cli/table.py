@@ -79,6 +79,7 @@ def table_command(
         return
     from stiction._arguments import parse_coefficients, parse_numbers, parse_quantities, parse_quantity, split_values
     from stiction.cli.execution import compute_result_in_directory, open_executor
+    from stiction.evaluate.point import SLIDING_RULE_ORDER
     from stiction.solve.store import CHECKSUM_PREFIX, export
     from stiction.study.elasticity import determine_elasticity
     from stiction.study.interfaces import InterfaceStrength, round_median_strength
@@ -100,11 +101,14 @@ def table_command(
         "mu0": parse_coefficients("mu0", mu0 or "0.2,0.4,0.6"),
         "tau0": parse_quantities("tau0", tau0 or "0 MPa", "pressure"),
     }
+    rules: list[str] = list(SLIDING_RULE_ORDER)
     if interface is not None:
         if mu0 is not None or tau0 is not None:
             raise ValueError("--interface must not be combined with --mu0 or --tau0, which it defines")
-        medians = round_median_strength(InterfaceStrength.named(interface))
+        strength = InterfaceStrength.named(interface)
+        medians = round_median_strength(strength)
         friction_parameters = {name: [value] for name, value in zip(("mu0", "tau0"), medians, strict=True)}
+        rules = sorted(rules, key=lambda rule: rule != strength.fits[0].sliding)
     study = table_study(
         hurst_exponents=parse_numbers("hurst", hurst or "0.5,0.7,0.9"),
         rms=parse_quantities("rms", rms or "10 nm,30 nm,100 nm", "length"),
@@ -128,7 +132,8 @@ def table_command(
     with open_executor(workers, scheduler) as executor:
         result = compute_result_in_directory(study, output, executor)
     table = friction_table(result)
-    print_output(friction_table_text(table))
+    table = table if interface is None else table.sel(sliding=rules)
+    print_output(friction_table_text(table, rules))
     if assessment_text := table_assessment_text(table, result.summary()):
         print_output(f"{assessment_text}\n")
     export(table, output / NETCDF_FILE_NAME, replace=True)

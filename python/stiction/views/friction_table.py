@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stiction._estimate import Estimate, estimate_column_titles
 from stiction._number_format import format_with_unit
+from stiction.evaluate.point import SLIDING_RULE_ORDER
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT, column_title_and_factor
 from stiction.summary.assessment import ASSESSMENTS_BY_SEVERITY
 from stiction.summary.friction_table import MAX_LAW_DEVIATION
 from stiction.views.layout import format_table, wrap_text
+from stiction.views.point import SLIDING_RULE_TITLES
 from stiction.views.spreadsheet import frame_to_csv
 
 if TYPE_CHECKING:
@@ -72,12 +75,13 @@ def _table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> s
     return frame_to_csv(frame)
 
 
-def friction_table_text(table: xarray.Dataset) -> str:
-    """Format the fitted laws for each roughness, and the range of the friction coefficients."""
+def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RULE_ORDER) -> str:
+    """Format the fitted laws for each roughness, and the range of the friction coefficients for each sliding rule."""
     pressure_range = " to ".join(format_with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
     laws_text = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the repetitions"
     lines = [wrap_text(f"Pressures of {pressure_range}; {laws_text}"), ""]
-    rows = [["H, Sq", "a (1/GPa)", "b (GPa/µm)", "c", "μ_s all contacts", "μ_s opposing contacts", "largest deviation"]]
+    headings = [f"μ_s {SLIDING_RULE_TITLES[rule]}" for rule in rules]
+    rows = [["H, Sq", "a (1/GPa)", "b (GPa/µm)", "c", *headings, "largest deviation"]]
     for indices in np.ndindex(table.sizes["hurst_exponent"], table.sizes["rms"]):
         roughness_table = table.isel(hurst_exponent=indices[0], rms=indices[1])
         deviations = [float(roughness_table[f"{name}_deviation"]) for name in ("area", "stiffness")]
@@ -90,7 +94,7 @@ def friction_table_text(table: xarray.Dataset) -> str:
                     Estimate(*roughness_table[name].values.tolist()).in_unit(unit, factor).text()
                     for name, (unit, factor) in zip(_LAW_PARAMETERS, _PRINTED_LAW_UNITS, strict=True)
                 ),
-                *(_coefficient_range_text(coefficients.sel(sliding=rule)) for rule in ("all", "opposing")),
+                *(_coefficient_range_text(coefficients.sel(sliding=rule)) for rule in rules),
                 ", ".join("none" if np.isnan(deviation) else f"{100 * deviation:.0f} %" for deviation in deviations),
             ]
         )
