@@ -24,7 +24,8 @@ from stiction.solve.executors import thread_pool_executor
 from stiction.solve.runner import compute_missing_blocks
 from stiction.solve.store import export, open_stored_result
 from stiction.study.members import load_bodies
-from stiction.views.onset import onset_record, onset_rows, onset_text
+from stiction.views.layout import format_paragraph
+from stiction.views.onset import onset_paragraph, onset_record, onset_rows, onset_text
 from stiction.views.report import report_page
 from support.command import disable_drawing
 from support.rough_surfaces import rough_maps
@@ -209,6 +210,17 @@ def test_table_rows_and_json_record_of_onset_have_equal_displacements(onset):
         (name,) = (name for name in rows if name.startswith("pre-sliding displacement"))
         value = float(rows[name].split()[0]) * {"nm": 1e-3, "µm": 1.0, "mm": 1e3}[name.split("(")[1][:-1]]
         assert value == pytest.approx(scale * record["displacement_at_sliding"]["value"], rel=0.1)
+
+
+def test_text_about_the_onset_states_its_sliding_rule_if_the_interface_has_another_rule(study, onset):
+    values = find_onset_values(onset)
+    interface = {"file": "film.csv", "mu0": 0.3, "tau0": "0 MPa", "sliding": "opposing"}
+    texts = [
+        format_paragraph(onset_paragraph(values, each, verbose=False))
+        for each in (study, study.with_changes({"friction.interface": interface}))
+    ]
+    assert "friction at all contacts" not in texts[0]
+    assert "These values assume friction at all contacts." in " ".join(texts[1].split())
 
 
 def test_sliding_load_of_the_onset_is_the_coefficient_times_the_load(tmp_path):
