@@ -83,7 +83,7 @@ MAX_CREEP_EXPONENT = 0.5
 class UncertainInput:
     """Probability distribution of an uncertain input, in core units."""
 
-    value: float  # central value: the number, or the middle of the range (geometric mean for a log-normal distribution)
+    value: float  # central value: the number, or the mean of the limits (geometric for a log-normal distribution)
     low: float  # lower limit of the 95 % interval, or of the uniform distribution
     high: float  # upper limit of the 95 % interval, or of the uniform distribution
     distribution: InputDistribution
@@ -399,7 +399,8 @@ def _parse_slip_lines(source: str) -> UncertainInput:
 class InputValue(Quantity):
     """Central value of a study input in core units, with its text and its distribution.
 
-    Contacts are computed with the central value: the number itself, or the middle of a range rounded to four digits.
+    Contacts are computed with the central value: the number itself, or the mean of the limits of a range, rounded to
+    four digits. The mean is geometric for a log-normal distribution, and arithmetic otherwise.
     """
 
     estimate: UncertainInput
