@@ -20,6 +20,8 @@ using std::numbers::pi;
 
 // Number of columns of an area that are transformed together: one cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
+// Number of rows between the row that is copied and the row that is loaded into the cache.
+constexpr std::size_t rows_ahead = 16;
 // Number of values that a thread processes per task, and between two cancellation checks.
 // Smaller areas are not divided between threads, because the threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
@@ -134,14 +136,24 @@ void mix_columns(double* first, double* second, const double* factors, const dou
   mix_columns_kernel(first, second, factors, mirrored_factors, sine, cosine, size);
 }
 
+// Start to load the columns of a row into the cache, because their values are copied soon.
+// The processor does not do so by itself, because successive rows are far apart in memory.
+template <class Real>
+void prefetch_columns(const std::complex<Real>* columns) {
+  for (std::size_t column = 0; column < columns_per_block; column += alignment / sizeof(std::complex<Real>)) {
+    __builtin_prefetch(columns + column);
+  }
+}
+
 // Copy columns of an area to contiguous memory.
 template <class Real>
 void gather_columns(const std::complex<Real>* area, std::size_t stride, const std::vector<std::size_t>& rows,
                     std::size_t count, std::size_t column_stride, std::complex<Real>* columns) {
-  for (const std::size_t row : rows) {
-    const std::complex<Real>* from = area + row * stride;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    prefetch_columns(area + rows[std::min(i + rows_ahead, rows.size() - 1)] * stride);
+    const std::complex<Real>* from = area + rows[i] * stride;
     for (std::size_t column = 0; column < count; ++column) {
-      columns[column * column_stride + row] = from[column];
+      columns[column * column_stride + rows[i]] = from[column];
     }
   }
 }
@@ -151,6 +163,7 @@ template <class Real>
 void scatter_columns(const std::complex<Real>* columns, std::size_t column_stride, std::size_t rows, std::size_t count,
                      std::size_t stride, std::complex<Real>* area) {
   for (std::size_t row = 0; row < rows; ++row) {
+    prefetch_columns(area + std::min(row + rows_ahead, rows - 1) * stride);
     std::complex<Real>* to = area + row * stride;
     for (std::size_t column = 0; column < count; ++column) {
       to[column] = columns[column * column_stride + row];
