@@ -19,9 +19,8 @@ namespace {
 
 // Minimum number of points along an axis of the coarsest grid.
 constexpr std::size_t min_points_per_axis = 16;
-// Maximum number of points of a coarser grid whose kernels are cached.
-// Influence coefficients are stored for grids up to the same number of points.
-constexpr std::size_t max_cached_points = std::size_t{1} << 20;
+// Maximum number of points of a grid whose influence coefficients are stored.
+constexpr std::size_t max_influence_points = std::size_t{1} << 20;
 // Solver tolerance on the coarser grids.
 // The tolerance can be large, because the discretisation error is even larger on these grids.
 constexpr double coarse_tolerance = 3e-3;
@@ -411,9 +410,7 @@ HalfSpaceGrids::Kernels HalfSpaceGrids::kernels(std::size_t level, const ThreadP
   if (!grid.line) {
     kernels.blocks = std::make_shared<const ElasticKernel>(Preconditioner::block_grid(grid), effective_modulus_, pool);
   }
-  if (level == 0 || grid.size() <= max_cached_points) {
-    kernels_[level] = kernels;
-  }
+  kernels_[level] = kernels;
   return kernels;
 }
 
@@ -427,7 +424,7 @@ double HalfSpaceGrids::uniform_pressure_deviation() const {
 
 std::span<const double> HalfSpaceGrids::influence(const ThreadPool& pool) const {
   const std::size_t size = levels_[0].size();
-  if (size > max_cached_points) {
+  if (size > max_influence_points) {
     return {};
   }
   const auto finest = kernels(0, pool).points;

@@ -35,7 +35,7 @@ class HalfSpaceGrids {
   const std::vector<Grid>& levels() const { return levels_; }
   double effective_modulus() const { return effective_modulus_; }
 
-  /// Return the kernels of a grid level, and compute them on first use. Large kernels of coarser grids are not cached.
+  /// Return the kernels of a grid level, and compute them on first use.
   Kernels kernels(std::size_t level = 0, const ThreadPool& pool = ThreadPool()) const;
 
   /// Return the root-mean-square deviation [µm/GPa] of displacements from their mean.
