@@ -15,6 +15,15 @@
 #include <utility>
 
 namespace stiction {
+
+struct SolverMemory {
+  Workspace workspace;
+  ProjectedCgSolver::Arrays cg;
+  Preconditioner::Arrays preconditioner;
+  std::vector<float> response;
+  bool in_use = false;
+};
+
 namespace {
 
 // Minimum number of points along an axis of the coarsest grid.
@@ -51,6 +60,8 @@ constexpr std::size_t max_selected_points = 2048;
 // Points are selected if their gap is below this multiple of the current approach.
 // The gap and the approach are measured from the lowest gap.
 constexpr double selection_approach_ratio = 1.1;
+// Number of grid points per task in loops over the grid.
+constexpr std::size_t points_per_task = std::size_t{1} << 16;
 // A deviation of displacements below this limit counts as round-off.
 // The limit is a fraction of the displacement of a single cell under the same pressure.
 constexpr double round_off = 1e-9;
@@ -108,9 +119,9 @@ double standard_deviation(Values values) {
 
 // Interpolate values linearly along one axis to a grid of the same length with a different number of points.
 // Each value may be a whole row of `width` numbers.
-std::vector<double> interpolate_along(Values values, std::size_t blocks, std::size_t old_points, std::size_t new_points,
-                                      std::size_t width, bool periodic) {
-  std::vector<double> result(blocks * new_points * width);
+void interpolate_along(Values values, std::size_t blocks, std::size_t old_points, std::size_t new_points,
+                       std::size_t width, bool periodic, std::vector<double>& result) {
+  result.resize(blocks * new_points * width);
   const double ratio = static_cast<double>(old_points) / static_cast<double>(new_points);
   const bool coarser = old_points == 2 * new_points || (!periodic && old_points > new_points);
   const bool finer = new_points == 2 * old_points || (!periodic && new_points > old_points);
@@ -147,17 +158,21 @@ std::vector<double> interpolate_along(Values values, std::size_t blocks, std::si
       }
     }
   }
-  return result;
 }
 
-std::vector<double> interpolate(std::vector<double> values, const Grid& from, const Grid& to) {
+// Interpolate values linearly to another grid. `buffer` contains the values after the interpolation along y.
+std::vector<double> interpolate(Values values, const Grid& from, const Grid& to, std::vector<double>& buffer) {
+  std::vector<double> result;
+  if (from.columns == to.columns) {
+    interpolate_along(values, 1, from.rows, to.rows, from.columns, from.periodic, result);
+    return result;
+  }
   if (from.rows != to.rows) {
-    values = interpolate_along(values, 1, from.rows, to.rows, from.columns, from.periodic);
+    interpolate_along(values, 1, from.rows, to.rows, from.columns, from.periodic, buffer);
+    values = buffer;
   }
-  if (from.columns != to.columns) {
-    values = interpolate_along(values, to.rows, from.columns, to.columns, 1, from.periodic);
-  }
-  return values;
+  interpolate_along(values, to.rows, from.columns, to.columns, 1, from.periodic, result);
+  return result;
 }
 
 bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
@@ -165,7 +180,8 @@ bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
 }
 
 // Solver on one level of the grid hierarchy, with the elastic kernel and the preconditioner of this level.
-// The starting pressure is scaled to the given mean [GPa].
+// The starting pressure is scaled to the given mean [GPa]. If `gap` is empty, the gap is 0 at all points.
+// The arrays of the solver are taken from `memory`, and returned when the solver is destroyed.
 //
 // On a free area, pressures displace every point away from the other body.
 // A point whose initial gap exceeds the approach therefore cannot come into contact.
@@ -176,22 +192,35 @@ bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
 class LevelSolver {
  public:
   LevelSolver(const HalfSpaceGrids::Kernels& kernels, Values gap, std::vector<double> start, double mean, Values bound,
-              Values influence, Workspace& workspace, const ThreadPool& pool)
+              Values influence, SolverMemory& memory, const ThreadPool& pool)
       : gap_(gap),
         bound_(bound),
         influence_(influence),
         kernel_(*kernels.points),
-        workspace_(workspace),
+        memory_(memory),
+        workspace_(memory.workspace),
         pool_(pool),
-        cg_(std::move(start), mean * static_cast<double>(kernel_.grid().size()), bound, kernel_.grid().line),
-        response_(kernel_.grid().size()) {
+        cg_(std::move(start), mean * static_cast<double>(kernel_.grid().size()), bound, kernel_.grid().line,
+            std::move(memory.cg)),
+        response_(std::move(memory.response)) {
+    response_.assign(kernel_.grid().size(), 0.0F);
     if (kernels.blocks) {
-      preconditioner_.emplace(kernel_.grid(), kernel_.stencil(), *kernels.blocks);
+      preconditioner_.emplace(kernel_.grid(), kernel_.stencil(), *kernels.blocks, std::move(memory.preconditioner));
     }
     if (!influence.empty()) {
       select_points(estimate_approach());
     }
   }
+
+  ~LevelSolver() {
+    memory_.cg = cg_.take_arrays();
+    memory_.response = std::move(response_);
+    if (preconditioner_) {
+      memory_.preconditioner = preconditioner_->take_arrays();
+    }
+  }
+  LevelSolver(const LevelSolver&) = delete;
+  LevelSolver& operator=(const LevelSolver&) = delete;
 
   ProjectedCgSolver& cg() { return cg_; }
   // Return whether the potential was recomputed exactly and no step was taken since then.
@@ -215,17 +244,23 @@ class LevelSolver {
     const Values pressure = cg_.pressure();
     std::vector<double> potential = cg_.take_potential();
     potential.resize(pressure.size());
+    const bool is_single = !selected_points_ && !exact;
     if (selected_points_) {
       std::fill(potential.begin(), potential.end(), 0.0);
       selected_points_->displacement(pressure, potential);
     } else if (exact) {
       kernel_.displacement(pressure, potential, workspace_, pool_);
     } else {
-      const std::vector<float> single(pressure.begin(), pressure.end());
-      kernel_.displacement(single, response_, workspace_, pool_);
-      std::copy(response_.begin(), response_.end(), potential.begin());
+      std::transform(pressure.begin(), pressure.end(), response_.begin(),
+                     [](double value) { return static_cast<float>(value); });
+      kernel_.displacement(response_, response_, workspace_, pool_);
     }
-    std::transform(potential.begin(), potential.end(), gap_.begin(), potential.begin(), std::plus<>());
+    pool_.run_chunks(potential.size(), points_per_task, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        const double displacement = is_single ? static_cast<double>(response_[i]) : potential[i];
+        potential[i] = gap_.empty() ? displacement : displacement + gap_[i];
+      }
+    });
     cg_.restart(std::move(potential));
     has_response_ = false;
     is_exact_ = exact;
@@ -310,6 +345,7 @@ class LevelSolver {
   Values bound_;
   Values influence_;
   const ElasticKernel& kernel_;
+  SolverMemory& memory_;
   Workspace& workspace_;
   const ThreadPool& pool_;
   ProjectedCgSolver cg_;
@@ -414,6 +450,26 @@ HalfSpaceGrids::Kernels HalfSpaceGrids::kernels(std::size_t level, const ThreadP
   return kernels;
 }
 
+HalfSpaceGrids::BorrowedMemory HalfSpaceGrids::borrow_memory() const {
+  const std::lock_guard lock(mutex_);
+  auto memory = std::find_if(memories_.begin(), memories_.end(), [](const auto& each) { return !each->in_use; });
+  if (memory == memories_.end()) {
+    memory = memories_.insert(memory, std::make_shared<SolverMemory>());
+  }
+  (*memory)->in_use = true;
+  return {memory->get(), {this}};
+}
+
+void HalfSpaceGrids::ReturnMemory::operator()(SolverMemory* memory) const {
+  const std::lock_guard lock(grids->mutex_);
+  memory->in_use = false;
+}
+
+void HalfSpaceGrids::displacement(Values pressure, std::span<double> displacements, const ThreadPool& pool) const {
+  const auto memory = borrow_memory();
+  kernels(0, pool).points->displacement(pressure, displacements, memory->workspace, pool);
+}
+
 double HalfSpaceGrids::uniform_pressure_deviation() const {
   const std::lock_guard lock(mutex_);
   if (!uniform_pressure_deviation_) {
@@ -430,12 +486,11 @@ std::span<const double> HalfSpaceGrids::influence(const ThreadPool& pool) const 
   const auto finest = kernels(0, pool).points;
   const std::lock_guard lock(mutex_);
   if (influence_.empty()) {
-    std::vector<double> first(size, 0.0);
-    first[0] = 1.0;
-    std::vector<double> displacements(size);
+    std::vector<double> values(size, 0.0);
+    values[0] = 1.0;
     Workspace workspace;
-    finest->displacement(first, displacements, workspace, pool);
-    influence_ = std::move(displacements);
+    finest->displacement(values, values, workspace, pool);
+    influence_ = std::move(values);
   }
   return influence_;
 }
@@ -452,9 +507,9 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
     throw std::invalid_argument("HalfSpaceSolver: tolerance must be above 0");
   }
   // Bounds that vary from point to point are ignored on coarser grids, where they have no meaning.
+  const auto memory = grids_->borrow_memory();
   for (std::size_t level = 1; level < levels.size() && bound_.size() == 1; ++level) {
-    const Values finer = this->gap(level - 1);
-    coarse_gaps_.push_back(interpolate({finer.begin(), finer.end()}, levels[level - 1], levels[level]));
+    coarse_gaps_.push_back(interpolate(this->gap(level - 1), levels[level - 1], levels[level], memory->cg.potential));
   }
   gap_scale_ = standard_deviation(gap);
   displacement_scale_ = unit_load_deviation(pool);
@@ -468,12 +523,12 @@ double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
       (grid.line ? grid.spacing_x : std::max(grid.spacing_x, grid.spacing_y)) / grids_->effective_modulus();
   if (bound_.size() > 1) {
     const double mean = mean_value(bound_);
-    std::vector<double> load(bound_.size());
-    std::transform(bound_.begin(), bound_.end(), load.begin(), [&](double bound) { return bound / mean; });
-    std::vector<double> displacements(load.size());
-    Workspace workspace;
-    grids_->kernels(0, pool).points->displacement(load, displacements, workspace, pool);
-    const double deviation = standard_deviation(displacements);
+    const auto memory = grids_->borrow_memory();
+    std::vector<double>& values = memory->cg.potential;
+    values.resize(bound_.size());
+    std::transform(bound_.begin(), bound_.end(), values.begin(), [&](double bound) { return bound / mean; });
+    grids_->kernels(0, pool).points->displacement(values, values, memory->workspace, pool);
+    const double deviation = standard_deviation(values);
     // The deviation may be nearly zero, because the bounds may be the pressures that displace all points equally.
     if (!grid.periodic) {
       return std::max(deviation, grids_->uniform_pressure_deviation());
@@ -506,24 +561,24 @@ bool HalfSpaceSolver::is_good_start(Values near, double mean_pressure) const {
 
 HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const ThreadPool& pool,
                                       const HalfSpaceProgress& progress) const {
-  Workspace workspace;
+  const auto memory = grids_->borrow_memory();
   if (is_good_start(near, mean_pressure)) {
-    HalfSpaceSolution solution = solve_finest({near.begin(), near.end()}, mean_pressure, workspace, pool, progress);
+    HalfSpaceSolution solution = solve_finest({near.begin(), near.end()}, mean_pressure, *memory, pool, progress);
     if (solution.error <= tolerance_) {
       return solution;
     }
   }
   if (bound_.size() > 1) {
-    return solve_finest(bound_, mean_pressure, workspace, pool, progress);
+    return solve_finest(bound_, mean_pressure, *memory, pool, progress);
   }
   const std::vector<Grid>& levels = grids_->levels();
   std::vector<double> start(levels.back().size(), mean_pressure);
   const double coarse = std::max(coarse_tolerance, tolerance_) * scale(mean_pressure);
   for (std::size_t level = levels.size() - 1; level > 0; --level) {
-    start = solve_level(level, std::move(start), mean_pressure, coarse, workspace, pool, {}).pressure;
-    start = interpolate(std::move(start), levels[level], levels[level - 1]);
+    start = solve_level(level, std::move(start), mean_pressure, coarse, *memory, pool, {}).pressure;
+    start = interpolate(start, levels[level], levels[level - 1], memory->cg.potential);
   }
-  return solve_finest(std::move(start), mean_pressure, workspace, pool, progress);
+  return solve_finest(std::move(start), mean_pressure, *memory, pool, progress);
 }
 
 // Find the root of `log_excess` as a function of the logarithm of the load, by the secant method (Illinois algorithm).
@@ -576,18 +631,18 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
   return solution;
 }
 
-HalfSpaceSolution HalfSpaceSolver::solve_finest(std::vector<double> start, double mean_pressure, Workspace& workspace,
+HalfSpaceSolution HalfSpaceSolver::solve_finest(std::vector<double> start, double mean_pressure, SolverMemory& memory,
                                                 const ThreadPool& pool, const HalfSpaceProgress& progress) const {
   const double length_unit = scale(mean_pressure);
   HalfSpaceSolution solution =
-      solve_level(0, std::move(start), mean_pressure, tolerance_ * length_unit, workspace, pool, progress);
+      solve_level(0, std::move(start), mean_pressure, tolerance_ * length_unit, memory, pool, progress);
   solution.error =
       std::max(solution.error / length_unit, std::abs(mean_value(solution.pressure) / mean_pressure - 1.0));
   return solution;
 }
 
 HalfSpaceSolution HalfSpaceSolver::solve_level(std::size_t level, std::vector<double> start, double mean_pressure,
-                                               double tolerance, Workspace& workspace, const ThreadPool& pool,
+                                               double tolerance, SolverMemory& memory, const ThreadPool& pool,
                                                const HalfSpaceProgress& progress) const {
   const auto kernels = grids_->kernels(level, pool);
   const double factor = mean_pressure / mean_value(start);
@@ -600,7 +655,7 @@ HalfSpaceSolution HalfSpaceSolver::solve_level(std::size_t level, std::vector<do
   const bool selects_points =
       level == 0 && !grid.line && !grid.periodic && is_dense_kernel_faster(static_cast<std::size_t>(num_loaded), grid);
   const Values influence = selects_points ? grids_->influence(pool) : Values();
-  LevelSolver solver(kernels, gap(level), std::move(start), mean_pressure, bound_, influence, workspace, pool);
+  LevelSolver solver(kernels, gap(level), std::move(start), mean_pressure, bound_, influence, memory, pool);
   solver.recompute_potential(false);
   const std::int64_t max_steps = level == 0 ? max_iterations : max_coarse_iterations;
   int exact_evaluations = 0;
@@ -668,14 +723,13 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
     }
   }
   const auto kernels = grids.kernels(0, pool);
+  const auto memory = grids.borrow_memory();
   std::vector<double> bound(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     bound[i] = std::numeric_limits<double>::infinity();
   }
   const double mean = 1.0 / static_cast<double>(in_contact.size());
-  Workspace workspace;
-  const std::vector<double> gap(in_contact.size(), 0.0);
-  LevelSolver solver(kernels, gap, std::move(start), mean, bound, {}, workspace, pool);
+  LevelSolver solver(kernels, {}, std::move(start), mean, bound, {}, *memory, pool);
   // Single precision resolves 1e-7 of a displacement. Small differences of displacements on lines need more digits.
   solver.recompute_potential(grid.line);
   for (std::int64_t i = 0; i < max_iterations; ++i) {

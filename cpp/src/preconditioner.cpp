@@ -5,6 +5,7 @@
 #include <functional>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace stiction {
 namespace {
@@ -37,13 +38,15 @@ Grid Preconditioner::block_grid(const Grid& area) {
   return grid;
 }
 
-Preconditioner::Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks)
+Preconditioner::Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks, Arrays arrays)
     : rows_(area.rows),
       columns_(area.columns),
       blocks_(blocks),
-      result_(area.size()),
-      remainder_(area.size(), 0.0F),
+      result_(std::move(arrays.result)),
+      remainder_(std::move(arrays.remainder)),
       foundation_(blocks.grid().size()) {
+  result_.resize(area.size());
+  remainder_.assign(area.size(), 0.0F);
   const Grid grid = block_grid(area);
   if (area.line || stencil.size() != stencil_.size() || blocks.grid().rows != grid.rows ||
       blocks.grid().columns != grid.columns) {

@@ -207,9 +207,17 @@ double shift_to_sum(std::span<const double> pressure, std::span<const double> bo
 
 }  // namespace
 
-ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line)
-    : pressure_(std::move(pressure)), total_(total), line_(line), residual_(pressure_.size()), step_(pressure_.size()) {
+ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line, Arrays arrays)
+    : pressure_(std::move(pressure)),
+      potential_(std::move(arrays.potential)),
+      total_(total),
+      line_(line),
+      residual_(std::move(arrays.residual)),
+      step_(std::move(arrays.step)) {
   const std::size_t size = pressure_.size();
+  potential_.clear();
+  residual_.assign(size, 0.0F);
+  step_.assign(size, 0.0F);
   if (size == 0 || size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw std::invalid_argument("ProjectedCgSolver: pressure must have at least 1 and fewer than 2^31 points");
   }
@@ -219,7 +227,7 @@ ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total,
         "ProjectedCgSolver: bound must have one value or one for each point, and no value below 0");
   }
   if (bound.size() == size) {
-    bounds_.assign(bound.begin(), bound.end());
+    bounds_ = bound;
   }
   uniform_bound_.fill(bound[0]);
   const double max_total = bounds_.empty() ? uniform_bound_[0] * static_cast<double>(size)
@@ -251,6 +259,10 @@ ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total,
     pressure_[static_cast<std::size_t>(stepped_points_[k])] = std::clamp(target_[k] - shift, 0.0, free_bounds_[k]);
   }
   rescale_to_total();
+}
+
+ProjectedCgSolver::Arrays ProjectedCgSolver::take_arrays() {
+  return {std::move(potential_), std::move(residual_), std::move(step_)};
 }
 
 void ProjectedCgSolver::rescale_to_total() {

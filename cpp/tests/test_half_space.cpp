@@ -187,6 +187,35 @@ TEST_CASE("HalfSpaceSolver: solutions are bit-identical for any number of thread
   }
 }
 
+TEST_CASE("HalfSpaceGrids: calculations reuse memory one after the other, and do not share it at the same time") {
+  const HalfSpaceGrids grids(Grid{8, 8, 0.1, 0.1, false, true}, modulus);
+  auto first = grids.borrow_memory();
+  const auto* const address = first.get();
+  CHECK(grids.borrow_memory().get() != address);
+  first.reset();
+  CHECK(grids.borrow_memory().get() == address);
+}
+
+TEST_CASE("HalfSpaceSolver: solutions are bit-identical after other calculations on the same grid") {
+  for (const bool periodic : {false, true}) {
+    const Grid grid{70, 90, 0.02, 0.02, false, periodic};
+    const std::vector<double> gap = rough_surface(grid);
+    const auto solve = [&](const std::shared_ptr<const HalfSpaceGrids>& grids, double load) {
+      return HalfSpaceSolver(gap, grids, unbounded, 1e-6).at(load);
+    };
+    const auto response = [&](const HalfSpaceGrids& grids) {
+      const auto free = std::make_unique<bool[]>(grid.size());
+      std::fill_n(free.get(), grid.size() / 2, true);
+      return stiction::linear_response(grids, {free.get(), grid.size()});
+    };
+    const auto used = std::make_shared<const HalfSpaceGrids>(grid, modulus);
+    solve(used, 2.0);
+    response(*used);
+    CHECK(solve(used, 0.3).pressure == solve(std::make_shared<const HalfSpaceGrids>(grid, modulus), 0.3).pressure);
+    CHECK(response(*used).pressure == response(HalfSpaceGrids(grid, modulus)).pressure);
+  }
+}
+
 TEST_CASE("HalfSpaceSolver: at_approach reaches the requested approach") {
   const Grid grid{24, 20, 0.05, 0.05, false, true};
   const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);

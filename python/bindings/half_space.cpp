@@ -96,9 +96,7 @@ void bind_half_space(py::module_& module) {
             {
               const CancellationCheck check_cancellation = keyboard_interrupt_check();
               const py::gil_scoped_release release;
-              const ThreadPool pool(threads, check_cancellation);
-              Workspace workspace;
-              grids.kernels(0, pool).points->displacement(grid(pressure), displacements, workspace, pool);
+              grids.displacement(grid(pressure), displacements, ThreadPool(threads, check_cancellation));
             }
             return like(pressure, std::move(displacements));
           },

@@ -63,6 +63,7 @@ class ElasticKernel {
   const Grid& grid() const { return grid_; }
 
   /// Compute displacements in double precision. Errors are of the order of the round-off of the largest displacement.
+  /// Both arrays may be the same array.
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 

@@ -16,6 +16,9 @@
 
 namespace stiction {
 
+/// Arrays of a calculation on a grid. Later calculations reuse their memory.
+struct SolverMemory;
+
 /// Grid hierarchy and elastic kernels, shared by all contact problems on the same grid.
 /// Each coarser grid has about half as many points along an axis as the next finer grid.
 /// The coarsest grid has about 16 points along an axis.
@@ -46,6 +49,19 @@ class HalfSpaceGrids {
   /// Returns an empty array if the grid is too large for storing these displacements.
   std::span<const double> influence(const ThreadPool& pool = ThreadPool()) const;
 
+  /// Compute the displacements [µm] due to pressures [GPa] on the finest grid. Both arrays may be the same array.
+  void displacement(Values pressure, std::span<double> displacements, const ThreadPool& pool = ThreadPool()) const;
+
+  struct ReturnMemory {
+    const HalfSpaceGrids* grids;
+    void operator()(SolverMemory* memory) const;
+  };
+  using BorrowedMemory = std::unique_ptr<SolverMemory, ReturnMemory>;
+
+  /// Return memory that no other calculation uses. Another calculation can use it when the pointer is destroyed.
+  /// Memory is reused because the operating system clears each page of new memory, which takes long for large grids.
+  BorrowedMemory borrow_memory() const;
+
  private:
   std::vector<Grid> levels_;
   double effective_modulus_;
@@ -53,6 +69,7 @@ class HalfSpaceGrids {
   mutable std::vector<Kernels> kernels_;
   mutable std::optional<double> uniform_pressure_deviation_;
   mutable std::vector<double> influence_;
+  mutable std::vector<std::shared_ptr<SolverMemory>> memories_;
 };
 
 /// Solution of a contact problem: pressures [GPa], approach [µm], relative error and number of iterations.
@@ -105,10 +122,10 @@ class HalfSpaceSolver {
   bool is_good_start(Values near, double mean_pressure) const;
   double unit_load_deviation(const ThreadPool& pool) const;
   Values gap(std::size_t level) const { return level == 0 ? gap_ : Values(coarse_gaps_[level - 1]); }
-  HalfSpaceSolution solve_finest(std::vector<double> start, double mean_pressure, Workspace& workspace,
+  HalfSpaceSolution solve_finest(std::vector<double> start, double mean_pressure, SolverMemory& memory,
                                  const ThreadPool& pool, const HalfSpaceProgress& progress) const;
   HalfSpaceSolution solve_level(std::size_t level, std::vector<double> start, double mean_pressure, double tolerance,
-                                Workspace& workspace, const ThreadPool& pool, const HalfSpaceProgress& progress) const;
+                                SolverMemory& memory, const ThreadPool& pool, const HalfSpaceProgress& progress) const;
 
   Values gap_;
   std::vector<std::vector<double>> coarse_gaps_;

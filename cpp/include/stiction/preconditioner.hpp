@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace stiction {
@@ -28,13 +29,20 @@ class Preconditioner {
   /// Number of points along each side of a block.
   static constexpr std::size_t block_size = 16;
 
+  /// Arrays on the grid. A later preconditioner can reuse their memory.
+  struct Arrays {
+    std::vector<float> result;
+    std::vector<float> remainder;
+  };
+
   /// Return the periodic grid whose points represent the blocks into which an area is divided.
   static Grid block_grid(const Grid& area);
 
   /// Create the preconditioner from the stencil of an area and the elastic kernel of its blocks.
   /// The kernel must outlive this object.
   /// Throws std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x 3.
-  Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks);
+  /// The preconditioner reuses the memory of `arrays`, whose values are ignored.
+  Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks, Arrays arrays = {});
 
   /// Compute pressures [GPa] at the free points from displacements [µm] on the grid.
   /// The indices of the free points must be in increasing order.
@@ -43,6 +51,9 @@ class Preconditioner {
   /// The result is valid until the next call.
   std::span<const float> operator()(std::span<const std::int32_t> free_points, std::span<const float> displacements,
                                     Workspace& workspace, const ThreadPool& pool = ThreadPool());
+
+  /// Move the arrays out of the preconditioner, which must not be used afterwards.
+  Arrays take_arrays() { return {std::move(result_), std::move(remainder_)}; }
 
  private:
   /// Apply the stencil at each free point to values on the grid.

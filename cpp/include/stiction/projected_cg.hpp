@@ -38,13 +38,22 @@ namespace stiction {
 /// The method is described by Polonsky & Keer, Wear 231 (1999) 206. The energy never increases.
 class ProjectedCgSolver {
  public:
+  /// Arrays on the grid. A later solver can reuse their memory.
+  struct Arrays {
+    std::vector<double> potential;
+    std::vector<float> residual;
+    std::vector<float> step;
+  };
+
   /// Start from the pressures `pressure` >= 0, which are first projected onto the bounds and the sum.
   /// `line` is true if the points form a line, so that neighbours in memory are neighbours on the grid.
   /// `bound` contains either a single value for all points or one value for each point. A single value may be infinite.
+  /// One value for each point must outlive the solver.
   /// Points with a bound of 0 carry no pressure.
   /// Throws std::invalid_argument for 2³¹ points or more, and for negative bounds.
   /// Also throws if the total is not positive, or not below the sum of the bounds.
-  ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line);
+  /// The solver reuses the memory of `arrays`, whose values are ignored.
+  ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line, Arrays arrays = {});
 
   /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points.
   /// Let r be the returned value. Points under pressure have a gap of at most r.
@@ -90,6 +99,8 @@ class ProjectedCgSolver {
   /// Move the potential out of the solver, so that its memory can be reused.
   /// Call `restart` with a new potential before the next `update_free_points`.
   std::vector<double> take_potential() { return std::move(potential_); }
+  /// Move the arrays out of the solver, which must not be used afterwards.
+  Arrays take_arrays();
 
  private:
   static constexpr std::size_t block = 64;  // number of points that are processed together
@@ -115,7 +126,7 @@ class ProjectedCgSolver {
   std::vector<double> potential_;
   double total_;
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
-  std::vector<double> bounds_;                 // bound of each point; empty if all points have the same bound
+  Values bounds_;                              // bound of each point; empty if all points have the same bound
   bool line_;
   std::vector<std::int32_t> free_points_;     // points at which residual_ may differ from 0
   std::vector<std::int32_t> stepped_points_;  // points at which step_ may differ from 0

@@ -26,9 +26,10 @@ from stiction.surfaces.profile import Profile, combine_missing_masks
 from stiction.surfaces.surface import Surface
 
 MAX_CACHED_GRID_POINTS = 2**20
-"""Largest number of grid points for which unused kernels remain cached. Kernels for so many points take 35 MB.
+"""Largest number of grid points for which unused kernels remain cached.
 
-Computing the kernels takes a quarter of the time of solving a contact with free boundaries.
+Kernels for so many points take 35 MB, and the arrays of the solver 46 MB per thread. Computing the kernels takes a
+quarter of the time of solving a contact with free boundaries.
 """
 
 # Edge displacement in a linear response to a tilt, as a fraction of the mean displacement due to the load.
