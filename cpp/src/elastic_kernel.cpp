@@ -10,6 +10,7 @@
 #include <map>
 #include <mutex>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -147,7 +148,7 @@ void prefetch_columns(const std::complex<Real>* columns) {
 
 // Copy columns of an area to contiguous memory.
 template <class Real>
-void gather_columns(const std::complex<Real>* area, std::size_t stride, const std::vector<std::size_t>& rows,
+void gather_columns(const std::complex<Real>* area, std::size_t stride, std::span<const std::size_t> rows,
                     std::size_t count, std::size_t column_stride, std::complex<Real>* columns) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     prefetch_columns(area + rows[std::min(i + rows_ahead, rows.size() - 1)] * stride);
@@ -160,13 +161,13 @@ void gather_columns(const std::complex<Real>* area, std::size_t stride, const st
 
 // Copy columns from contiguous memory back to an area.
 template <class Real>
-void scatter_columns(const std::complex<Real>* columns, std::size_t column_stride, std::size_t rows, std::size_t count,
-                     std::size_t stride, std::complex<Real>* area) {
-  for (std::size_t row = 0; row < rows; ++row) {
-    prefetch_columns(area + std::min(row + rows_ahead, rows - 1) * stride);
-    std::complex<Real>* to = area + row * stride;
+void scatter_columns(const std::complex<Real>* columns, std::size_t column_stride, std::span<const std::size_t> rows,
+                     std::size_t count, std::size_t stride, std::complex<Real>* area) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    prefetch_columns(area + rows[std::min(i + rows_ahead, rows.size() - 1)] * stride);
+    std::complex<Real>* to = area + rows[i] * stride;
     for (std::size_t column = 0; column < count; ++column) {
-      to[column] = columns[column * column_stride + row];
+      to[column] = columns[column * column_stride + rows[i]];
     }
   }
 }
@@ -250,14 +251,14 @@ class Filter {
     }
   }
 
-  void operator()(std::span<const Real> values, std::span<Real> result, Scratch& scratch,
-                  const ThreadPool& pool) const {
+  void operator()(std::span<const Real> values, std::span<Real> result, Scratch& scratch, const ThreadPool& pool,
+                  std::span<const std::size_t> result_rows = {}) const {
     if (values.size() != shape_.rows * shape_.columns || result.size() != values.size()) {
       throw std::invalid_argument("ElasticKernel: values must have as many elements as the grid has points");
     }
     scratch.threads.resize(std::max(scratch.threads.size(), pool.threads()));
     if (along_y_) {
-      filter_area(values, result, scratch, pool);
+      filter_area(values, result, scratch, pool, result_rows);
     } else {
       filter_line(values, result, scratch.threads[0]);
       pool.check_cancellation();
@@ -303,8 +304,8 @@ class Filter {
     unpack(coefficients, result.data());
   }
 
-  void filter_area(std::span<const Real> values, std::span<Real> result, Scratch& scratch,
-                   const ThreadPool& pool) const {
+  void filter_area(std::span<const Real> values, std::span<Real> result, Scratch& scratch, const ThreadPool& pool,
+                   std::span<const std::size_t> result_rows) const {
     const std::size_t count = shape_.coefficient_count();
     const std::size_t stride = padded_stride<Real>(count);
     Complex* area = scratch.coefficients.get<Real>(shape_.rows * stride);
@@ -324,6 +325,12 @@ class Filter {
         along_x_->forward(packed, area + filled[i] * stride);
       }
     });
+    std::vector<std::size_t> all_rows;
+    if (result_rows.empty()) {
+      all_rows.resize(shape_.rows);
+      std::iota(all_rows.begin(), all_rows.end(), std::size_t{0});
+      result_rows = all_rows;
+    }
     // Columns k and m - k are transformed together, because packing combines them.
     // Column 0 and, for even m, the middle column are paired with themselves.
     const std::size_t pairs = shape_.packed() ? count / 2 + 1 : count;
@@ -332,21 +339,23 @@ class Filter {
     pool.run((pairs + columns_per_task - 1) / columns_per_task, [&](std::size_t task, std::size_t thread) {
       const std::size_t last = std::min((task + 1) * columns_per_task, pairs);
       for (std::size_t first = task * columns_per_task; first < last; first += columns_per_block) {
-        filter_columns(area, stride, filled, first, std::min(first + columns_per_block, last), scratch.threads[thread]);
+        filter_columns(area, stride, filled, result_rows, first, std::min(first + columns_per_block, last),
+                       scratch.threads[thread]);
       }
     });
-    pool.run((shape_.rows + rows_per_task - 1) / rows_per_task, [&](std::size_t task, std::size_t thread) {
+    pool.run((result_rows.size() + rows_per_task - 1) / rows_per_task, [&](std::size_t task, std::size_t thread) {
       Complex* packed = scratch.threads[thread][0].template get<Real>(count);
-      for (std::size_t row = task * rows_per_task; row < std::min((task + 1) * rows_per_task, shape_.rows); ++row) {
-        along_x_->inverse(area + row * stride, packed);
-        unpack(packed, result.data() + row * shape_.columns);
+      for (std::size_t i = task * rows_per_task; i < std::min((task + 1) * rows_per_task, result_rows.size()); ++i) {
+        along_x_->inverse(area + result_rows[i] * stride, packed);
+        unpack(packed, result.data() + result_rows[i] * shape_.columns);
       }
     });
   }
 
   // Filter the columns from `first` to just before `last`, and their mirrored columns.
-  void filter_columns(Complex* area, std::size_t stride, const std::vector<std::size_t>& filled, std::size_t first,
-                      std::size_t last, std::array<AlignedBuffer, 5>& buffers) const {
+  void filter_columns(Complex* area, std::size_t stride, std::span<const std::size_t> filled,
+                      std::span<const std::size_t> result_rows, std::size_t first, std::size_t last,
+                      std::array<AlignedBuffer, 5>& buffers) const {
     const std::size_t size = shape_.padded_rows;
     const std::size_t column_stride = padded_stride<Real>(size);
     const std::size_t count = shape_.coefficient_count();
@@ -390,7 +399,7 @@ class Filter {
       for (std::size_t column = 0; column < width; ++column) {
         along_y_->inverse(coefficients[block] + column * column_stride, values + column * column_stride);
       }
-      scatter_columns(values, column_stride, shape_.rows, width, stride, area + from);
+      scatter_columns(values, column_stride, result_rows, width, stride, area + from);
     }
   }
 
@@ -660,7 +669,7 @@ ElasticKernel::ElasticKernel(const Grid& grid, double effective_modulus, const T
 ElasticKernel::~ElasticKernel() = default;
 
 void ElasticKernel::displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
-                                 const ThreadPool& pool) const {
+                                 const ThreadPool& pool, std::span<const std::size_t> rows) const {
   {
     const std::lock_guard lock(transforms_->mutex);
     if (!transforms_->double_displacement) {
@@ -669,12 +678,12 @@ void ElasticKernel::displacement(Values pressure, std::span<double> displacement
       transforms_->compliance = {};
     }
   }
-  (*transforms_->double_displacement)(pressure, displacements, workspace.buffers_->scratch, pool);
+  (*transforms_->double_displacement)(pressure, displacements, workspace.buffers_->scratch, pool, rows);
 }
 
 void ElasticKernel::displacement(std::span<const float> pressure, std::span<float> displacements, Workspace& workspace,
-                                 const ThreadPool& pool) const {
-  (*transforms_->single_displacement)(pressure, displacements, workspace.buffers_->scratch, pool);
+                                 const ThreadPool& pool, std::span<const std::size_t> rows) const {
+  (*transforms_->single_displacement)(pressure, displacements, workspace.buffers_->scratch, pool, rows);
 }
 
 void ElasticKernel::apply_stiffness(std::span<const float> values, std::span<float> result, Workspace& workspace,

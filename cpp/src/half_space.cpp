@@ -207,6 +207,12 @@ class LevelSolver {
     if (kernels.blocks) {
       preconditioner_.emplace(kernel_.grid(), kernel_.stencil(), *kernels.blocks, std::move(memory.preconditioner));
     }
+    for (std::size_t row = 0; row < kernel_.grid().rows && bound_.size() > 1; ++row) {
+      const auto bounds = bound_.subspan(row * kernel_.grid().columns, kernel_.grid().columns);
+      if (std::any_of(bounds.begin(), bounds.end(), [](double value) { return value > 0.0; })) {
+        contact_rows_.push_back(row);
+      }
+    }
     if (!influence.empty()) {
       select_points(estimate_approach());
     }
@@ -249,11 +255,11 @@ class LevelSolver {
       std::fill(potential.begin(), potential.end(), 0.0);
       selected_points_->displacement(pressure, potential);
     } else if (exact) {
-      kernel_.displacement(pressure, potential, workspace_, pool_);
+      kernel_.displacement(pressure, potential, workspace_, pool_, contact_rows_);
     } else {
       std::transform(pressure.begin(), pressure.end(), response_.begin(),
                      [](double value) { return static_cast<float>(value); });
-      kernel_.displacement(response_, response_, workspace_, pool_);
+      kernel_.displacement(response_, response_, workspace_, pool_, contact_rows_);
     }
     pool_.run_chunks(potential.size(), points_per_task, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
@@ -284,7 +290,7 @@ class LevelSolver {
       pool_.check_cancellation();
       selected_points_->displacement(step, response_);
     } else {
-      kernel_.displacement(step, response_, workspace_, pool_);
+      kernel_.displacement(step, response_, workspace_, pool_, contact_rows_);
     }
     has_response_ = cg_.advance(response_, pool_);
     is_exact_ = false;
@@ -350,7 +356,10 @@ class LevelSolver {
   const ThreadPool& pool_;
   ProjectedCgSolver cg_;
   std::vector<float> response_;
-  std::vector<float> preconditioned_;             // preconditioned residual on lines
+  std::vector<float> preconditioned_;  // preconditioned residual on lines
+  // Rows that contain points with a bound above 0, if each point has its own bound.
+  // The potentials in other rows are not computed, because no point in them can come into contact.
+  std::vector<std::size_t> contact_rows_;
   std::optional<Preconditioner> preconditioner_;  // preconditioner of areas
   std::unique_ptr<DenseKernel> selected_points_;  // kernel of the points that can come into contact, if they are few
   double max_approach_ = 0.0;                     // largest approach for which the selection is complete

@@ -64,12 +64,14 @@ class ElasticKernel {
 
   /// Compute displacements in double precision. Errors are of the order of the round-off of the largest displacement.
   /// Both arrays may be the same array.
+  /// If `rows` is not empty, displacements are computed only in these rows of an area.
+  /// The elements of other rows do not change.
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
-                    const ThreadPool& pool = ThreadPool()) const;
+                    const ThreadPool& pool = ThreadPool(), std::span<const std::size_t> rows = {}) const;
 
   /// Compute displacements in single precision, for the small steps of the solver.
   void displacement(std::span<const float> pressure, std::span<float> displacements, Workspace& workspace,
-                    const ThreadPool& pool = ThreadPool()) const;
+                    const ThreadPool& pool = ThreadPool(), std::span<const std::size_t> rows = {}) const;
 
   /// Multiply each Fourier component of `values` by the stiffness E*|k|/2.
   void apply_stiffness(std::span<const float> values, std::span<float> result, Workspace& workspace,
