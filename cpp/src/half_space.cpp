@@ -231,6 +231,8 @@ class LevelSolver {
   ProjectedCgSolver& cg() { return cg_; }
   // Return whether the potential was recomputed exactly and no step was taken since then.
   bool is_exact() const { return is_exact_; }
+  // Return whether displacements are computed at selected points only.
+  bool selects_points() const { return selected_points_ != nullptr; }
 
   // Update the free points, and select more points if the approach has become too large for the selection.
   double update_free_points() {
@@ -690,7 +692,16 @@ HalfSpaceSolution HalfSpaceSolver::solve_level(std::size_t level, std::vector<do
     }
   }
   const double approach = solver.cg().approach();
-  return {solver.cg().take_pressure(), approach, error, iterations};
+  HalfSpaceSolution solution{solver.cg().take_pressure(), approach, error, iterations, {}};
+  if (bound_.size() > 1 && solver.is_exact() && !solver.selects_points()) {
+    const Values potential = solver.cg().potential();
+    for (std::size_t i = 0; i < potential.size(); ++i) {
+      if (bound_[i] > 0.0) {
+        solution.potential.push_back(potential[i]);
+      }
+    }
+  }
+  return solution;
 }
 
 LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool> in_contact, const ThreadPool& pool) {

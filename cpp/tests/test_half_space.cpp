@@ -216,6 +216,27 @@ TEST_CASE("HalfSpaceSolver: solutions are bit-identical after other calculations
   }
 }
 
+TEST_CASE("HalfSpaceSolver: solutions with a bound for each point contain the potential of points that can touch") {
+  const Grid grid{40, 60, 0.1, 0.1, false, true};
+  const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);
+  const std::vector<double> gap = sinusoids(grid);
+  std::vector<double> bound(grid.size());
+  for (std::size_t i = 0; i < bound.size(); ++i) {
+    bound[i] = i % 3 == 0 ? 0.0 : 2.0;
+  }
+  const HalfSpaceSolution solution = HalfSpaceSolver(gap, grids, bound, tolerance).at(0.2);
+  std::vector<double> displacements(grid.size());
+  grids->displacement(solution.pressure, displacements);
+  std::vector<double> expected;
+  for (std::size_t i = 0; i < bound.size(); ++i) {
+    if (bound[i] > 0.0) {
+      expected.push_back(displacements[i] + gap[i]);
+    }
+  }
+  CHECK(solution.potential == expected);
+  CHECK(HalfSpaceSolver(gap, grids, unbounded, tolerance).at(0.2).potential.empty());
+}
+
 TEST_CASE("HalfSpaceSolver: at_approach reaches the requested approach") {
   const Grid grid{24, 20, 0.05, 0.05, false, true};
   const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);

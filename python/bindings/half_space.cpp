@@ -65,6 +65,13 @@ HalfSpaceSolution solve(std::size_t threads, const Progress& progress, Iteration
   return search(ThreadPool(threads, check_cancellation), report);
 }
 
+// Return values of a solution as a read-only array, which keeps the solution alive.
+py::array_t<double> field(const std::vector<double>& values, const py::object& solution) {
+  py::array_t<double> array(static_cast<py::ssize_t>(values.size()), values.data(), solution);
+  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return array;
+}
+
 // Reshape sums to the shape (directions, patches).
 py::array_t<double> by_direction(std::vector<double>&& values, py::ssize_t directions) {
   return to_array(std::move(values)).reshape({directions, py::ssize_t{-1}});
@@ -124,12 +131,11 @@ void bind_half_space(py::module_& module) {
                                 "Pressure field, approach [µm], relative error and number of iterations.")
       .def_property_readonly(
           "pressure",
-          [](const py::object& self) {
-            const auto& pressure = self.cast<const HalfSpaceSolution&>().pressure;
-            py::array_t<double> array(static_cast<py::ssize_t>(pressure.size()), pressure.data(), self);
-            py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
-            return array;
-          })
+          [](const py::object& self) { return field(self.cast<const HalfSpaceSolution&>().pressure, self); })
+      .def_property_readonly(
+          "potential",
+          [](const py::object& self) { return field(self.cast<const HalfSpaceSolution&>().potential, self); },
+          "Gap plus displacement [µm] at points with a bound above 0. The array may be empty.")
       .def_readonly("approach", &HalfSpaceSolution::approach)
       .def_readonly("error", &HalfSpaceSolution::error)
       .def_readonly("iterations", &HalfSpaceSolution::iterations);

@@ -70,6 +70,9 @@ class HalfSpaceSolution:
     @property
     def iterations(self) -> int: ...
     @property
+    def potential(self) -> NDArray[float64]:
+        """Gap plus displacement [µm] at points with a bound above 0. The array may be empty."""
+    @property
     def pressure(self) -> NDArray[float64]: ...
 
 class HalfSpaceSolver:

@@ -79,6 +79,9 @@ struct HalfSpaceSolution {
   double approach = 0.0;
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
+  /// Gap plus displacement [µm] at the points with a bound above 0, if each point has its own bound.
+  /// The array is empty if the solver did not converge, or if it computed displacements with a dense matrix.
+  std::vector<double> potential;
 };
 
 /// Progress callback. Each iteration on the finest grid calls this function with the iteration number and the error.

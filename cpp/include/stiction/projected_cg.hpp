@@ -94,6 +94,7 @@ class ProjectedCgSolver {
 
   double approach() const { return approach_; }
   Values pressure() const { return pressure_; }
+  Values potential() const { return potential_; }
   /// Move the pressure out of the solver, and return it.
   std::vector<double> take_pressure() { return std::move(pressure_); }
   /// Move the potential out of the solver, so that its memory can be reused.

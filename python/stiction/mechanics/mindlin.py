@@ -230,7 +230,8 @@ class HalfSpaceTangentialProblem:
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
         """Return the slip state of minimum energy among all states whose tractions support a tangential load."""
         if load >= self.sliding_load:
-            return self._make_slip_state(self.sliding_load, self.bound, float(self._displacements(self.bound).max()))
+            displacements = self._compute_displacements(self.bound)
+            return self._make_slip_state(self.sliding_load, self.bound, float(displacements.max()), displacements)
         load_fraction = load / self.sliding_load
         initial_traction = None if near is None else self._spread_over_grid(near.traction)
         solution = self._solver.at(
@@ -244,14 +245,20 @@ class HalfSpaceTangentialProblem:
         traction = solution.pressure[self.points]
         # Surfaces in full contact do not move before a point slips, so the approach of the solver is round-off.
         is_at_rest = self.stiffness == np.inf and not (traction >= self.bound).any()
-        return self._make_slip_state(load, traction, 0.0 if is_at_rest else solution.approach * self.ratio)
+        displacement = 0.0 if is_at_rest else solution.approach * self.ratio
+        has_displacements = solution.potential.size == self.points.size
+        return self._make_slip_state(
+            load, traction, displacement, solution.potential * self.ratio if has_displacements else None
+        )
 
     def dissipated_energy(self, slip: SlipState) -> float:
         """Return the energy (mN µm) dissipated by slip: the sum of traction bound times slip over all points.
 
         The energy does not depend on the displacement of distant points.
         """
-        displacements = self._displacements(slip.traction)
+        displacements = slip.point_displacements
+        if displacements is None:
+            displacements = self._compute_displacements(slip.traction)
         is_slipping = slip.traction >= self.bound
         is_sticking = (slip.traction > 0) & ~is_slipping
         stuck_displacement = (
@@ -261,15 +268,18 @@ class HalfSpaceTangentialProblem:
             (self.bound[is_slipping] * (stuck_displacement - displacements[is_slipping])).sum() * self.cell_area
         )
 
-    def _make_slip_state(self, load: float, traction: Floats, displacement: float) -> SlipState:
+    def _make_slip_state(
+        self, load: float, traction: Floats, displacement: float, point_displacements: Floats | None
+    ) -> SlipState:
         is_slipping = traction >= self.bound
         return SlipState(
             load=load, displacement=max(displacement, 0.0) if self.has_displacement else np.nan,
             slipped_area=float(self.area[is_slipping].sum() / self.area.sum()),
             slipped_load=float(self.pressure[is_slipping].sum() / self.pressure.sum()), traction=traction,
+            point_displacements=point_displacements,
         )  # fmt: skip
 
-    def _displacements(self, traction: Floats) -> Floats:
+    def _compute_displacements(self, traction: Floats) -> Floats:
         """Return the displacements (µm) of the points in contact under given tractions."""
         if self.stiffness == np.inf and np.ptp(traction) <= UNIFORMITY_TOLERANCE * traction.max():
             return np.zeros(traction.size)  # a uniform traction in full contact causes no displacement

@@ -38,13 +38,17 @@ DISPLACEMENT_TOLERANCE = 1e-7
 
 @dataclass(frozen=True)
 class SlipState:
-    """Slip state at one tangential load. Units are mN, µm and, for the tractions at contact points, GPa."""
+    """Slip state at one tangential load. Units are mN, µm and, for the tractions at contact points, GPa.
+
+    `point_displacements` are the displacements of the contact points if the solver returned them.
+    """
 
     load: float
     displacement: float
     slipped_area: float
     slipped_load: float
     traction: Floats
+    point_displacements: Floats | None = None
 
 
 class TangentialProblem(Protocol):
