@@ -2,6 +2,7 @@ import pickle
 
 import numpy as np
 import pytest
+import stiction._core as _core
 from reference import dense_half_space, dense_onset
 from scipy.integrate import quad
 from stiction import (
@@ -376,6 +377,29 @@ def test_onset_of_sliding_is_computed_at_requested_displacements(half_space_curv
     np.testing.assert_allclose(onset.displacement, np.array([0.2, 0.7, 1.0]) * sliding_displacement, rtol=1e-6)
     onset_at_loads = half_space_curve.onset(0, mu0=0.3, steps=onset.tangential_load / onset.sliding_load)
     np.testing.assert_allclose(onset_at_loads.displacement, onset.displacement, rtol=1e-6)
+
+
+def test_energy_loss_and_stiffnesses_reuse_displacements_and_response_of_the_onset(monkeypatch):
+    calls = []
+    for name in ("linear_response", "displacement"):
+        compute = getattr(_core.HalfSpaceGrids, name)
+        monkeypatch.setattr(
+            _core.HalfSpaceGrids,
+            name,
+            lambda *arguments, name=name, compute=compute, **options: (
+                calls.append(name) or compute(*arguments, **options)
+            ),
+        )
+    lower = create_rough_body((64, 64))
+    load = compute_load_at_relative_pressure(lower, 0.1)
+    curve = half_space(flat_like(lower), lower, [load], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic")
+    onset = curve.onset(0, mu0=0.3, steps=[0.2, 0.5, 0.8, 1.0])
+    calls_until_onset = calls.copy()
+    losses = onset.energy_lost(onset.tangential_load)
+    assert (losses > 0).all()
+    assert (curve.unloading_stiffness > onset.stiffness).all()
+    assert calls_until_onset.count("linear_response") == 1
+    assert calls == calls_until_onset
 
 
 def test_tangential_stiffness_at_the_onset_of_sliding_is_finite_if_contact_pressures_reach_the_hardness():

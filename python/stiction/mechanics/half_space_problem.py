@@ -250,6 +250,13 @@ class ContactSolution:
     def _unloading_response(self) -> tuple[Floats, float]:
         return self._compute_response(self._all_points)
 
+    @cached_property
+    def response_at_fixed_tilt(self) -> tuple[Floats, float]:
+        """Pressures (sum: 1 GPa) that displace all contact points equally without a tilt, and the displacement (µm)."""
+        if self.problem.turns:
+            return self.problem.grids.linear_response(self.on_grid(self._all_points), threads=solver_thread_count())
+        return self._linear_response if self.below_hardness.all() else self._unloading_response
+
     def _get_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
         """Return the stored elastic response of the points that the mask selects: below the hardness, or all points."""
         return self._linear_response if free_mask is self.below_hardness else self._unloading_response

@@ -208,7 +208,7 @@ class HalfSpaceTangentialProblem:
         self.mean_bound = float(bound_on_grid.mean())
         self.tolerance = validate_number("tolerance", tolerance, above=0, below=1)
         self.bound_on_grid = bound_on_grid
-        compliance = self.grids.linear_response(bound_on_grid > 0, threads=solver_thread_count())[1] * self.ratio
+        compliance = contact_solution.response_at_fixed_tilt[1] * self.ratio
         self.stiffness = (
             (self.cell_area / compliance if compliance > 0 else np.inf) if self.has_displacement else np.nan
         )
