@@ -107,7 +107,7 @@ def parametrize_pages(pages):
 
 
 @parametrize_pages(PAGE_FILES)
-def test_documentation_page_has_only_code_blocks_that_are_run(page):
+def test_documentation_page_contains_only_code_blocks_that_a_test_runs(page):
     unknown_blocks = [
         block
         for block in code_blocks(page)
@@ -149,7 +149,7 @@ def test_python_block_of_a_page_can_be_pasted_into_an_interactive_prompt(page):
 
 
 @parametrize_pages(PAGE_FILES)
-def test_hidden_cell_of_a_page_states_that_it_is_for_the_built_page_only(page):
+def test_hidden_code_cell_starts_with_a_comment_that_it_is_for_the_built_page_only(page):
     for block in code_blocks(page):
         options = re.match(CELL_OPTIONS, block.text)
         if block.kind in LANGUAGES_RUN_BY_DOCS_BUILD and options and re.search("remove-(cell|input)", options[0]):

@@ -59,7 +59,7 @@ def ratios(script):
     return {name: np.array(values) for name, values in result.items()}
 
 
-def test_pressure_cap_underestimates_areas_of_yielding_contacts(ratios):
+def test_limiting_the_pressure_underestimates_areas_of_yielding_contacts(ratios):
     assert ratios["pressure cap"].min() < 0.8
     assert ratios["pressure cap"].max() < 1.05
     assert np.abs(ratios["pressure cap"] - 1).mean() > 0.1

@@ -377,7 +377,7 @@ def test_estimated_effect_of_adhesion_agrees_with_solutions_that_include_adhesio
 
 
 @pytest.mark.filterwarnings("ignore:the pull-off force is at least")
-def test_status_of_complete_contact_is_reported_in_text_and_rows_and_json(tmp_path):
+def test_complete_contact_is_reported_in_text_and_table_and_json_output(tmp_path):
     soft_result = run_pair(
         effective_modulus="2 MPa", load="1 MPa", tau0="0.1 MPa", adhesion_range="25 nm", **ADHESION_OPTIONS
     )

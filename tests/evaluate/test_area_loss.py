@@ -120,7 +120,7 @@ def test_friction_without_load_includes_the_area_loss():
     assert widths[1] > widths[0]
 
 
-def test_study_of_soft_bodies_without_area_loss_has_a_caveat():
+def test_soft_bodies_in_a_study_without_an_area_loss_have_a_caveat():
     result = press_with_loss(0)
     study = result.study.with_changes({"contact.area_loss": None})
     texts, texts_with_loss = (

@@ -368,7 +368,7 @@ def test_intervals_of_measured_results_are_computed_after_averaging_directions(a
     assert (low, high) == pytest.approx(tuple(np.quantile(friction.values, [0.1, 0.9])))
 
 
-def test_axis_of_motion_consists_of_two_opposite_directions():
+def test_axis_of_motion_requires_two_opposite_directions():
     axes, indices = find_axes_with_both_directions(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
     assert axes.tolist() == [0.0, 30.0]
     assert indices.tolist() == [[1, 4], [0, 2]]

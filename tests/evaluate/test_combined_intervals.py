@@ -81,7 +81,7 @@ def test_drift_of_the_roughness_counts_twice_in_a_prediction():
     assert log_width(prediction) == pytest.approx(math.sqrt(2) * 0.1 * np.ptp(limits), rel=QUANTILE_ERROR)
 
 
-def test_combined_interval_adds_input_and_positions_in_quadrature():
+def test_combined_interval_adds_input_error_and_scatter_in_quadrature():
     changes = {"friction.tau0": "0.03..0.08 GPa"}
     intervals = build_intervals(changes, tau0=0.04899, half_width=0.3)
     deviations = math.log(0.08 / 0.03) / (2 * norm.ppf(0.975)), 0.3 / norm.ppf(0.975)
@@ -190,7 +190,7 @@ def test_friction_interval_has_no_upper_end_if_the_softer_body_shears_at_the_cen
     assert intervals.unlimited_fraction < 0.025
 
 
-def test_samples_with_tau0_above_the_shear_strength_have_no_upper_limit():
+def test_friction_samples_have_no_upper_limit_if_tau0_exceeds_the_shear_strength():
     """The softer body shears if tau0 exceeds its shear strength H/R, because mu0 is 0."""
     changes = {"friction.tau0": "uniform 0.15 .. 0.2 GPa", "contact.junction_growth": "slip-line 5.6"}
     intervals = build_intervals(changes, hardness=1.0, tau0=0.175, area=0.5, growth=5.6)

@@ -156,7 +156,7 @@ def find_area_ratios(result):
     return before / float(solved), onset / before
 
 
-def test_normal_load_of_a_member_counts_the_grown_area(growth_result):
+def test_adhesive_part_of_the_normal_load_grows_with_the_contact_area(growth_result):
     area_ratio, growth = find_area_ratios(growth_result)
     assert growth > 1.1
     # Per unit load, the adhesive part of the normal load is -0.1 before contacts grow.

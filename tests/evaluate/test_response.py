@@ -77,7 +77,7 @@ def test_adhesive_friction_is_proportional_to_the_true_area(result):
     assert adhesive_part > 1.05 * 0.05 * capped_area / load
 
 
-def test_elastic_areas_are_solved_for_the_first_members_only(result, monkeypatch):
+def test_elastic_contact_area_is_computed_for_the_first_members_only(result, monkeypatch):
     all_members = result.dataset["elastic_area"]
     assert np.isfinite(all_members).all()
     monkeypatch.setattr(member_solution, "NUM_ELASTIC_MAP_MEMBERS", 2)
@@ -212,7 +212,7 @@ def test_uncertain_yield_exponent_widens_the_interval_of_the_contact_area():
     assert "the yield exponent m" in set(ranged.budget["input"]) - set(exact.budget["input"])
 
 
-def test_results_without_elastic_areas_use_the_area_with_limited_pressure(result):
+def test_results_without_elastic_areas_use_the_area_computed_with_limited_pressure(result):
     study = result.study.with_changes({"contact.yield_exponent": None})
     dataset = result.dataset.drop_vars("elastic_area").assign_attrs(study=study.to_toml())
     sums = MemberSums.of(dataset)
@@ -280,7 +280,7 @@ def test_area_with_limited_pressure_has_a_caveat_if_contacts_yield(load, has_cav
     assert not any("yielding below the surface" in each.text for each in new_result.caveats)
 
 
-def test_unfinished_result_without_elastic_areas_estimates_them(result):
+def test_unfinished_result_estimates_missing_elastic_contact_areas(result):
     dataset = result.dataset
     unfinished = dataset.assign(elastic_area=dataset["elastic_area"] * np.nan)
     areas = [mean_value(type(result)(each), "contact_area") for each in (dataset, unfinished)]
@@ -299,7 +299,7 @@ def test_hardness_does_not_change_the_area_of_adhesive_contacts_that_do_not_yiel
     assert float(area(load, hardness=2.0)) == pytest.approx(float(area(load)), rel=1e-12)
 
 
-def test_stiffness_of_scaled_heights_follows_from_similarity(result):
+def test_stiffness_of_scaled_heights_agrees_with_a_direct_solution(result):
     maps = rough_pair()
     scaled_maps = [type(surface)(1.1 * surface.heights, spacing=surface.spacing) for surface in maps]
     options = OPTIONS | {"load": f"{LOAD} MPa", "hardness": 20.0, "yield_exponent": 1.15}

@@ -218,7 +218,7 @@ def test_free_tilt_changes_the_dilation_of_a_sheared_wedge():
 # ---- Intervals -------------------------------------------------------------------------------------------------------
 
 
-def test_ranges_of_mu0_and_tau0_give_intervals_by_superposition():
+def test_shear_interval_lies_between_curves_at_the_limits_of_mu0_and_tau0():
     options = {"path": "100 um", "steps": 2, "boundary": "periodic"}
     test = shear(create_rough_map(), mu0="0.5..0.7", tau0="0..1 MPa", **options)
     ends = [shear(create_rough_map(), mu0=mu0, tau0=tau0, **options) for mu0, tau0 in ((0.5, 0), (0.7, "1 MPa"))]
@@ -231,7 +231,7 @@ def test_ranges_of_mu0_and_tau0_give_intervals_by_superposition():
     assert test.attrs["end_lower"] < test.attrs["end"] < test.attrs["end_upper"]
 
 
-def test_interval_has_no_upper_limit_if_more_than_a_fortieth_of_the_samples_lock():
+def test_shear_interval_has_no_upper_limit_if_more_than_a_fortieth_of_the_samples_lock():
     # Teeth of 45 degrees lock for mu0 of 1 or more, a quarter of the range.
     x = np.arange(400) / 200
     teeth = Profile(100 * (0.5 - np.abs(x % 1 - 0.5)), spacing=0.5)
@@ -242,7 +242,7 @@ def test_interval_has_no_upper_limit_if_more_than_a_fortieth_of_the_samples_lock
     assert test.attrs["peak_upper"] == np.inf
 
 
-def test_interval_for_uncertain_hardness_ends_at_the_peaks_for_its_limits():
+def test_interval_of_the_shear_peak_ends_at_the_peaks_for_the_limits_of_the_hardness():
     options = {"path": "100 um", "steps": 4, "mu0": 0.6, "boundary": "periodic"}
     test = shear(create_rough_map(), hardness="50..400 MPa", **options)
     soft, hard = (shear(create_rough_map(), hardness=value, **options) for value in ("50 MPa", "400 MPa"))
@@ -256,7 +256,7 @@ def test_interval_for_uncertain_hardness_ends_at_the_peaks_for_its_limits():
     assert test.attrs["uncertain_inputs"] == "the hardness"
 
 
-def test_interval_for_two_uncertain_moduli_lies_between_the_coefficients_at_both_limits():
+def test_shear_interval_for_two_uncertain_moduli_lies_between_curves_at_their_limits():
     options = {"path": "50 um", "steps": 1, "mu0": 0.6, "effective_modulus": None, "poisson": 0.25}
     test = shear(create_rough_map(), young="10..40 GPa", boundary="periodic", **options)
     low, high = (
@@ -288,7 +288,7 @@ def test_two_uncertain_inputs_widen_the_interval_of_a_shear_test():
     assert max(first, second) < both < first + second
 
 
-def test_interval_has_no_upper_limit_if_the_faces_lock_at_a_limit_of_the_hardness():
+def test_shear_interval_has_no_upper_limit_if_the_faces_lock_at_a_limit_of_the_hardness():
     face = create_rough_map()
     steep = Surface(6 * face.heights, spacing=face.spacing)
     options = {"path": "60 um", "steps": 2, "mu0": 2.0, "boundary": "periodic"}

@@ -114,7 +114,7 @@ def test_displacement_at_sliding_is_mu0_times_the_largest_overlap():
     assert displacement == pytest.approx(0.4 * largest_overlap, rel=1e-9)
 
 
-def test_table_and_text_and_figure_and_report_show_the_onset(study, tmp_path):
+def test_onset_of_sliding_appears_in_table_and_text_and_figure_and_report(study, tmp_path):
     run(study, store=tmp_path / "result")
     result = open_result(tmp_path / "result")
     column = "pre-sliding displacement at mu0 = 0.3, tau0 = 20 MPa (um)"

@@ -91,7 +91,7 @@ def test_workers_write_blocks_to_a_shared_directory_or_return_them(tmp_path, uni
         assert not list((tmp_path / directory_name).rglob("*.partial"))
 
 
-def test_blocks_of_other_members_are_stored_if_one_member_fails(tmp_path, monkeypatch):
+def test_run_stores_blocks_of_other_members_if_one_member_fails(tmp_path, monkeypatch):
     sums = runner.compute_member_arrays
 
     def compute_or_fail(study, number):

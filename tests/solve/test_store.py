@@ -86,7 +86,7 @@ def test_stored_result_equals_the_computed_dataset(tmp_path, uninterrupted_datas
     assert info.size == sum(file.stat().st_size for file in (path / BLOCKS_DIRECTORY).iterdir())
 
 
-def test_result_without_a_quantity_of_newer_versions_can_be_read(tmp_path):
+def test_stored_result_that_lacks_a_quantity_of_newer_versions_can_be_read(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), members=2)
     expected = run(study, store=tmp_path / "r").dataset
     file = find_block_file(tmp_path / "r", 0)
@@ -409,7 +409,7 @@ def test_invalid_block_is_reported_with_a_one_line_error(directory_copy, damage)
     assert len(str(caught.value).splitlines()) == 1
 
 
-def test_files_of_other_programs_are_left_unchanged(directory_copy, uninterrupted_dataset):
+def test_run_leaves_files_of_other_programs_in_its_directory_unchanged(directory_copy, uninterrupted_dataset):
     names = ["notes.txt", "0000004-0000007.nc", "0000007-0000004-00000000.nc", ".hidden", "4-7-00000000.nc"]
     for name in names:
         (directory_copy / BLOCKS_DIRECTORY / name).write_text("mine")

@@ -111,7 +111,7 @@ class TestBuiltInStudies:
 class TestStudyChanges:
     """Test `Study.with_changes`."""
 
-    def test_changes_to_a_study_replace_the_values_at_the_given_dotted_keys(self):
+    def test_changing_a_study_by_dotted_keys_replaces_only_their_values(self):
         study = Study().with_changes(
             {
                 "ensemble.repetitions": 3, "surfaces.fractal_dimension": [1.2, 1.5], "contact.approach.count": 7,

@@ -67,7 +67,7 @@ def test_column_of_positions_is_read_without_a_caveat(tmp_path, name):
 
 
 @pytest.mark.parametrize("name", ["tempo", "Tiempo", "時間", "azimuth", "motor steps", "Dehnung", "shot", "v", ""])
-def test_positions_with_an_unknown_name_and_no_unit_have_a_caveat_unless_they_are_chosen(tmp_path, name):
+def test_position_column_with_an_unknown_name_and_no_unit_has_a_caveat_unless_it_is_chosen(tmp_path, name):
     path = write_columns(tmp_path / "a.csv", f"{name};z")
     if name == "motor steps":
         assert "has positions in 'steps'" in error_message(path, unit="um")
@@ -206,7 +206,7 @@ def test_sequence_of_heights_that_occurs_repeatedly_is_reported(tmp_path, kind, 
     assert f"follow each other {copies} times" in caveats_of(path, unit="um", spacing="1 mm")["repeated-rows"]
 
 
-def test_wave_of_a_few_periods_is_not_reported(tmp_path):
+def test_sinusoidal_profile_is_not_reported_as_repeated_heights(tmp_path):
     (tmp_path / "a.csv").write_text("".join(f"{np.sin(np.pi * at / 25):.4f}\n" for at in range(200)))
     assert not caveats_of(tmp_path / "a.csv", unit="um", spacing="1 um")
 
@@ -272,7 +272,7 @@ def test_rounded_heights_have_no_caveat_about_repeated_values(tmp_path, digit):
 
 
 @pytest.mark.parametrize("word", [".", "-", "...", "+", "-9,99E+99"])
-def test_missing_value_may_consist_of_the_characters_of_numbers(tmp_path, word):
+def test_missing_value_option_accepts_words_that_resemble_numbers(tmp_path, word):
     path = tmp_path / "a.csv"
     rows = "".join(f"{at / 2};{word if at % 17 == 3 else z}\n" for at, z in enumerate(PROFILE))
     path.write_text(f"x (um);z (um)\n{rows}")
@@ -335,7 +335,7 @@ def test_point_count_at_the_top_of_a_column_is_not_read_as_a_height(tmp_path, nu
     assert f"begins with {len(numbers)} numbers" in error_message(path, unit="um", spacing="0.5 um")
 
 
-def test_spacing_below_a_column_of_heights_has_a_caveat(tmp_path):
+def test_last_height_that_equals_the_given_spacing_has_a_caveat(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("".join(f"{z:.4f}\n" for z in [*PROFILE, 0.125]))
     text = caveats_of(path, unit="um", spacing="0.125 um")["first-number"]

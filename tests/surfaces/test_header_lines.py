@@ -43,7 +43,7 @@ def caveat_names(reading):
      "Resolution: 0.5 um per pixel", "X step: 0.5 um (nominal)", "Punktabstand: 0,5 µm", "Data interval = 500 nm/pt",
      "Increment: 0.5 um", "Pixelgröße: 0,5 µm"],
 )  # fmt: skip
-def test_line_that_only_declares_the_spacing_is_used_without_a_caveat(read_text, line):
+def test_header_line_that_only_declares_the_spacing_is_used_without_a_caveat(read_text, line):
     reading = read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}")
     assert reading.body.spacing == pytest.approx(0.5)
     assert not reading.caveats
@@ -60,7 +60,7 @@ def test_line_that_only_declares_the_spacing_is_used_without_a_caveat(read_text,
         "Sample spacing 3 mm",
     ],
 )
-def test_line_that_may_be_a_length_of_the_specimen_has_a_caveat_unless_the_spacing_is_given(read_text, line):
+def test_header_length_that_may_describe_the_specimen_has_a_caveat_unless_the_spacing_is_given(read_text, line):
     reading = read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}")
     assert caveat_names(reading) == ["spacing"]
     assert repr(line) in reading.caveats[0].text
@@ -74,7 +74,7 @@ def test_line_that_may_be_a_length_of_the_specimen_has_a_caveat_unless_the_spaci
     ["Measurement spacing 2 mm between tracks", "Scan step 0.2 mm in y", "Interval 2.5 mm between tracks",
      "Spacing: 0.5 um (between tracks)", "Step 0.18 um high", "Spacing 2 mm, 20 tracks apart"],
 )  # fmt: skip
-def test_line_with_other_words_after_a_length_is_not_used_as_spacing(read_text, line):
+def test_header_line_with_other_words_after_a_length_is_not_used_as_spacing(read_text, line):
     message = error_message(read_text, f"{line}\nUnit: um\n{PROFILE_TEXT}")
     assert "contains heights only; give the spacing" in message
     assert f"its header line {line!r}" in message
@@ -206,7 +206,7 @@ def test_positions_in_a_reciprocal_length_are_rejected(read_text, names):
     assert "has positions in '1/um', which is not a supported unit of length" in error_message(read_text, names + ROWS)
 
 
-def test_names_in_quotation_marks_contain_no_inch_mark(read_text):
+def test_quotation_marks_around_column_names_are_not_inch_marks(read_text):
     assert read_text(f'"x/mm";"z/um"\n{ROWS}').body.heights.tolist() == PROFILE.tolist()
 
 
@@ -267,7 +267,7 @@ def test_power_of_ten_in_a_unit_without_brackets_is_read(read_text, name):
 
 
 @pytest.mark.parametrize("names", ["x left;z left", "X Profil1;Z Profil1", "x_mm;z_filtered", "x mm;Profile 10 um"])
-def test_words_after_a_name_are_ignored_unless_they_are_units(read_text, names):
+def test_words_after_a_column_name_are_ignored_unless_they_are_units(read_text, names):
     assert read_text(f"{names}\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
 
 
@@ -278,7 +278,7 @@ def test_unit_option_does_not_replace_a_unit_after_the_name_of_the_heights(read_
 
 
 @pytest.mark.parametrize("line", ["Height map", "Height (trace)", "Z: 12.5 mm", "Height: 200 um\nWidth: 200 um"])
-def test_line_that_names_the_heights_without_their_unit_is_ignored(read_text, line):
+def test_header_line_about_the_heights_without_a_unit_is_ignored(read_text, line):
     options = {} if "Width" in line else {"spacing": "5 um"}
     assert read_text(f"{line}\n{MAP_TEXT}", unit="um", **options).body.heights.tolist() == MAP.tolist()
 
@@ -434,13 +434,13 @@ def test_remark_after_the_name_of_a_single_column_is_not_a_unit(read_text, name)
      "scan 3\n05/08/2011 at 9:33\nNo ref/No gravity\n817.1\n-1.0\n120"],
 )  # fmt: skip
 @pytest.mark.parametrize("columns", [None, (0, 1)])
-def test_slopes_are_rejected_although_a_unit_of_length_is_given(read_text, header, columns):
+def test_column_of_slopes_is_rejected_even_if_a_unit_of_length_is_given(read_text, header, columns):
     message = error_message(read_text, f"{header}\n{ROWS.replace(';', ' ')}", unit=("mm", "nm"), columns=columns)
     assert "slope" in message or "has heights in 'urad'" in message
 
 
 @pytest.mark.parametrize("line", ["Slope: 0.3 mrad", "Rms slope (rad): 0.02", "Slope removed", "Slope error: 2 urad"])
-def test_slope_of_measured_heights_is_ignored(read_text, line):
+def test_header_line_about_the_slope_of_the_surface_is_ignored(read_text, line):
     assert read_text(f"{line}\nx;z\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
 
 
@@ -460,7 +460,7 @@ def test_file_is_rejected_if_the_description_next_to_it_declares_slopes(tmp_path
 
 
 @pytest.mark.parametrize("names", ["y (um) x (um) z (um)", "Y [um] X [um] Height [um]", "# y (um) x (um) z (um)"])
-def test_names_with_units_in_brackets_may_be_separated_by_single_blanks(read_text, names):
+def test_column_names_with_units_in_brackets_may_be_separated_by_single_blanks(read_text, names):
     rows = "".join(f"{y * 0.5} {x * 0.25} {MAP[y, x]}\n" for y in range(14) for x in range(20))
     body = read_text(f"{names}\n{rows}").body
     assert body.spacing == (0.5, 0.25)

@@ -237,7 +237,7 @@ def test_defects_of_a_periodic_body_are_cached_separately():
     assert (defects.periodic, periodic_defects.periodic) == (False, True)
 
 
-def test_pair_with_spikes_is_not_filtered_and_keeps_the_spikes(tmp_path):
+def test_pair_does_not_filter_scans_because_of_spikes(tmp_path):
     paths = []
     for side, surface in zip(("upper", "lower"), rough_maps(points=128), strict=True):
         paths.append(str(tmp_path / f"{side}.npy"))
@@ -250,7 +250,7 @@ def test_pair_with_spikes_is_not_filtered_and_keeps_the_spikes(tmp_path):
     assert find_alternatives(study) == ["spikes"]
 
 
-def test_roughness_of_gap_that_is_extrapolated_excludes_spikes():
+def test_extrapolated_roughness_of_a_gap_excludes_spikes():
     options = {"effective_modulus": "80 GPa", "mu0": 0.2, "load": "10 MPa", "shifts": 1}
     roughnesses = []
     for num_spikes in (0, 20):

@@ -378,7 +378,7 @@ def test_interval_contains_filtered_and_unfiltered_results(is_floor):
     assert summary_of_all.reported_points == list(summary_of_all.points)
 
 
-def test_point_without_an_interval_has_no_budget_entry_of_possible_noise():
+def test_summary_without_an_interval_has_no_budget_entry_of_possible_noise():
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
     assert [entry.label for entry in summarize(dataset, study).points[0].budget] == [POSSIBLE_NOISE_INPUT_NAME]
@@ -560,7 +560,7 @@ def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
         (measured_study().with_changes({"surfaces.surrogates": 2}), "members"),
     ],
 )
-def test_caveats_use_the_name_of_the_members_of_the_study(study, members):
+def test_caveats_call_the_members_by_the_word_of_the_study(study, members):
     expected_texts = {
         ("half_width_ratio", np.nan): f"there is no interval; an interval requires at least 8 different {members}",
         ("half_width_ratio", 0.55): f"the interval of the mean is wider than ±50 %; use more {members}",

@@ -174,7 +174,7 @@ def test_noise_and_spectral_lines_add_caveats_unless_unfiltered_scans_are_accept
     assert any("of the mean square slope" in text for text in caveat_texts(noisy_profile, noisy_profile))
 
 
-def test_remedy_suggests_no_cutoff_above_a_third_of_the_scan_length():
+def test_caveat_suggests_no_cutoff_above_a_third_of_the_scan_length():
     noise_profile = Profile(0.1 * np.random.default_rng(2).normal(size=960), spacing=0.5)
     short_profile = self_affine(3, points=200, spacing=0.5, hurst_exponent=0.7, rms=0.01, shortest_wavelength=5.0)
     cutoff = instrument_limit(noise_profile).cut_off

@@ -154,7 +154,7 @@ def read_card_numbers(card):
 
 
 @pytest.mark.parametrize("units", UNIT_SYSTEMS)
-def test_numbers_in_all_files_are_in_the_csv_file(result, directory, units):
+def test_numbers_in_all_joint_files_are_in_the_csv_file(result, directory, units):
     table = result.joint_table(units=units)
     csv = export_text(result, directory / "joint.csv", joint=True, units=units)
     frame = pandas.read_csv(directory / "joint.csv")
@@ -182,7 +182,7 @@ def test_numbers_in_all_files_are_in_the_csv_file(result, directory, units):
     assert f"{closure_of(table.reference):.6g}" in export_text(result, directory / "card.inp", units=units)
 
 
-def test_numbers_on_a_card_have_no_more_digits_than_an_estimate(result, directory):
+def test_friction_and_stiffness_in_an_exported_input_file_have_at_most_four_digits(result, directory):
     """Pressures and closures have six, because other programs derive the stiffness from their differences."""
     friction, stiffness = re.search(
         r"^\*FRICTION\n(.*), (.*)$", export_text(result, directory / "card.inp"), re.M
@@ -225,7 +225,7 @@ def test_result_evaluates_a_single_quantity_with_its_combined_interval(result):
     np.testing.assert_array_equal(closure, result.at()["closure"].squeeze())
 
 
-def test_card_states_units_materials_range_and_values_that_its_format_omits(result, directory):
+def test_exported_joint_files_state_units_materials_range_and_values_that_their_format_omits(result, directory):
     texts = {ending: export_text(result, directory / f"card{ending}") for ending in (".inp", ".mac", ".liggghts")}
     for text in texts.values():
         words = " ".join(re.sub("(?m)^(\\*\\*|!|#) ", "", text).split())
@@ -309,7 +309,9 @@ def test_export_checks_the_file_and_the_units_before_it_computes_the_joint(tmp_p
 
 
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
-def test_block_on_the_card_has_the_closure_stiffness_and_sliding_load_of_the_table(result, directory, tmp_path):
+def test_calculix_block_with_the_exported_card_has_the_tabulated_stiffness_and_sliding_load(
+    result, directory, tmp_path
+):
     """Run the example of the page on finite-element models: four pressures, a small push, and sliding."""
     shutil.copy(ROOT / "examples/block.inp", tmp_path)
     export_text(result, tmp_path / "card.inp")

@@ -30,7 +30,7 @@ def test_wrapped_text_keeps_each_number_and_its_unit_on_one_line():
     assert "τ0 = 50 MPa" in text.splitlines()[1]
 
 
-def test_paragraphs_consist_of_lines_and_tables_and_are_separated_by_empty_lines(monkeypatch):
+def test_formatted_paragraphs_are_separated_by_empty_lines(monkeypatch):
     monkeypatch.setenv("COLUMNS", "40")
     long_line = WrappedText("x" * 30 + " and more words", indent="  ", hanging_indent="    ")
     paragraphs = [["title", Table([["a", "1"], ["bc", "2"]])], [], ["", long_line]]

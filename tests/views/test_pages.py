@@ -596,7 +596,7 @@ def test_tab_key_reaches_every_control(generated_report):
     assert num_unlabelled_controls == 0
 
 
-def test_captions_of_area_and_stiffness_name_combined_intervals(driver, pages):
+def test_captions_of_area_and_stiffness_figures_mention_the_combined_interval(driver, pages):
     browser.open_page(driver, pages["maps"])
     browser.open_more_section(driver)
     for name in ("area", "stiffness"):

@@ -134,7 +134,7 @@ def test_report_shows_how_each_file_was_read(tmp_path):
 
 @pytest.mark.usefixtures("disable_figures")
 @pytest.mark.parametrize("fixture_name", ["maps_dataset", "profiles_dataset"])
-def test_report_divides_by_the_nominal_area_only_where_the_terminal_does(fixture_name, request):
+def test_report_contains_area_fractions_only_if_the_terminal_output_does(fixture_name, request):
     """The nominal area of spheres on a strip has no meaning."""
     result = Result(request.getfixturevalue(fixture_name))
     content = measured_report_content(collect_report_data(result), evaluate_measured_values(result), "")
@@ -186,7 +186,7 @@ def test_report_starts_with_the_sliding_rule_of_the_interface(opposing_interface
         )
 
 
-def test_report_states_alpha_of_junction_growth(tmp_path):
+def test_report_states_the_junction_growth_coefficient_alpha(tmp_path):
     spacing = write_maps(tmp_path)
     contact = 'load = ["1 mN", "2 mN"]\nhardness = "2 GPa"\njunction_growth = 9'
     study = create_study_from_files(tmp_path, spacing=spacing, members=3, contact=contact)
