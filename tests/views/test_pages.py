@@ -482,6 +482,12 @@ def test_report_shows_the_coefficient_for_the_sliding_rule_of_the_interface_firs
     assert list(shown) == list(expected) == ["opposing", "all"]
     assert shown == pytest.approx(expected, rel=1e-4)
     assert "belong to friction at opposing contacts only" in find_element(driver, "answer").text
+    # The most useful measurement follows the first coefficient, which has no bar of contributions.
+    driver.execute_script("for (const point of facts.points) point.most = 'With more positions.'; showReadout()")
+    texts = [paragraph.text for paragraph in driver.find_elements("css selector", "#answer p")]
+    second_coefficient = texts.index("friction at all contacts")
+    assert "With more positions." in texts[:second_coefficient]
+    assert not driver.find_elements("css selector", "#answer svg.bar")
     assert log_is_empty(driver)
 
 

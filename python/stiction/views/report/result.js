@@ -109,7 +109,10 @@ function showReadout() {
   const judged = judgement(points, d, l);
   for (const [i, {at, colour, rule, alone}] of points.entries()) {
     answers.push(element("p", {class: i ? "of other" : "of", style: `color: ${colour}`}, facts.ruleDescriptions[rule]), ...answerOf(at, rule, judged.saysSlopes ? null : alone));
-    if (judged.answer?.bar && rule === "all" && at.isCombined) answers.push(contributionBar(judged.answer.bar), ...(judged.answer.most ? [element("p", {class: "hint"}, judged.answer.most)] : []));
+    if (i || !judged.answer || !at.isCombined) continue;
+    const {bar, most} = judged.answer;
+    if (bar) answers.push(contributionBar(bar));
+    if (most && (bar || rule !== "all")) answers.push(element("p", {class: "hint"}, most));
   }
   if (points.length > 1 && isMeasured)
     answers.push(element("p", {class: "hint"}, facts.ruleNote));
