@@ -61,7 +61,7 @@ def draw_overview(axes, lower, contact_list):
         axes.plot(*centre[:, None], "o", color=OPPOSING_COLOUR if is_opposing else ASSISTING_COLOUR, markersize=3)
     corner = np.array([0.0, 0.0, lower.heights.min()])
     for vector, name in (((1, 0, 0), "x"), ((0, 1, 0), "y"), ((0, 0, 1), "z")):
-        draw_arrow(axes, corner, vector, "0.45", f"${name}$", length=1.0)
+        draw_arrow(axes, corner, vector, "0.2", f"${name}$", length=1.0, beyond=1.4 if name == "y" else 1.15)
     phi = np.radians(DIRECTION)
     start = np.array([0.4, 0.4, 1.3])
     draw_arrow(axes, start, (np.cos(phi), np.sin(phi), 0), INK_COLOUR, r"$\mathbf{s}$", length=1.4)
@@ -94,7 +94,7 @@ def draw_contact(axes, normal, tangent):
     origin = np.zeros(3)
     draw_arrow(axes, origin, normal, OPPOSING_COLOUR, r"$\mathbf{n}$, along $F$", length=1.3)
     draw_arrow(
-        axes, origin, tangent, OPPOSING_COLOUR, r"$\mathbf{t}$, along $\mu_0 F + \tau_0 A$", length=1.0, beyond=1.3
+        axes, origin, tangent, OPPOSING_COLOUR, r"$\mathbf{t}$, along $\mu_0 F + \tau_0 A$", length=1.0, beyond=1.55
     )
     draw_arrow(axes, origin, s, INK_COLOUR, r"$\mathbf{s}$", length=1.2)
     axes.set(xlim=(-1, 1), ylim=(-1, 1), zlim=(-0.8, 1.2))
