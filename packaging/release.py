@@ -131,7 +131,7 @@ def wheel_problem() -> str | None:
     return None if list(DIST_DIRECTORY.glob("*.whl")) else f"{DIST_DIRECTORY.relative_to(ROOT)} is empty"
 
 
-def tag_problem() -> str | None:
+def find_tag_problem() -> str | None:
     tags = run_command("git", "tag", "--points-at", "HEAD").split()
     return None if f"v{VERSION}" in tags else f"git tag v{VERSION}; this commit has {', '.join(tags) or 'none'}"
 
@@ -148,7 +148,7 @@ def run_checks(*, is_tagged: bool) -> bool:
     """
     checks = [item for item in RELEASE_CHECKS if not (is_tagged and item[1] is wheel_problem)]
     if is_tagged:
-        checks.append((f"the tag v{VERSION} is on this commit", tag_problem))
+        checks.append((f"the tag v{VERSION} is on this commit", find_tag_problem))
     num_open = 0
     for line, function in checks:
         problem = function()

@@ -864,7 +864,7 @@ def render_claim_columns(columns: Mapping[str, list[ClaimPartOutcome]]) -> str:
 
 def _render_side_by_side(
     columns: Mapping[str, list[ClaimPartOutcome]],
-    format_head: Callable[[ClaimPart], str],
+    format_row_heading: Callable[[ClaimPart], str],
     format_cell: Callable[[ClaimPartOutcome], str],
 ) -> str:
     first_outcomes = next(iter(columns.values()))
@@ -878,7 +878,7 @@ def _render_side_by_side(
             if outcome in _outcomes_of_claim(claim, first_outcomes)
         ]:
             cells = [format_cell(outcomes[row]) for outcomes in columns.values()]
-            lines.append(f"| {format_head(first_outcomes[row].part)} | {' | '.join(cells)} |")
+            lines.append(f"| {format_row_heading(first_outcomes[row].part)} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 

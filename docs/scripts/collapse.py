@@ -169,12 +169,12 @@ def generate_self_affine_pair(case: dict, repetition: int) -> BodyPair:
         spacing = (spacing[0] * stretch, spacing[1])
     gradients = [rms_gradient(body.heights, spacing, periodic=True) for body in bodies]
     slope_ratio = case.get("ratio", 1.0)
-    gradient_shares = (
+    gradient_fractions = (
         (1.0, 0.0) if slope_ratio is None else (slope_ratio / np.hypot(1, slope_ratio), 1 / np.hypot(1, slope_ratio))
     )
     heights = [
-        body.heights * gradient_share / item
-        for body, gradient_share, item in zip(bodies, gradient_shares, gradients, strict=True)
+        body.heights * gradient_fraction / item
+        for body, gradient_fraction, item in zip(bodies, gradient_fractions, gradients, strict=True)
     ]
     height_factor = case["h"] / rms_gradient(heights[0] - heights[1], spacing, periodic=True)
     return tuple(type(bodies[0])(height_factor * height, spacing=spacing) for height in heights)

@@ -156,7 +156,7 @@ class DirectoryClaim:
             with suppress(OSError):
                 self.file.touch()  # another machine may have removed an old claim
 
-    def find_competitor(self) -> Path | None:
+    def find_other_claim(self) -> Path | None:
         """Return the partial file of another active run in this directory, or None.
 
         If two runs acquire their claims first and call this function afterwards, at least one of them finds the other.

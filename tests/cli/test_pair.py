@@ -932,7 +932,7 @@ def test_pair_command_reports_resolved_wavelengths_and_the_range_for_finer_scans
 
 
 ESTIMATE_KEYS = ["name", "value", "unit", "lower", "upper", "kind", "at", "status"]
-AMBIGUOUS_KEYS = {
+REJECTED_JSON_KEYS = {
     "answers", "by_slopes_alone", "cut_offs", "doubts", "freedom", "friction_all_round", "friction_known",
     "friction_waited", "from_roughness", "headline", "holds", "if_known", "next_test", "of_positions", "parts",
     "reading", "share", "sticking", "told", "verdict", "wait", "waited", "wave", "waves", "what", "words",
@@ -960,7 +960,7 @@ def test_json_output_of_every_command_stores_each_value_as_an_estimate(directory
         for item in iterate_json_objects(each):
             assert "value" not in item or list(item) == ESTIMATE_KEYS
             assert not {"lower", "upper"} & set(item) or list(item) == ESTIMATE_KEYS
-            assert not AMBIGUOUS_KEYS & set(item)
+            assert not REJECTED_JSON_KEYS & set(item)
     (point,) = (point for point in record["points"] if point["reported"])
     (rule,) = (rule for rule in point["rules"] if rule["rule"] == "all")
     kinds = [rule[name]["kind"] for name in ("coefficient", "mean", "prediction")]

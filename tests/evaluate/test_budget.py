@@ -423,10 +423,10 @@ def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
         *rough_surfaces(), load="2 MPa", mu0="0.2±0.025", tau0="20..80 MPa", young="6..16 GPa,6..16 GPa",
         poisson="0.3,0.3", hardness="1 GPa", yield_exponent=1.25, junction_growth=0, **PAIR_OPTIONS,
     )  # fmt: skip
-    budget_shares = result.budget.set_index("input")["fraction"]
-    upper, lower = (budget_shares[f"Young's modulus of the {side} body"] for side in ("upper", "lower"))
+    budget_fractions = result.budget.set_index("input")["fraction"]
+    upper, lower = (budget_fractions[f"Young's modulus of the {side} body"] for side in ("upper", "lower"))
     assert upper == pytest.approx(lower, abs=0.01)
-    assert budget_shares.min() >= 0
+    assert budget_fractions.min() >= 0
 
 
 def test_budget_of_a_yielding_pair_lists_positions_and_unresolved_roughness() -> None:

@@ -414,7 +414,7 @@ def test_pressure_is_limited_by_the_hardness_and_area_tends_to_load_divided_by_h
     )
     np.testing.assert_allclose(high_hardness_curve.contact_area, elastic_curve.contact_area, rtol=1e-3)
     assert high_hardness_curve.area_share_at_hardness[0] == 0
-    load_shares = []
+    load_fractions = []
     for hardness in (0.3, 0.1, 0.03):
         curve = half_space(
             flat_like(lower), lower, [load], boundary="periodic", hardness=hardness * max_elastic_pressure
@@ -423,10 +423,10 @@ def test_pressure_is_limited_by_the_hardness_and_area_tends_to_load_divided_by_h
         is_at_hardness = result.pressure == hardness * max_elastic_pressure
         assert result.pressure.max() <= hardness * max_elastic_pressure
         assert (result.gap[~is_at_hardness] > -2e-6 * lower.heights.std()).all()
-        load_shares.append(curve.load_share_at_hardness[0])
+        load_fractions.append(curve.load_share_at_hardness[0])
         ratio = (result.pressure > 0).mean() / (load / (hardness * max_elastic_pressure))
-    assert load_shares == sorted(load_shares)
-    assert load_shares[-1] > 0.95
+    assert load_fractions == sorted(load_fractions)
+    assert load_fractions[-1] > 0.95
     assert ratio == pytest.approx(1.0, abs=0.05)
 
 

@@ -438,7 +438,7 @@ def test_directory_without_result_is_reported_with_a_one_line_error(tmp_path, ki
 # ---- Foreign files --------------------------------------------------------------------------------------------------
 
 
-def variable_changer(name, change_values):
+def create_variable_change(name, change_values):
     """Return a function that replaces a variable of a file by changed values."""
 
     return lambda file: rewrite_variable(file, name, change_values)
@@ -478,8 +478,8 @@ def create_unwritten_variable(file):
 
 BLOCK_FILE_CHANGES = {
     "no variable": lambda file: file.__delitem__("contact_area"),
-    "another shape": variable_changer("contact_area", lambda values: values[..., :2]),
-    "an infinite area": variable_changer("contact_area", lambda values: np.full_like(values, np.inf)),
+    "another shape": create_variable_change("contact_area", lambda values: values[..., :2]),
+    "an infinite area": create_variable_change("contact_area", lambda values: np.full_like(values, np.inf)),
     "no study text": lambda file: file.attrs.__delitem__("study"),
     "an invalid study text": attribute_setter("study", "seed"),
     "a link to another file": link_to_other_file,

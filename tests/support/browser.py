@@ -19,7 +19,7 @@ BROWSER_MARKS = [
         not (CHROMIUM_PATH and CHROMEDRIVER_PATH), reason="Debian's chromium and chromium-driver are not installed"
     ),
 ]
-READY_SCRIPT = "return document.readyState === 'complete' && document.getElementById('main').ariaBusy !== 'true'"
+IS_READY_SCRIPT = "return document.readyState === 'complete' && document.getElementById('main').ariaBusy !== 'true'"
 
 
 @contextmanager
@@ -61,7 +61,7 @@ def open_more_section(driver):
 
 
 def wait_until_page_is_drawn(driver):
-    wait_for(driver, lambda driver: driver.execute_script(READY_SCRIPT))
+    wait_for(driver, lambda driver: driver.execute_script(IS_READY_SCRIPT))
     wait_for_drawing(driver)
 
 

@@ -19,7 +19,7 @@ from stiction import (
 from support.rough_surfaces import rough_profile, self_affine_map, sinusoid
 
 BAND_ARGUMENTS = {"longest_wavelength": 4.0, "shortest_wavelength": 0.08}
-DEFAULT_CASE = (False, BAND_ARGUMENTS, False)
+CASE_OUTSIDE_STRESS_SUITE = (False, BAND_ARGUMENTS, False)
 """Case that also runs outside the stress suite: (is the profile periodic?, band, is the band specified?)."""
 
 
@@ -30,7 +30,7 @@ class TestProfileHurstExponent:
     @pytest.mark.parametrize(
         ("periodic", "band", "arguments"),
         [
-            case if case == DEFAULT_CASE else pytest.param(*case, marks=pytest.mark.soak)
+            case if case == CASE_OUTSIDE_STRESS_SUITE else pytest.param(*case, marks=pytest.mark.soak)
             for case in product((True, False), ({}, BAND_ARGUMENTS), (True, False))
         ],
     )

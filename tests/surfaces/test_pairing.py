@@ -66,7 +66,7 @@ class TestMapPairs:
             for index in range(64):
                 for origin, body in zip(pairs.piece_origins(index), (pairs.upper, pairs.lower), strict=True):
                     assert all(o >= 0 and o + 24 <= n for o, n in zip(origin, body.heights.shape, strict=True))
-        assert pairs.used_fractions == pytest.approx((24 * 24 / (200 * 120), 24 * 24 / 32**2))
+        assert pairs.piece_fractions == pytest.approx((24 * 24 / (200 * 120), 24 * 24 / 32**2))
 
     def test_paired_pieces_of_maps_have_the_finer_of_the_two_spacings(self):
         fine_map = create_surface((64, 64), 0.05)
@@ -92,7 +92,7 @@ class TestMapPairs:
         upper, lower = create_surface(side="upper"), create_surface()
         pairs = MapPairs(upper, lower)
         assert pairs.piece_area == pytest.approx(4.8**2)
-        assert pairs.used_fractions == pytest.approx((0.5625, 0.5625))
+        assert pairs.piece_fractions == pytest.approx((0.5625, 0.5625))
 
     def test_pairing_of_maps_rejects_overlaps_with_too_few_points(self):
         with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):

@@ -110,15 +110,15 @@ _MOTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "direction")
 _FRICTION_AXES: tuple[QuantityAxis, ...] = (*_MOTION_AXES, "step", "mu0", "tau0")
 _MEAN_FRICTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "step", "mu0", "tau0")
 _FRACTION_ROUND_OFF = 1e-6  # amount by which round-off may raise a stored fraction above 1
-_STORED_FRACTION = (0.0, 1.0 + _FRACTION_ROUND_OFF)
-_ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
+_STORED_FRACTION_RANGE = (0.0, 1.0 + _FRACTION_ROUND_OFF)
+_UNRESTRICTED_STORED_RANGE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
 _NOT_NEGATIVE = (0.0, MAX_STORED_VALUE)
 _STORED_STIFFNESS = (-MAX_STORED_VALUE, math.inf)  # a closed gap has an infinite stiffness
 _FRACTION_QUANTITY_FIELDS: dict[str, Any] = {
     "unit": "1",
     "percent": True,
     "bounds": (-math.inf, 1.0),
-    "stored_bounds": _STORED_FRACTION,
+    "stored_bounds": _STORED_FRACTION_RANGE,
 }
 _DEFAULT_VIEWS: frozenset[OutputView] = frozenset({"table", "report", "csv"})
 _VERBOSE_VIEWS: frozenset[OutputView] = frozenset({"verbose", "report", "csv"})
@@ -139,7 +139,7 @@ def _sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -
 
 
 def _directed_sum_quantities() -> dict[str, ResultQuantity]:
-    directed: dict[str, Any] = {"along": (*_MOTION_AXES, "step"), "stored_bounds": _ANY_STORED_VALUE}
+    directed: dict[str, Any] = {"along": (*_MOTION_AXES, "step"), "stored_bounds": _UNRESTRICTED_STORED_RANGE}
     normal_sums: dict[str, ResultQuantity] = {
         f"normal_{contribution}": _sum_quantity(f"normal_{contribution}", "half-space", **directed)
         for contribution in ("frictional", "adhesive")

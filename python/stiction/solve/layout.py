@@ -193,7 +193,7 @@ def build_dataset(
 
 # ---- Nondimensional results ------------------------------------------------------------------------------------------
 
-_NORMALISATIONS_BY_UNIT = {
+_MODULUS_AND_LENGTH_POWERS_BY_UNIT = {
     "mN": (1, 2, "(E* L²)"),
     "mN/um": (1, 1, "(E* L)"),
     "mN/GPa": (0, 2, "L²"),
@@ -265,9 +265,9 @@ def nondimensional(
         units = variable.attrs.get("units", "1")
         if units in ("1", "degree"):
             return variable
-        if units not in _NORMALISATIONS_BY_UNIT:
+        if units not in _MODULUS_AND_LENGTH_POWERS_BY_UNIT:
             raise ValueError(f"{name} has the unknown unit {units!r}")
-        modulus_power, length_power, divisor = _NORMALISATIONS_BY_UNIT[units]
+        modulus_power, length_power, divisor = _MODULUS_AND_LENGTH_POWERS_BY_UNIT[units]
         attributes = {
             **variable.attrs,
             "units": "1",

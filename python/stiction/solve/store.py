@@ -643,7 +643,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
 
 def check_unused(path: Path, claim: DirectoryClaim) -> None:
     """Raise a `StoreError` if another active run uses a result directory. The claim must be acquired."""
-    if competitor := claim.find_competitor():
+    if competitor := claim.find_other_claim():
         raise StoreError(
             f"{printable_path(path)} is in use by another run; wait until that run ends, or choose another directory; "
             f"if there is no such run, remove {printable_path(competitor)}"

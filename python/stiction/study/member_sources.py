@@ -50,7 +50,7 @@ class SharedMemberProperties:
     area: float
     shape: Sequence[int]
     spacing: Sequence[float]
-    used_fractions: Sequence[float]
+    piece_fractions: Sequence[float]
     scans: Sequence[Any]  # scans before they are divided into members
 
 
@@ -222,7 +222,7 @@ class MapMemberSource:
                 for shortest_wavelength in wavelengths
             ]
         return SharedMemberProperties(
-            pairs.upper, pairs.lower, pairs.piece_area, pairs.shape, pairs.spacing, pairs.used_fractions, scans
+            pairs.upper, pairs.lower, pairs.piece_area, pairs.shape, pairs.spacing, pairs.piece_fractions, scans
         )
 
 

@@ -21,7 +21,7 @@ from stiction.study.measured_surfaces import MeasuredSurfaceSettings
 from stiction.study.member_sources import BodyAttributes, EnsembleMember, MemberSource
 from stiction.study.study import Study
 from stiction.surfaces import fractal
-from stiction.surfaces.missing_data import compute_pierced_fraction
+from stiction.surfaces.missing_data import compute_scattered_missing_fraction
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile, Side, combine_missing_masks, scale_profile
 from stiction.surfaces.scan_defects import (
@@ -239,7 +239,7 @@ class PreparedBodies:
         attributes |= {
             "shape": properties.shape,
             "spacing_um": properties.spacing,
-            "fraction_used": properties.used_fractions,
+            "fraction_used": properties.piece_fractions,
         }
         for side, scan in zip(SIDES, properties.scans, strict=True):
             attributes[f"{side}_spacing_um"] = scan.spacing
@@ -249,7 +249,7 @@ class PreparedBodies:
         attributes |= self._drift_attributes | self._lay_attributes
         for side, scans in zip(SIDES, self._parts, strict=True):
             masks = [mask for scan in scans if (mask := getattr(scan, "missing", None)) is not None]
-            if pierced := sum(map(compute_pierced_fraction, masks)) / len(scans):
+            if pierced := sum(map(compute_scattered_missing_fraction, masks)) / len(scans):
                 attributes[f"{side}_pierced"] = pierced
         return BodyAttributes.from_values(float(properties.area) * self._find_measured_fraction(), attributes)
 

@@ -61,7 +61,7 @@ MIN_MERGED_AREA_FRACTION = 0.3
 # Fraction of the load, the members or the scan length above which a problem that affects it causes a caveat.
 MAX_AFFECTED_FRACTION = 0.5
 MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated scan points above which a caveat is issued
-MAX_PIERCED_FRACTION = 0.02
+MAX_SCATTERED_MISSING_FRACTION = 0.02
 """Largest fraction of scattered missing points without a caveat about holes in contacts."""
 MAX_AREA_LOSS_PER_HOLE = 1.3
 """Largest relative loss of A/A0 through scattered missing points, divided by the fraction of these points.
@@ -750,13 +750,13 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
             yield Caveat(
                 text, "use --missing mask to press measured points only, or --crop to a complete region", "caution"
             )
-    pierced_fraction = 1.0 - math.prod(
+    missing_fraction = 1.0 - math.prod(
         1 - float(np.max(point.attrs.get(f"{side}_pierced", 0.0))) for side in (("upper",) if study.is_gap else sides)
     )
-    if pierced_fraction > MAX_PIERCED_FRACTION:
+    if missing_fraction > MAX_SCATTERED_MISSING_FRACTION:
         text = (
-            f"{format_percent(pierced_fraction)} of the points are missing between measured points, so contacts have "
-            f"holes: the true area may be up to {format_percent(MAX_AREA_LOSS_PER_HOLE * pierced_fraction)} too small"
+            f"{format_percent(missing_fraction)} of the points are missing between measured points, so contacts have "
+            f"holes: the true area may be up to {format_percent(MAX_AREA_LOSS_PER_HOLE * missing_fraction)} too small"
         )
         yield Caveat(text, "use --missing interpolate, or a scan with fewer missing points", "caution")
     if study.surfaces.press == "surrogates":

@@ -68,7 +68,7 @@ def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
     return filled_heights
 
 
-def compute_pierced_fraction(missing: NDArray[np.bool_]) -> float:
+def compute_scattered_missing_fraction(missing: NDArray[np.bool_]) -> float:
     """Return the fraction of all points that are missing between two measured points along at least one axis."""
     is_between = np.zeros(missing.shape, np.bool_)
     for axis in range(missing.ndim):

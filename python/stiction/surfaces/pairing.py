@@ -332,7 +332,7 @@ class MapPairs:
         return float(np.prod(self.shape) * np.prod(self.spacing))
 
     @property
-    def used_fractions(self) -> tuple[float, float]:
+    def piece_fractions(self) -> tuple[float, float]:
         """Fractions of the upper map and of the lower map that a piece covers."""
         piece_size = np.prod(self.shape)
         return tuple(float(piece_size / np.prod(map_shape)) for map_shape in self._map_shapes)  # type: ignore[return-value]
@@ -453,7 +453,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
         return min(*(len(profile) for profile in self._resampled_profiles), MAX_SURROGATE_SIDE_POINTS)
 
     @property
-    def used_fractions(self) -> tuple[float, float]:
+    def piece_fractions(self) -> tuple[float, float]:
         """Ratios of the side length of the generated surfaces to the lengths of the two profiles, upper and lower."""
         upper, lower = (self._num_side_points / len(profile) for profile in self._resampled_profiles)
         return upper, lower
@@ -513,7 +513,7 @@ class SpectralSurfacePairs(SquarePiecePairs):
         return self._num_side_points * self._grid_spacing
 
     @property
-    def used_fractions(self) -> tuple[float, float]:
+    def piece_fractions(self) -> tuple[float, float]:
         """Fraction of the generated surface that a piece covers, for both bodies."""
         fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction

@@ -58,7 +58,7 @@ class Registration:
 
 
 @dataclass(frozen=True)
-class _Position:
+class _FacePosition:
     """Position of the upper face relative to the lower one: shift of the middle (µm) and rotation (radians)."""
 
     shift: tuple[float, ...]
@@ -82,7 +82,7 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
         upper_part, lower_part = _interpolate_overlap(upper, lower, position)
     else:
         upper_part, lower_part = _cut_overlap(upper, lower, offset)
-        position = _Position(_offset_to_shift(offset, upper, lower), 0.0)
+        position = _FacePosition(_offset_to_shift(offset, upper, lower), 0.0)
     gap = _compute_gap(upper_part, lower_part)
     upper_part = upper_part.changed(lower_part.heights + gap.heights, "registered")
     registration = Registration(
@@ -216,15 +216,15 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
     return np.where(functools.reduce(np.logical_and.outer, allowed), correlations, np.nan)
 
 
-def _find_coarse_position(upper: Any, lower: Any) -> _Position:
+def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
     """Return the position, in steps of `ROTATION_STEP` and of one point, at which the slopes of two bodies fit best."""
     if isinstance(upper, Profile):
-        return _Position(_offset_to_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
+        return _FacePosition(_offset_to_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
     fits = []
     for angle in np.arange(-MAX_ROTATION, MAX_ROTATION + ROTATION_STEP / 2, ROTATION_STEP).tolist():
         rotated_upper = rotated(upper, angle) if angle else upper
         correlation, offset = find_best_fit(rotated_upper, lower)
-        position = _Position(_offset_to_shift(offset, rotated_upper, lower), math.radians(angle))
+        position = _FacePosition(_offset_to_shift(offset, rotated_upper, lower), math.radians(angle))
         fits.append((correlation, position))
     return max(fits, key=lambda fit: fit[0])[1]
 
@@ -249,7 +249,7 @@ def _shift_to_steps(shift: tuple[float, ...], upper: Any, lower: Any) -> list[fl
     ]
 
 
-def _to_full_grid(position: _Position, upper: Any, lower: Any, factor: int) -> _Position:
+def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) -> _FacePosition:
     """Return a position found with coarse bodies, relative to the middles of the full bodies."""
     shift = tuple(
         distance + (count % factor - other % factor) / 2 * spacing
@@ -257,10 +257,10 @@ def _to_full_grid(position: _Position, upper: Any, lower: Any, factor: int) -> _
             position.shift, upper.heights.shape, lower.heights.shape, lower.spacings, strict=True
         )
     )
-    return _Position(shift, position.rotation)
+    return _FacePosition(shift, position.rotation)
 
 
-def _find_grid_offset(upper: Any, lower: Any, position: _Position) -> tuple[int, ...] | None:
+def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
     """Return the offset (points) that moves the upper face to a position within `GRID_TOLERANCE`, or None."""
     steps = _shift_to_steps(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
@@ -289,7 +289,7 @@ def _interpolate(upper: Any, distances: list[Floats], rotation: float) -> tuple[
     return heights, upper.missing[np.floor(points).astype(np.intp)] | upper.missing[np.ceil(points).astype(np.intp)]
 
 
-def _interpolate_overlap(upper: Any, lower: Any, position: _Position) -> tuple[Any, Any]:
+def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tuple[Any, Any]:
     """Return the upper face, interpolated at the points of the lower face, and the lower face, where they overlap.
 
     The overlap of maps is the largest rectangle within the rotated upper face, cut by the sides of the lower face.
@@ -313,7 +313,7 @@ def _interpolate_overlap(upper: Any, lower: Any, position: _Position) -> tuple[A
     return upper.changed(heights, "overlap", missing=missing), lower_part
 
 
-def _refine(upper: Any, lower: Any, position: _Position) -> _Position:
+def _refine(upper: Any, lower: Any, position: _FacePosition) -> _FacePosition:
     """Return the position near `position` at which the gap is smallest, by the Gauss-Newton method.
 
     The derivatives of the gap are the slopes of the lower face, so the noise of the upper face does not favour
@@ -326,7 +326,7 @@ def _refine(upper: Any, lower: Any, position: _Position) -> _Position:
         for scale in _STEP_SCALES:
             shift = tuple((np.array(position.shift) + scale * step[: spacings.size]).tolist())
             rotation = position.rotation + scale * float(step[spacings.size :].sum())
-            trial = _Position(shift, min(max(rotation, -max_rotation), max_rotation))
+            trial = _FacePosition(shift, min(max(rotation, -max_rotation), max_rotation))
             if not _has_min_overlap(upper, lower, trial):
                 continue
             trial_gap, trial_step = _solve_step(upper, lower, trial)
@@ -342,7 +342,7 @@ def _refine(upper: Any, lower: Any, position: _Position) -> _Position:
     return position
 
 
-def _solve_step(upper: Any, lower: Any, position: _Position) -> tuple[float, Floats]:
+def _solve_step(upper: Any, lower: Any, position: _FacePosition) -> tuple[float, Floats]:
     """Return the rms gap (µm) at a position, and the step of the shift (µm) and rotation that should close the gap."""
     upper_part, lower_part = _interpolate_overlap(upper, lower, position)
     missing = combine_missing_masks(upper_part, lower_part)
@@ -364,7 +364,7 @@ def _solve_step(upper: Any, lower: Any, position: _Position) -> tuple[float, Flo
     return _measure_rms_gap(upper_part, lower_part), step[: len(changes)]
 
 
-def _has_min_overlap(upper: Any, lower: Any, position: _Position) -> bool:
+def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
     """Return whether two bodies overlap by `MIN_OVERLAP_FRACTION` along each axis at a position."""
     return all(
         min(other, step + count) - max(0.0, step) >= MIN_OVERLAP_FRACTION * min(count, other)

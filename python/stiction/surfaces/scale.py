@@ -438,7 +438,9 @@ def instrument_limit(
     reject_flat_body(body)
     spacing = max(body.spacings)
     spectra = line_spectra(body, periodic)
-    disturbances = [_find_disturbance(*disturbance, periodic=periodic, textured=texture) for disturbance in spectra]
+    disturbances = [
+        _find_spectrum_disturbance(*disturbance, periodic=periodic, textured=texture) for disturbance in spectra
+    ]
     total_mean_square_slope = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
     # Along an axis without roughness, the spectrum contains only round-off.
     noise_wavelengths = [
@@ -623,7 +625,7 @@ class _SpectrumDisturbance(NamedTuple):
     period: float  # period of a texture, µm; NaN if there is no texture
 
 
-def _find_disturbance(
+def _find_spectrum_disturbance(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _SpectrumDisturbance:
     """Remove the harmonics of a texture, and find the wavelengths that are not attributed to the surface."""

@@ -123,7 +123,7 @@ class ScanDefects:
 
         Raises a `ValueError` if the body is flat.
         """
-        return self._find_limit(None)
+        return self._find_instrument_limit(None)
 
     @cached_property
     def hidden_noise(self) -> HiddenNoise | None:
@@ -141,7 +141,7 @@ class ScanDefects:
 
         Raises a `ValueError` if the body is flat.
         """
-        return None if self.tip_radius is None else self._find_limit(self.tip_radius)
+        return None if self.tip_radius is None else self._find_instrument_limit(self.tip_radius)
 
     @property
     def tip_limit(self) -> InstrumentLimit | None:
@@ -155,7 +155,7 @@ class ScanDefects:
             return None
         return limit if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else None
 
-    def _find_limit(self, tip_radius: float | None) -> InstrumentLimit:
+    def _find_instrument_limit(self, tip_radius: float | None) -> InstrumentLimit:
         return instrument_limit(
             self.body_without_outliers, tip_radius=tip_radius, periodic=self.periodic, texture=self.textured
         )

@@ -262,7 +262,7 @@ _SHORT_UNIT_AFTER_NAME_PATTERN = re.compile(
 )
 """Pattern of the name of a single column with a short word in brackets, as in "Profile (nmi)"."""
 
-_REST_AFTER_NAME_PATTERN = re.compile(rf"{_AXIS_NAME_PATTERN}[\s_.:|-]+((?!\d+$)[^\s_].{{0,20}})", re.IGNORECASE)
+_TEXT_AFTER_AXIS_NAME_PATTERN = re.compile(rf"{_AXIS_NAME_PATTERN}[\s_.:|-]+((?!\d+$)[^\s_].{{0,20}})", re.IGNORECASE)
 """Pattern of a column name with further words, which may be its unit."""
 
 _SCALED_UNIT_PATTERN = re.compile(
@@ -692,7 +692,7 @@ def _split_name(name: str) -> list[str]:
 
 def _find_unknown_unit(name: str) -> str | None:
     """Return the words after the name of an axis if they may be a unit, unlike a remark or a profile number."""
-    match = _REST_AFTER_NAME_PATTERN.fullmatch(name)
+    match = _TEXT_AFTER_AXIS_NAME_PATTERN.fullmatch(name)
     if match is None:
         return None
     is_other = _REMARK_PATTERN.fullmatch(match[1]) or re.search(r"[^\W\d_]{3,}[\s_-]*[0-9]+$", match[1])

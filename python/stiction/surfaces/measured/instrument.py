@@ -135,7 +135,7 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable
             return RawHeights(heights, unit=unit, positions=positions, position_unit=unit, source=source)
         spacing = None
         if has_sizes:
-            pixel_size_xy = np.atleast_1d(topography.pixel_size)
-            spacing = tuple(float(item) for item in reversed(pixel_size_xy))
+            pixel_sizes = np.atleast_1d(topography.pixel_size)
+            spacing = tuple(float(item) for item in reversed(pixel_sizes))
     # The first axis of a SurfaceTopography array is x.
     return RawHeights(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit, source=source)

@@ -485,7 +485,7 @@ def _profile_spacing(
         mean_spacing = float((x[-1] - x[0]) / (x.size - 1))
         direction = -1.0 if mean_spacing < 0 else 1.0
         if given is not None:
-            if _worst_unexplained_deviation(x, direction * given, digit, MAX_STEP_UNEVENNESS * given) is not None:
+            if _find_worst_unexplained_deviation(x, direction * given, digit, MAX_STEP_UNEVENNESS * given) is not None:
                 # A given spacing takes precedence over the measured spacing.
                 _reject_uneven_positions(x, mean_spacing, digit)
                 numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
@@ -496,7 +496,7 @@ def _profile_spacing(
             return direction * given, [f"spacing {given:.7g} µm (as given; positions agree)"], []
         if (
             declared is not None
-            and _worst_unexplained_deviation(x, direction * declared[0], digit, 1e-9 * declared[0]) is None
+            and _find_worst_unexplained_deviation(x, direction * declared[0], digit, 1e-9 * declared[0]) is None
         ):
             return direction * declared[0], [f"spacing {declared[0]:.7g} µm (header and positions agree)"], []
         _reject_uneven_positions(x, mean_spacing, digit)
@@ -554,16 +554,16 @@ class _PositionResolution:
             return _to_micrometres(self._raw.digits(), self._unit)
 
 
-def _worst_unexplained_deviation(
+def _find_worst_unexplained_deviation(
     x: Floats, spacing: float, digit: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Call `_worst_position_deviation`. The printed digits are counted only if some deviation is not round-off."""
-    if _worst_position_deviation(x, spacing, np.zeros(x.size), slack) is None:
+    """Call `_find_worst_position_deviation`. The printed digits are counted only if some deviation is not round-off."""
+    if _find_worst_position_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
-    return _worst_position_deviation(x, spacing, digit.values, slack)
+    return _find_worst_position_deviation(x, spacing, digit.values, slack)
 
 
-def _worst_position_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
+def _find_worst_position_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
     """Return the index and the deviation of the worst point of a grid, or None if rounding explains all deviations."""
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
@@ -580,7 +580,7 @@ def _reject_uneven_positions(x: Floats, mean_spacing: float, digit: _PositionRes
     """Reject positions that are not uniformly spaced, or that have too few digits for their spacing."""
     if mean_spacing == 0:
         raise FormatError("has its first and last point at the same position")
-    worst_point = _worst_unexplained_deviation(x, mean_spacing, digit, MAX_STEP_UNEVENNESS * abs(mean_spacing))
+    worst_point = _find_worst_unexplained_deviation(x, mean_spacing, digit, MAX_STEP_UNEVENNESS * abs(mean_spacing))
     if worst_point is not None:
         point_index, deviations = worst_point
         raise FormatError(

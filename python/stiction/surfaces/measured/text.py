@@ -11,7 +11,7 @@ from stiction.surfaces.measured.layouts import TEXT_LAYOUTS
 from stiction.surfaces.measured.raw import HeightChannels, ReaderResult
 from stiction.surfaces.measured.text_table import parse_table
 
-_OWN_FIRST_LINE_PATTERN = re.compile(r"# spacing(?: along y)?: [0-9.e+-]{1,30} um")
+_STICTION_FIRST_LINE_PATTERN = re.compile(r"# spacing(?: along y)?: [0-9.e+-]{1,30} um")
 """Pattern of the first line that `write_profile` and `write_surface` write."""
 
 
@@ -29,7 +29,7 @@ def parse_content(text: DecodedText) -> ReaderResult:
 def find_layout(text: DecodedText) -> TextLayout | None:
     """Return the instrument layout that recognises a text, or None."""
     # The history of a file that this package wrote may contain names that look like the header of an instrument.
-    if _OWN_FIRST_LINE_PATTERN.fullmatch(text.line(0)):
+    if _STICTION_FIRST_LINE_PATTERN.fullmatch(text.line(0)):
         return None
     return next((layout for layout in TEXT_LAYOUTS if layout.recognises(text)), None)
 
