@@ -138,7 +138,7 @@ void mix_columns(double* first, double* second, const double* factors, const dou
 }
 
 // Start to load the columns of a row into the cache, because their values are copied soon.
-// The processor does not do so by itself, because successive rows are far apart in memory.
+// Successive rows are so far apart in memory that the processor does not load columns in advance.
 template <class Real>
 void prefetch_columns(const std::complex<Real>* columns) {
   for (std::size_t column = 0; column < columns_per_block; column += alignment / sizeof(std::complex<Real>)) {

@@ -46,7 +46,7 @@ constexpr int max_exact_evaluations = 20;
 // The error of the compliance is the square of this difference, about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
 // Factor by which the accepted difference is reduced in problems that define only differences of displacements.
-// If only differences of displacements are defined, the compliance is not an energy.
+// In such problems, the compliance is not an energy, so its error is not the square of the difference.
 constexpr double difference_tolerance = 0.03;
 // Maximum number of contact points whose linear response is computed with a dense matrix.
 // Up to this number, the solution with the matrix is faster than the solution with transforms of the grid.
@@ -335,7 +335,7 @@ class LevelSolver {
   }
 
   // Select the points that can come into contact up to an approach somewhat above the given one.
-  // If there are too many, select none; displacements are then computed at all points.
+  // If too many points can come into contact, select none, so that displacements are computed at all points.
   void select_points(double approach) {
     const double lowest_gap = *std::min_element(gap_.begin(), gap_.end());
     max_approach_ = std::max(approach, lowest_gap + selection_approach_ratio * (approach - lowest_gap));
@@ -718,9 +718,9 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   if (points.empty()) {
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
-  // The pressures are positive at all points, like the charges on a conductor.
+  // The pressures that displace all points equally are positive, like the charges on a conductor.
   // The given pressures vanish at the edges, where the solution is largest.
-  // The iteration therefore starts from a uniform pressure.
+  // The iteration therefore starts from a uniform pressure instead of the given pressures.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());

@@ -63,9 +63,8 @@ class ElasticKernel {
   const Grid& grid() const { return grid_; }
 
   /// Compute displacements in double precision. Errors are of the order of the round-off of the largest displacement.
-  /// Both arrays may be the same array.
-  /// If `rows` is not empty, displacements are computed only in these rows of an area.
-  /// The elements of other rows do not change.
+  /// `pressure` and `displacements` may be the same array.
+  /// If `rows` is not empty, only the displacements in these rows of an area are computed and written.
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool(), std::span<const std::size_t> rows = {}) const;
 

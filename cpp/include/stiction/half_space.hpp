@@ -49,7 +49,8 @@ class HalfSpaceGrids {
   /// Returns an empty array if the grid is too large for storing these displacements.
   std::span<const double> influence(const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute the displacements [µm] due to pressures [GPa] on the finest grid. Both arrays may be the same array.
+  /// Compute the displacements [µm] due to pressures [GPa] on the finest grid.
+  /// `pressure` and `displacements` may be the same array.
   void displacement(Values pressure, std::span<double> displacements, const ThreadPool& pool = ThreadPool()) const;
 
   struct ReturnMemory {
