@@ -228,6 +228,12 @@ ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total,
   }
   if (bound.size() == size) {
     bounds_ = bound;
+    can_touch_.resize((size + block - 1) / block);
+    for (std::size_t i = 0; i < can_touch_.size(); ++i) {
+      const auto bounds = bound.subspan(i * block, std::min(block, size - i * block));
+      can_touch_[i] = static_cast<std::uint8_t>(
+          std::any_of(bounds.begin(), bounds.end(), [](double value) { return value > 0.0; }));
+    }
   }
   uniform_bound_.fill(bound[0]);
   const double max_total = bounds_.empty() ? uniform_bound_[0] * static_cast<double>(size)
@@ -365,6 +371,9 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
   std::array<std::int32_t, block> indices{};
   std::array<std::uint8_t, block> marks{};
   for (; first < last; first += block) {
+    if (!can_touch_.empty() && can_touch_[first / block] == 0) {
+      continue;
+    }
     const std::size_t count = std::min(block, last - first);
     const double* bound = bounds_.empty() ? uniform_bound_.data() : &bounds_[first];
     add_pending_response(first, count);

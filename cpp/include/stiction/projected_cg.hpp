@@ -128,6 +128,9 @@ class ProjectedCgSolver {
   double total_;
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
   Values bounds_;                              // bound of each point; empty if all points have the same bound
+  // 1 for each block of points that contains a bound above 0, and 0 for other blocks, whose potentials are not updated.
+  // Empty if all points have the same bound.
+  std::vector<std::uint8_t> can_touch_;
   bool line_;
   std::vector<std::int32_t> free_points_;     // points at which residual_ may differ from 0
   std::vector<std::int32_t> stepped_points_;  // points at which step_ may differ from 0
