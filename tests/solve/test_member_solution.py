@@ -1,11 +1,14 @@
 """Test members of studies of measured surfaces against direct solutions."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from stiction import Profile, approach_at_load, flipped, half_space, levelled, press
 from stiction._errors import NoSolutionError
 from stiction.mechanics.friction import STATUSES
 from stiction.solve import member_solution
+from stiction.solve.contact_statistics import PairSlopes, compute_slopes
 from stiction.solve.layout import (
     MEMBER_COORDINATE_TYPES,
     build_dataset,
@@ -15,6 +18,7 @@ from stiction.solve.layout import (
 )
 from stiction.solve.member_solution import compute_member_arrays, estimate_member_iterations, estimate_member_time
 from stiction.study.members import find_body_attributes, load_bodies
+from support.rough_surfaces import rough_maps
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
 ROUND_OFF = 1e-9
@@ -51,6 +55,23 @@ def test_unloading_stiffness_with_hardness_is_computed_for_the_first_members_onl
     elastic_study = study.with_changes({"contact.hardness": None})
     stiffness = compute_member_arrays(elastic_study, 4)
     np.testing.assert_array_equal(stiffness["unloading_stiffness"], stiffness["normal_stiffness"])
+
+
+def test_slope_statistics_of_a_pair_do_not_store_the_slopes():
+    upper, lower = rough_maps(points=128)
+    tracemalloc.start()
+    slopes = PairSlopes.from_pair(upper, lower)
+    stored_bytes = tracemalloc.get_traced_memory()[0]
+    tracemalloc.stop()
+    assert stored_bytes < 0.5 * upper.heights.nbytes
+    gap_slopes = [
+        above - below for above, below in zip(*(compute_slopes(body) for body in (upper, lower)), strict=True)
+    ]
+    rms_gradient, rms_slopes = slopes.compute_gap_slopes(np.array([0.0, 90.0]))
+    np.testing.assert_allclose(
+        rms_slopes, [np.sqrt(np.mean(np.square(slope))) for slope in reversed(gap_slopes)], rtol=ROUND_OFF
+    )
+    assert rms_gradient == pytest.approx(np.hypot(*rms_slopes), rel=ROUND_OFF)
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])

@@ -28,40 +28,57 @@ MAX_CELLS_OF_SMALL_CONTACT = 4  # maximum number of grid cells of a barely resol
 
 @dataclass(frozen=True, eq=False)
 class PairSlopes:
-    """Slopes of both bodies at all grid points. Maps have slopes along x and y, and profiles along x only."""
+    """Statistics of the slopes of both bodies, with masks of the steep points. The slopes themselves are not stored."""
 
-    upper: list[Floats]
-    lower: list[Floats]
     steep_masks: dict[str, NDArray[np.bool_]]  # masks of the steep points, by body
     steepness_limits: dict[str, float]  # smallest slope at the steep points, by body
-    measured_mask: Any = ...  # mask of the points that are measured on both bodies
+    # Mean squares of the slopes of the gap: along y and x for maps, and along x for profiles.
+    gap_mean_squares: list[float]
+    gap_mean_product: float  # mean product of the slopes of the gap along y and x, or 0 for profiles
 
     @classmethod
     def from_pair(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopes:
-        """Compute the slopes of two bodies that share a grid, using natural cubic splines."""
+        """Compute the slopes of two bodies that share a grid, using natural cubic splines.
+
+        Large arrays are overwritten instead of allocated, because the operating system clears new memory.
+        """
         slopes_by_side = {side: compute_slopes(body) for side, body in (("upper", upper), ("lower", lower))}
-        magnitudes = {
-            side: np.sqrt(sum(np.square(slope) for slope in slopes)) for side, slopes in slopes_by_side.items()
-        }
         missing_mask = combine_missing_masks(upper, lower)
         is_measured = ... if missing_mask is None else ~missing_mask
-        steepness_limits = {
-            side: float(np.quantile(slope[is_measured], 1 - STEEP_POINT_FRACTION)) for side, slope in magnitudes.items()
-        }
-        steep_masks = {side: magnitudes[side] > limit for side, limit in steepness_limits.items()}
-        return cls(slopes_by_side["upper"], slopes_by_side["lower"], steep_masks, steepness_limits, is_measured)
+        magnitude, buffer = np.empty(upper.heights.shape), np.empty(upper.heights.shape)
+        steepness_limits, steep_masks = {}, {}
+        for side, slopes in slopes_by_side.items():
+            np.square(slopes[0], out=magnitude)
+            for slope in slopes[1:]:
+                magnitude += np.square(slope, out=buffer)
+            np.sqrt(magnitude, out=magnitude)
+            np.copyto(buffer, magnitude)
+            steepness_limits[side] = float(
+                np.quantile(buffer[is_measured], 1 - STEEP_POINT_FRACTION, overwrite_input=True)
+            )
+            steep_masks[side] = magnitude > steepness_limits[side]
+        gap_slopes = [
+            np.subtract(above, below, out=above) for above, below in zip(*slopes_by_side.values(), strict=True)
+        ]
+        del slopes_by_side, slopes, magnitude
+        if missing_mask is not None:
+            gap_slopes, buffer = [slope[is_measured] for slope in gap_slopes], buffer[is_measured]
+        mean_squares = [float(np.square(slope, out=buffer).mean()) for slope in gap_slopes]
+        mean_product = (
+            float(np.multiply(gap_slopes[0], gap_slopes[1], out=buffer).mean()) if len(gap_slopes) == 2 else 0.0
+        )
+        return cls(steep_masks, steepness_limits, mean_squares, mean_product)
 
     def compute_gap_slopes(self, angles: Floats) -> tuple[float, Floats]:
         """Compute the rms gradient of the gap, and the rms slopes of the gap along the given directions (degrees)."""
-        gap_slopes = [(above - below)[self.measured_mask] for above, below in zip(self.upper, self.lower, strict=True)]
-        mean_squares = [float(np.square(slope).mean()) for slope in gap_slopes]
-        if len(gap_slopes) == 1:
+        mean_squares = self.gap_mean_squares
+        if len(mean_squares) == 1:
             return float(np.sqrt(mean_squares[0])), np.full(angles.size, np.sqrt(mean_squares[0]))
         radians = np.radians(angles)
         mean_squares_by_direction = (
             mean_squares[1] * np.cos(radians) ** 2
             + mean_squares[0] * np.sin(radians) ** 2
-            + float((gap_slopes[0] * gap_slopes[1]).mean()) * np.sin(2 * radians)
+            + self.gap_mean_product * np.sin(2 * radians)
         )
         return float(np.sqrt(sum(mean_squares))), np.sqrt(np.maximum(mean_squares_by_direction, 0.0))
 
