@@ -175,6 +175,8 @@ std::vector<double> interpolate(Values values, const Grid& from, const Grid& to,
   return result;
 }
 
+bool is_above_zero(double value) { return value > 0.0; }
+
 bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
   return num_points <= max_selected_points && num_points * num_points <= max_matrix_ratio * grid.size();
 }
@@ -209,7 +211,7 @@ class LevelSolver {
     }
     for (std::size_t row = 0; row < kernel_.grid().rows && bound_.size() > 1; ++row) {
       const auto bounds = bound_.subspan(row * kernel_.grid().columns, kernel_.grid().columns);
-      if (std::any_of(bounds.begin(), bounds.end(), [](double value) { return value > 0.0; })) {
+      if (std::any_of(bounds.begin(), bounds.end(), is_above_zero)) {
         contact_rows_.push_back(row);
       }
     }
@@ -231,8 +233,8 @@ class LevelSolver {
   ProjectedCgSolver& cg() { return cg_; }
   // Return whether the potential was recomputed exactly and no step was taken since then.
   bool is_exact() const { return is_exact_; }
-  // Return whether displacements are computed at selected points only.
-  bool selects_points() const { return selected_points_ != nullptr; }
+  // Return whether potentials are computed at all points with a bound above 0, if each point has its own bound.
+  bool has_all_potentials() const { return !selected_points_ || selects_all_points_; }
 
   // Update the free points, and select more points if the approach has become too large for the selection.
   double update_free_points() {
@@ -342,6 +344,7 @@ class LevelSolver {
     const Values pressure = cg_.pressure();
     std::vector<std::size_t> points =
         find_points([&](std::size_t i) { return pressure[i] > 0.0 || (gap_[i] < max_approach_ && bound_at(i) > 0.0); });
+    selects_all_points_ = std::cmp_equal(points.size(), std::count_if(bound_.begin(), bound_.end(), is_above_zero));
     selected_points_.reset();
     if (is_dense_kernel_faster(points.size(), kernel_.grid())) {
       selected_points_ = std::make_unique<DenseKernel>(influence_, kernel_.grid(), std::move(points));
@@ -364,6 +367,7 @@ class LevelSolver {
   std::vector<std::size_t> contact_rows_;
   std::optional<Preconditioner> preconditioner_;  // preconditioner of areas
   std::unique_ptr<DenseKernel> selected_points_;  // kernel of the points that can come into contact, if they are few
+  bool selects_all_points_ = false;               // true if all points with a bound above 0 are selected
   double max_approach_ = 0.0;                     // largest approach for which the selection is complete
   bool has_response_ = false;
   bool is_exact_ = false;
@@ -662,7 +666,7 @@ HalfSpaceSolution HalfSpaceSolver::solve_level(std::size_t level, std::vector<do
   }
   // On the coarser grids, transforms are as fast as dense matrices.
   const Grid& grid = grids_->levels()[level];
-  const auto num_loaded = std::count_if(start.begin(), start.end(), [](double value) { return value > 0.0; });
+  const auto num_loaded = std::count_if(start.begin(), start.end(), is_above_zero);
   const bool selects_points =
       level == 0 && !grid.line && !grid.periodic && is_dense_kernel_faster(static_cast<std::size_t>(num_loaded), grid);
   const Values influence = selects_points ? grids_->influence(pool) : Values();
@@ -693,7 +697,7 @@ HalfSpaceSolution HalfSpaceSolver::solve_level(std::size_t level, std::vector<do
   }
   const double approach = solver.cg().approach();
   HalfSpaceSolution solution{solver.cg().take_pressure(), approach, error, iterations, {}};
-  if (bound_.size() > 1 && solver.is_exact() && !solver.selects_points()) {
+  if (bound_.size() > 1 && solver.is_exact() && solver.has_all_potentials()) {
     const Values potential = solver.cg().potential();
     for (std::size_t i = 0; i < potential.size(); ++i) {
       if (bound_[i] > 0.0) {

@@ -81,7 +81,7 @@ struct HalfSpaceSolution {
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
   /// Gap plus displacement [µm] at the points with a bound above 0, if each point has its own bound.
-  /// The array is empty if the solver did not converge, or if it computed displacements with a dense matrix.
+  /// The array is empty if the solver did not converge, or if it computed the displacements of fewer points.
   std::vector<double> potential;
 };
 
