@@ -246,7 +246,7 @@ def test_value_computed_for_a_part_of_a_claim_equals_the_known_value():
     assert compute_part_value("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
 
 
-def test_parts_of_claims_have_test_data_that_make_them_true_and_test_data_that_make_them_false():
+def test_parts_of_claims_all_have_true_and_false_test_data():
     assert list(TRUE_AND_FALSE_DATA) == [part.name for part in CLAIM_PARTS]
 
 
@@ -300,7 +300,7 @@ def test_claims_are_judged_with_the_sliding_rule_and_mechanics_of_their_column()
         judge_claims(create_result(), sliding="all")
 
 
-def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_fractal_dimension():
+def test_verdict_is_undefined_if_the_range_of_a_claim_has_only_one_fractal_dimension():
     result = create_result().sel(fractal_dimension=slice(1.0, 1.501))
     verdicts_by_name = {outcome.part.name: outcome.verdict for outcome in judge_claims(result)}
     undefined_parts = {name for name, verdict in verdicts_by_name.items() if verdict == "undefined"}
@@ -312,14 +312,14 @@ def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_fractal_dimensio
     assert judge_part("4c", result).verdict == "undefined"
 
 
-def test_part_of_a_claim_is_undefined_by_confidence_bands_if_few_fractal_dimensions_have_friction():
+def test_verdict_by_confidence_bands_is_undefined_if_few_fractal_dimensions_have_friction():
     # Above D = 1.6, only one dimension is not self-locked.
     assert judge_part("3b", create_result(), interval_method="bands").verdict == "undefined"
     with pytest.raises(ValueError, match="interval_method"):
         judge_claims(create_result(), interval_method="means")
 
 
-def test_part_of_a_claim_is_undefined_if_there_are_no_values_in_most_of_its_range():
+def test_verdict_is_undefined_if_most_of_the_range_of_a_claim_has_no_values():
     # Friction is self-locked where the normal load is negative, which is at all D above 1.45.
     sum_functions = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
     outcomes_by_name = {outcome.part.name: outcome for outcome in judge_claims(create_result(**sum_functions))}

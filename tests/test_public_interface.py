@@ -520,7 +520,7 @@ def test_pair_function_and_pair_command_give_equal_results(command_result, funct
     assert (stored_result.value, stored_result.assessment) == (function_result.value, function_result.assessment)
 
 
-def test_command_at_reads_a_result_of_the_pair_function(function_result, surface_directory):
+def test_stiction_at_reads_a_result_of_the_pair_function(function_result, surface_directory):
     completed = check_stiction("at", "function", "--load", "10 MPa", cwd=surface_directory)
     assert f"{function_result.value:.2f}" in completed.stdout
 

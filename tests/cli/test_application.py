@@ -25,7 +25,7 @@ def run_shell_script(script, *arguments, cwd):
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=120, env=environment)
 
 
-def test_command_run_finishes_even_if_its_output_pipe_is_closed(tmp_path):
+def test_stiction_run_finishes_even_if_its_output_pipe_is_closed(tmp_path):
     completed = run_shell_script('"$@" | true', "run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path)
     assert completed.returncode == 0
     assert all(

@@ -64,7 +64,7 @@ LOAD_AND_PARAMETER_CASES = {
 
 
 @pytest.mark.parametrize("name", LOAD_AND_PARAMETER_CASES)
-def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(results_directory, name):
+def test_stiction_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(results_directory, name):
     options, loads, friction_parameters = LOAD_AND_PARAMETER_CASES[name]
     output_record = json.loads(get_stiction_output("at", name, *options, "--json", cwd=results_directory))
     stored_result = open_stored_result(results_directory / name)
@@ -90,7 +90,7 @@ def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(result
     assert expected_points[0].assessment in text
 
 
-def test_command_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_status(results_directory):
+def test_stiction_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_status(results_directory):
     record = json.loads(get_stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_directory))
     assert [(answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["points"]] == [(0.3, 0.0), (0.3, 0.02)]
     text = get_stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_directory)
@@ -109,7 +109,7 @@ def test_command_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_st
     [("study", ("--load", "1 N", "--d", "1.3")), ("maps", ("--load", "1 Pa")), ("maps", ("--load", "1 Pa,1 TPa"))],
 )
 @pytest.mark.parametrize("json_options", [(), ("--json",)])
-def test_command_at_rejects_loads_that_are_all_outside_the_computed_loads(
+def test_stiction_at_rejects_loads_that_are_all_outside_the_computed_loads(
     results_directory, name, options, json_options
 ):
     completed = call_stiction("at", name, *options, *json_options, cwd=results_directory)
@@ -118,7 +118,7 @@ def test_command_at_rejects_loads_that_are_all_outside_the_computed_loads(
 
 
 @pytest.mark.parametrize("more_options", [(), ("--scale-heights", "1")])
-def test_command_at_omits_loads_outside_the_computed_loads_with_a_warning(results_directory, more_options):
+def test_stiction_at_omits_loads_outside_the_computed_loads_with_a_warning(results_directory, more_options):
     arguments = ("at", "maps", *more_options, "--tau0", "0 MPa")
     completed = check_stiction(*arguments, "--load", "1 Pa,10 MPa", cwd=results_directory, without_figures=True)
     assert completed.stdout == get_stiction_output(*arguments, "--load", "10 MPa", cwd=results_directory)
@@ -126,7 +126,7 @@ def test_command_at_omits_loads_outside_the_computed_loads_with_a_warning(result
     assert "(1 Pa)" in completed.stderr
 
 
-def test_command_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_study(results_directory):
+def test_stiction_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_study(results_directory):
     record = json.loads(get_stiction_output("at", "maps", "--json", cwd=results_directory))
     study = open_stored_result(results_directory / "maps").study
     expected_conditions = [
@@ -141,7 +141,7 @@ def test_command_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_study
     assert {answer["at"]["mu0"] for answer in record["points"]} == set(friction.mu0)
 
 
-def test_command_at_prints_friction_in_the_direction_given_by_an_option(results_directory):
+def test_stiction_at_prints_friction_in_the_direction_given_by_an_option(results_directory):
     arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
     record = json.loads(get_stiction_output(*arguments, "--direction", "30", "--json", cwd=results_directory))
     assert "the upper body moves at 30°" in get_stiction_output(*arguments, "--direction", "30", cwd=results_directory)
@@ -151,7 +151,7 @@ def test_command_at_prints_friction_in_the_direction_given_by_an_option(results_
     assert record["points"][0]["rules"][0]["coefficient"]["value"] == pytest.approx(float(expected))
 
 
-def test_command_at_accepts_comma_separated_values_and_repeated_options(results_directory):
+def test_stiction_at_accepts_comma_separated_values_and_repeated_options(results_directory):
     arguments = ("at", "study", "--tau0", "0 MPa,100 MPa", "--json")
     record_of_lists = json.loads(
         get_stiction_output(
@@ -194,7 +194,7 @@ def test_command_at_accepts_comma_separated_values_and_repeated_options(results_
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),
     ],
 )
-def test_error_from_command_at_names_the_rejected_option(results_directory, arguments, expected_words):
+def test_error_from_stiction_at_states_the_rejected_option(results_directory, arguments, expected_words):
     assert_rejected(call_stiction("at", *arguments, cwd=results_directory), *expected_words)
 
 
@@ -301,7 +301,7 @@ def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_d
 
 @pytest.mark.usefixtures("disable_figures", "no_reports")
 @pytest.mark.parametrize("name", ["lines", "maps"])
-def test_command_run_adds_repetitions_to_a_result_directory(results_directory, name, tmp_path):
+def test_stiction_run_adds_repetitions_to_a_result_directory(results_directory, name, tmp_path):
     shutil.copytree(results_directory / name, tmp_path / name)
     num_repetitions = open_stored_result(tmp_path / name).study.ensemble.repetitions
     get_stiction_output(

@@ -853,7 +853,7 @@ def test_two_parts_of_a_run_by_the_pair_command_form_a_complete_result(scans_dir
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
-def test_command_run_rejects_a_changed_scan_file(scans_directory):
+def test_stiction_run_rejects_a_changed_scan_file(scans_directory):
     arguments = [
         "pair",
         "scan.npy",

@@ -184,7 +184,7 @@ JACKKNIFE_TOLERANCE = 1e-10
 
 @pytest.mark.parametrize("repetitions", [3, 8, 60])
 @pytest.mark.parametrize("dominates", [False, True])
-def test_intervals_of_means_at_loads_agree_with_a_jackknife_in_loops(repetitions, dominates):
+def test_intervals_of_means_at_loads_agree_with_a_slow_jackknife(repetitions, dominates):
     random = np.random.default_rng(repetitions)
     steps, num_curves, load = np.arange(1.0, 13.0)[:, np.newaxis], 2, 4.3
     normal = steps * random.gamma(2.0, 0.5, (num_curves, 1, repetitions))

@@ -93,12 +93,12 @@ def test_error_about_an_unknown_material_suggests_the_nearest_name(name, message
      ("siC", "SiC"), ("CrN", "a coating much thinner"), ("MoS2", "a coating much thinner"), ("TiC", "a coating much"),
      ("TiN coated steel", "a coating much thinner"), ("DLC coating", "a coating much thinner")],
 )  # fmt: skip
-def test_formula_that_differs_from_a_name_by_case_is_rejected(name, hint):
+def test_material_lookup_rejects_formulas_that_only_resemble_a_known_name(name, hint):
     with pytest.raises(ValueError, match=rf"must be the name of a known material, got '{name}'.*{hint}"):
         material(name)
 
 
-def test_formulas_and_words_in_their_usual_case_are_accepted():
+def test_material_lookup_accepts_formulas_and_words_in_their_usual_case():
     for name in ("Si", "SiC", "Si3N4", "WC", "Al2O3", "ZrO2", "DLC", "a-C:H", "ta-C", "100Cr6", "Ti-6Al-4V"):
         assert material(name)
     assert material("Tin") is material("tin") is material("TIN")

@@ -187,7 +187,7 @@ def test_estimated_solution_time_is_doubled_for_large_free_maps(tmp_path, monkey
     assert free_time == pytest.approx(ratio * periodic_time, rel=0.01)
 
 
-def test_estimated_iterations_of_soft_adhesive_maps_increase_with_the_side_above_256_points(tmp_path, monkeypatch):
+def test_estimated_iterations_of_soft_adhesive_maps_double_with_the_side_above_256_points(tmp_path, monkeypatch):
     soft = {"work_of_adhesion": "50 mJ/m^2", "effective_modulus": "1 kPa"}
     iterations = [
         estimate_member_iterations(create_half_space_study(tmp_path, monkeypatch, side**2, **soft))

@@ -54,7 +54,7 @@ def test_stored_onset_of_a_member_equals_onset_of_its_load_curve(study, result):
     assert not any(result[name].values[has_no_contact].any() for name in ONSET_QUANTITIES)
 
 
-def test_study_results_are_equal_with_and_without_onset(study, result):
+def test_computing_the_onset_of_sliding_leaves_other_study_results_unchanged(study, result):
     """With an onset, each pair is computed alone; otherwise pairs of several dimensions are computed together."""
     dataset_without_onset = run(study.with_changes({"contact.onset": None, "figures.draw": ["area"]})).dataset
     assert not set(ONSET_QUANTITIES) & set(dataset_without_onset.data_vars)

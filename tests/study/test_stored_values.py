@@ -78,7 +78,9 @@ IMPOSSIBLE_VALUES = [
 
 
 @pytest.mark.parametrize(("kind", "name", "change"), IMPOSSIBLE_VALUES)
-def test_block_with_impossible_values_is_rejected_with_the_name_of_the_variable(result_directories, kind, name, change):
+def test_stored_block_with_impossible_values_is_rejected_with_the_name_of_the_variable(
+    result_directories, kind, name, change
+):
     content = read_first_block(result_directories[kind])
     decode_members(content)
     with pytest.raises(DamagedFileError, match=name.removeprefix("@")) as caught:
@@ -90,7 +92,7 @@ MISSING_ATTRIBUTES = ["upper", "shape", "spacing_um", "upper_spacing_um", "lower
 
 
 @pytest.mark.parametrize("name", MISSING_ATTRIBUTES)
-def test_block_without_an_attribute_of_the_bodies_is_rejected(result_directories, name):
+def test_stored_block_without_an_attribute_of_its_surfaces_is_rejected(result_directories, name):
     stream = io.BytesIO(read_first_block(result_directories["maps"]))
     with h5py.File(stream, "r+") as file:
         del file.attrs[name]

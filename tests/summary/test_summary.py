@@ -223,7 +223,7 @@ def test_commands_info_and_at_report_the_same_assessment_and_caveats(
         ]
 
 
-def test_command_at_advises_against_quoting_a_result_from_few_contacts(tmp_path, monkeypatch, capsys):
+def test_stiction_at_advises_against_quoting_a_result_from_few_contacts(tmp_path, monkeypatch, capsys):
     study = Study.named("quick").with_changes({"ensemble.repetitions": 8, "surfaces.points": 3000})
     run(study, store=tmp_path / "study")
     capsys.readouterr()

@@ -185,7 +185,7 @@ def test_outlier_detection_finds_groups_of_at_most_four_points(size, is_outlier)
     assert find_outliers(heights)[group].any() == is_outlier
 
 
-def test_outliers_of_a_map_do_not_depend_on_which_axis_has_the_rows():
+def test_outliers_of_a_map_are_the_same_in_its_transpose():
     """A map is evaluated in strips of rows, which differ between a map and its transpose."""
     rng = np.random.default_rng(11)
     heights = np.cumsum(np.cumsum(rng.normal(size=(40, 3000)), axis=0), axis=1)
