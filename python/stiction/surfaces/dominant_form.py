@@ -43,9 +43,9 @@ class DominantStep(NamedTuple):
 
 
 def measure_parabola_fraction(body: Surface) -> float:
-    """Return the fraction of the mean square height due to a parabola, or 0 unless the parabola dominates other terms.
+    """Return the fraction of the mean square height due to a parabola, or 0 if cubic and quartic terms are large.
 
-    The heights are measured from the least-squares plane. Cubic and quartic terms are compared with the parabola.
+    The heights are measured from the least-squares plane.
     """
     blocks = _average_blocks(body)
     if blocks is None:

@@ -84,7 +84,7 @@ def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _In
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return the saddles between hills (a maximum spanning tree), highest first: two hills and a rank for each."""
+    """Return the maximum spanning tree of the hills: two hills and the rank of their saddle, highest saddle first."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 

@@ -349,8 +349,8 @@ def _solve_constant_terms(
 ) -> Floats:
     """Solve for the constant term of every local polynomial by Gaussian elimination of the other terms.
 
-    The weighted mean is returned at points where the equations are singular, and the height at points without measured
-    points within reach.
+    Where the equations are singular, the result is the weighted mean of the heights. Where no measured point is within
+    reach, it is the height of the point.
     """
     term_indices = range(len(basis))
     total = np.where(moments[basis[0]] > _MIN_WEIGHT_COVERAGE, moments[basis[0]], 1)

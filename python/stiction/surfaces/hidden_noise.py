@@ -44,8 +44,8 @@ class HiddenNoise:
 def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> HiddenNoise | None:
     """Estimate the white noise that the spectrum of a scan may hide.
 
-    The spectra of the lines, at wavelengths of 2 to 16 points, are fitted by power laws with a common floor. Aliased
-    roughness, of a surface sampled at points that are far apart, flattens a spectrum in the same way.
+    The spectra of the lines, at wavelengths of 2 to 16 points, are fitted by power laws with a common floor. Roughness
+    that is aliased by a coarse spacing flattens a spectrum in the same way.
 
     Returns
     -------

@@ -110,7 +110,7 @@ class HurstEstimate(TableReprMixin):
     lower, upper : float
         95 % interval. It includes the uncertainty of the end of the roll-off unless the band was given.
     shortest_wavelength, longest_wavelength : float, µm
-        Ends of the fitted band.
+        Limits of the fitted band.
     harmonics : int
         Number of harmonics of the profile, or of wave vectors of the surface, in the band.
     prefactor : float
@@ -325,7 +325,7 @@ def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats,
 
 
 def _areal_harmonics_to_fit(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return wave numbers, densities multiplied by wave number, and the scale (µm) that normalises the heights."""
+    """Return wave numbers of a surface, densities times wave number, and the scale (µm) that normalises the heights."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights

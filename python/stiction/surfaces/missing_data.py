@@ -69,7 +69,7 @@ def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
 
 
 def compute_scattered_missing_fraction(missing: NDArray[np.bool_]) -> float:
-    """Return the fraction of all points that are missing between two measured points along at least one axis."""
+    """Return the fraction of points that are missing while both neighbours along x, or both along y, are measured."""
     is_between = np.zeros(missing.shape, np.bool_)
     for axis in range(missing.ndim):
         lines, between = np.moveaxis(missing, axis, -1), np.moveaxis(is_between, axis, -1)

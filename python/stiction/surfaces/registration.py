@@ -66,10 +66,11 @@ class _FacePosition:
 
 
 def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
-    """Return the overlapping parts of two facing bodies where they fit best, and the registration with that position.
+    """Return the overlapping parts of two facing bodies at the position of their best fit, and the registration.
 
     The spacings of both bodies must be equal. The upper face is rotated (maps only), shifted, and tilted so that the
-    gap has no slope on average. It is interpolated by a cubic spline unless it fits at whole points without a rotation.
+    gap has no slope on average. The upper face is interpolated by a cubic spline, unless it fits after a shift by whole
+    points without a rotation.
     """
     rms_gap_before = _measure_rms_gap(*_cut_overlap(upper, lower, (0,) * lower.heights.ndim))
     factor = _find_coarsening(upper, lower)
@@ -95,7 +96,7 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
 def measure_fit(upper: Any, lower: Any) -> float:
     """Return the correlation of the slopes of two facing bodies at the shift at which they fit best.
 
-    It is 0 for periodic textures, which fit at several shifts, and for faces with few points.
+    The correlation is 0 for periodic textures, which fit at several shifts, and for faces with few points.
     """
     factor = _find_coarsening(upper, lower)
     coarse_upper, coarse_lower = _coarsen(upper, factor), _coarsen(lower, factor)
@@ -250,7 +251,7 @@ def _shift_to_steps(shift: tuple[float, ...], upper: Any, lower: Any) -> list[fl
 
 
 def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) -> _FacePosition:
-    """Return a position found with coarse bodies, relative to the middles of the full bodies."""
+    """Convert a position found with coarse bodies to a position relative to the middles of the original bodies."""
     shift = tuple(
         distance + (count % factor - other % factor) / 2 * spacing
         for distance, count, other, spacing in zip(
@@ -290,7 +291,7 @@ def _interpolate(upper: Any, distances: list[Floats], rotation: float) -> tuple[
 
 
 def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tuple[Any, Any]:
-    """Return the upper face, interpolated at the points of the lower face, and the lower face, where they overlap.
+    """Return both faces on their overlap. The upper face is interpolated at the points of the lower face.
 
     The overlap of maps is the largest rectangle within the rotated upper face, cut by the sides of the lower face.
     """
@@ -375,7 +376,7 @@ def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
 
 
 def _estimate_noise(gap: Any) -> float:
-    """Return the noise (µm) of a gap, from its fourth differences along the last axis, or 0 if it has none.
+    """Return the rms noise (µm) of a gap from fourth differences along its last axis, or 0 for too few points.
 
     Fourth differences of noise that is independent from point to point have 70 times its variance.
     """

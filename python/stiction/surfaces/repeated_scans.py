@@ -146,7 +146,7 @@ def compare_repeated_scans(
     trend: Any = "line" if body_class is Profile else "plane"
 
     def resample(bodies: Sequence[Any], shift: Floats) -> list[Floats]:
-        """Return the heights of both scans in their overlap, each after levelling."""
+        """Return the levelled heights of both scans in their overlap."""
         heights, other_heights = (levelled(body, trend).heights for body in bodies)
         return [
             levelled(body_class(values, spacing=first.spacing), trend).heights

@@ -166,8 +166,8 @@ def surface_parameters(
     parameters : SurfaceParameters
         Parameters with the names of ISO 25178-2, in µm and its powers, angles in degrees. Sal is NaN if the
         autocorrelation does not decrease to 0.2 within half of the surface. Str is NaN if this happens in any
-        direction; Str is then below Sal over half of the shorter side. S5p, S5v and S10z are NaN if there are fewer
-        than five peaks or pits.
+        direction; its value is then below the ratio of Sal to half of the shorter side. S5p, S5v and S10z are NaN if
+        there are fewer than five peaks or pits.
 
     Raises
     ------
@@ -337,7 +337,7 @@ def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> floa
 
 
 def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[float, float]:
-    """Return the shortest and the longest decay length: the distance at which the autocorrelation falls to 0.2.
+    """Return the shortest and the longest distance, over all directions, at which the autocorrelation falls to 0.2.
 
     Both are NaN if the autocorrelation does not fall to 0.2.
     """
@@ -345,8 +345,7 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
     max_shift = [points // 2 for points in deviation.shape]
     # Half of the directions are enough, because opposite directions have equal autocorrelations.
     angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
-    # Search in steps of half the smaller grid spacing.
-    # In each direction, the search ends at a shift of half the length of the surface along x or y.
+    # Search in steps of half the smaller grid spacing, up to half the side length along each axis.
     points_per_length = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))
     with np.errstate(divide="ignore"):
         max_distance = np.min(np.array(max_shift)[:, np.newaxis] / points_per_length, axis=0)

@@ -74,7 +74,7 @@ LimitOrigin = Literal["instrument", "unknown"]
 LineAxis = Literal["", "x", "y"]
 
 LineSpectrum = tuple[Floats, Floats, Floats, float]
-"""Wave numbers, densities, numbers of independent values, and the spacing of the points."""
+"""Spectrum of lines: wave numbers, densities, numbers of independent values, and the spacing of the points."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -572,17 +572,17 @@ def _independent_line_counts(transform: NDArray[np.complex128], *, periodic: boo
 
 
 def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
-    """Compare the noise of lines along x with the noise of lines along y. At least one of both must contain noise.
+    """Compare the noise of lines along x with the noise of lines along y. At least one set of lines must contain noise.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
     Returns
     -------
     is_common : bool
-        Whether the noise is found along both axes with about the same density.
+        True if noise is found along both axes with about the same density.
     hidden : float
-        Mean square slope along the other axis of noise that is found along one axis only, because rougher lines hide
-        it. 0 if the spectrum along the other axis is too low to contain this noise, or if neighbouring lines share
+        For noise that is found along one axis only: its mean square slope along the other axis, where rougher lines
+        hide it. 0 if the spectrum along the other axis is too low to contain this noise, or if neighbouring lines share
         their noise, like rows with offsets.
     """
     axis = int(np.nanargmax(noise_wavelengths))

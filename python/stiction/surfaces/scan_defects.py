@@ -47,7 +47,7 @@ _MIN_DEEP_SPIKE_RATIO = 2.0  # minimum height of a wide spike or a dip of a prof
 MIN_ROUGHNESS_RATIO = 1e-6
 
 MIN_LAY_RATIO = 2.0
-"""Ratio of the rms slopes across and along the lay of a map above which its orientation matters.
+"""Ratio of the rms slopes across and along the lay of a map above which the orientation of the map matters.
 
 The ratio is at most 1.2 for isotropic maps with 64 x 64 points.
 """
@@ -320,9 +320,9 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
 def find_scan_defects(
     body: Profile | Surface, tip_radius: float | None, *, textured: bool, periodic: bool = False
 ) -> ScanDefects:
-    """Return the defects of a scan, which are shared by a pair, its alternative preparations and its caveats.
+    """Return the defects of a scan. A pair, its alternative preparations and its caveats share the same object.
 
-    They are cached as an attribute of the body, so that the memory of both is released together.
+    The defects are cached as an attribute of the body, so that the memory of both is released together.
     """
     cached_defects: dict[tuple[float | None, bool, bool], ScanDefects] = vars(body).setdefault("_defects", {})
     options = tip_radius, textured, periodic

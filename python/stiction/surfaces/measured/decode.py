@@ -31,7 +31,7 @@ The last encoding cannot fail.
 _ENCODING_HINT_PATTERN = re.compile(
     "[µμ]m|[㎛㎚㎜]|単位|高さ|横|縦|位置|データ|幅|单位|高度|水平|垂直|校准|높이|단위|너비|\\bHöhe\\b|\\bÅ\\b|°"
 )
-"""Words by which an encoding is recognised."""
+"""Units and words whose presence shows that a text was decoded with the right encoding."""
 
 MISSING_POINT_WORDS = (
     "nan", "-nan", "n/a", "#n/a", "#wert!", "#value!", "null", "none", "bad", "no data", "nodata", "invalid", "void",

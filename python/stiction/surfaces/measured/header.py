@@ -195,9 +195,9 @@ _SLOPE_LINE_PATTERN = re.compile(
     re.IGNORECASE,
 )
 _SLOPE_NAME_PATTERN = re.compile(r".*(?<![^\W_])slopes?(?![^\W_]).*(?<![^\W_])(?:micro|milli|[nuµm])?rad\w*\b.*", re.I)
-"""Patterns of a header line, and of the line above the numbers, by which they are slopes."""
+"""Patterns of a header line, and of the line above the numbers, that declare the numbers of a file to be slopes."""
 _SLOPE_VALUE_PATTERN = re.compile(r"[:=(]\s*[-+]?[0-9]")
-"""Pattern in a line with the value of a slope, which does not say that the numbers of the file are slopes."""
+"""Pattern of a value in a header line. A line with the value of a slope does not declare the numbers to be slopes."""
 
 _NON_POSITION_NAME_PATTERN = re.compile(
     r"(?<![^\W_])(?:(wave[ _-]?(?:lengths?|numbers?|vectors?)|wellenlängen?|lambda|λ|frequenc(?:y|ies)|frequenz(?:en)?|"
@@ -391,7 +391,7 @@ def _list_plain_units(lines: Sequence[str]) -> list[tuple[str, str]]:
 def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -> tuple[str | None, str]:
     """Return the unit of the heights and the line that declares it. An unknown unit is returned unchanged.
 
-    With `has_size`, the header declares the size of a map, and "Height 10 um" is a part of it.
+    With `has_size`, the header declares the size of a map, and "Height 10 um" is a part of this size.
     """
     plain_units = dict(_list_plain_units(lines))
     if len({parse_length_unit(unit) or unit for unit in plain_units}) > 1:  # one unit per quantity or column

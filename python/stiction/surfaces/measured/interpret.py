@@ -557,7 +557,7 @@ class _PositionResolution:
 def _find_worst_unexplained_deviation(
     x: Floats, spacing: float, digit: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Call `_find_worst_position_deviation`. The printed digits are counted only if some deviation is not round-off."""
+    """Call `_find_worst_position_deviation`. Printed digits are counted only if a deviation exceeds round-off."""
     if _find_worst_position_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
     return _find_worst_position_deviation(x, spacing, digit.values, slack)

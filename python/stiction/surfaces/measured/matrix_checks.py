@@ -94,8 +94,8 @@ def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -
 def find_grid_columns(values: Floats) -> tuple[int, int] | None:
     """Return two columns that are the coordinates of the points of a grid, or None.
 
-    The points are different, fill at least half of the grid, and are listed line by line, unless they fill all of it.
-    Other columns, such as point numbers or colours, may stand before, between and behind these columns.
+    The points are different and fill at least half of the grid. If they do not fill all of it, they are listed line by
+    line. Other columns, such as point numbers or colours, may stand before, between and behind these columns.
     """
     rows, count = values.shape
     if count < 3 or rows < MIN_GRID_POINTS:
@@ -120,7 +120,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
 
 
 def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> str | None:
-    """Describe a column that cannot contain heights: integers or equal numbers among others, or a unit vector."""
+    """Describe a column that cannot contain heights: only integers, only equal numbers, or part of a unit vector."""
     rows, count = values.shape
     if count > MAX_POINT_COLUMNS or rows < max(MIN_POINT_ROWS, 3 * count) or np.isnan(values).any():
         return None
@@ -141,7 +141,7 @@ def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> s
 
 
 def _find_statistics(values: Floats) -> str | None:
-    """Describe rows or columns at a side of a matrix that are statistics of all others, or return None."""
+    """Describe rows or columns at a side of a matrix with statistics of all other rows or columns, or return None."""
     for axis, kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered in (("last", lines), ("first", lines[::-1])):
@@ -155,7 +155,7 @@ def _find_statistics(values: Floats) -> str | None:
 
 
 def _find_statistic_name(lines: Floats, count: int) -> str | None:
-    """Return the name of the statistic in the last line, which is computed from all but the last `count` lines."""
+    """Return the name of the statistic of all but the last `count` lines that the last line contains, or None."""
     heights, last = lines[:-count], lines[-1]
     if not np.isfinite(lines).all():
         return None
@@ -172,7 +172,7 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
 def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
     """Return a caveat if heights may continue from the end of each line to the next line, like one long profile.
 
-    In a matrix, the end of a row is far from the start of the next row, but close to it in a profile.
+    The end of a row is usually far from the start of the next row in a matrix, but close to it in a wrapped profile.
     """
     lines, count = values.shape
     if count > MAX_WRAPPED_COLUMNS or lines < MIN_WRAPPED_LINES or count < 3:

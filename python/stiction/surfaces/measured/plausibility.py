@@ -124,8 +124,8 @@ def _to_number_in_file(height: float, scan: ScannedHeights) -> float:
 def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, float]]:
     """Return suspected codes for missing points among the extreme heights, with their counts and distances.
 
-    Several codes may be at the same end, and their distances from each other are not limited. The distance of codes
-    in a file from the other heights may be smaller if each code repeats or is a known code.
+    Several codes may be at the same end of the height range, and their distances from each other are not limited. The
+    distance of codes in a file from the other heights may be smaller if each code repeats or is a known code.
     """
     heights, extremes = scan.non_missing_heights, scan.extremes
     if heights.size < 2 * MIN_DISTINCT_HEIGHTS:
@@ -345,7 +345,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
     """Find heights with a much larger range than the header declares, or with the declared range in another unit.
 
-    A declared range that is larger in another ratio may be the range of the instrument.
+    A declared range that is larger by any other factor may be the measuring range of the instrument.
     """
     if not scan.declared_range or not scan.height_range:
         return

@@ -344,7 +344,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the first number of a column has fewer decimals than the rest, or the last counts the rest."""
+    """Return a caveat if the first number has fewer decimals than all others, or if a last number counts the others."""
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1
@@ -425,8 +425,9 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
 def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex] | None) -> ColumnTable:
     """Remove columns of words. In rows with a word for missing points, replace the heights by NaN.
 
-    If all words of a column are one unit of length, this is the unit of the column before it.
-    Raises `FormatError` unless the caller gave such a word for each of these columns, or chose the columns.
+    If all words of a column are one unit of length, this is the unit of the column before it. Raises `FormatError` for
+    a column that has neither a unit nor one of the caller's words for missing points, unless the caller chose the
+    columns.
     """
     word_places, numbers = [column.place for column in table.word_columns], _column_numbers(table)
     other_places = [place for place in range(table.values.shape[1]) if place not in word_places]

@@ -1,6 +1,6 @@
 """Spacings and sizes of a scan in the lines of its header.
 
-A spacing is used only if its line is understood to the end: a number with a unit of length, and perhaps the axis or the
+A spacing is used only if its line contains nothing but a number with a unit of length, and perhaps the axis or the
 points to which it applies. ``Pixel size: 0.5 µm`` is the spacing of a map, ``Pitch: 0.25 mm`` may be that of a grating,
 and ``Spacing 2 mm between tracks`` is another length.
 """

@@ -305,8 +305,8 @@ def parse_number_block(
     """Parse the numbers of a run of lines as a matrix.
 
     Lines of at most `MAX_COUNT_LINE_CELLS` cells at the beginning are sizes and counts, and are skipped. Other lines
-    with an unusual number of cells are rejected. Missing cells are filled with NaN if only the height at a position is
-    missing and, with `ragged`, at the end of a table.
+    with an unusual number of cells are rejected. Missing cells are filled with NaN in two cases: if only the height at
+    a position is missing, and, with `ragged`, at the end of a table.
     """
     lines = _find_row_lines(text, first, last, dialect)
     if not lines.size:
@@ -436,7 +436,7 @@ _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # pattern of a numb
 
 
 def _has_adjacent_dashes(blob: bytes) -> bool:
-    """Return whether a text contains two adjacent dashes. Pairs of bytes are compared faster than a search for both."""
+    """Return whether a text contains two adjacent dashes. Comparing pairs of bytes is faster than a text search."""
     pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first) // 2, first) for first in (0, 1))
     return len(blob) >= 2 and any((pair == _DASH_PAIR).any() for pair in pairs)
 

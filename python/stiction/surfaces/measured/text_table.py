@@ -106,7 +106,8 @@ def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
 def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], block: NumberBlock) -> None:
     """Raise `FormatError` if a row of two cells above a block contains a position of the same profile.
 
-    Such a row is separated from the block by words, and its position precedes those of the block by whole steps.
+    Such a row is separated from the block by words, and its position precedes the first position of the block by whole
+    steps.
     """
     start = int(block.lines[0])
     if block.values.shape != (block.lines.size, 2) or block.lines.size < 2:
@@ -194,7 +195,7 @@ def _find_cut_number(block: NumberBlock) -> tuple[FileCaveat, ...]:
 
 
 def _find_units(words: Iterable[str]) -> tuple[str, ...]:
-    """Return the different units of length in a column of words that contains only such units."""
+    """Return the different units of length in a column of words, or an empty tuple if the column has other words."""
     units = [parse_length_unit(word) for word in words]
     return tuple({LENGTH_UNITS[unit]: unit for unit in units if unit}.values()) if all(units) else ()
 
