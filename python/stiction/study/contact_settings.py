@@ -338,7 +338,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
 
 
 class MeasuredLineContactSettings(MeasuredSurfaceContactSettings):
-    """Keys of the section `[contact]` for measured profiles and lines of maps, which slide in both directions."""
+    """Keys of the section `[contact]` for measured profiles and scan lines, which slide in both directions."""
 
     place: ClassVar[str] = "measured lines"
 
@@ -507,7 +507,7 @@ class AsperityModelSettings(CommonContactSettings):
 
 
 class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceContactSettings):
-    """Keys of the section `[contact]` for generated surfaces and the asperity model. They prescribe approaches."""
+    """Keys of the section `[contact]` for generated surfaces and the asperity model. The keys prescribe approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
 
@@ -559,7 +559,7 @@ class GeneratedMapAsperitySettings(GeneratedSurfaceAsperitySettings):
 
 
 class MeasuredLineAsperitySettings(AsperityModelSettings, MeasuredLineContactSettings):
-    """Section `[contact]` of the asperity model for measured lines."""
+    """Section `[contact]` of the asperity model for measured profiles and scan lines of maps."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
@@ -587,7 +587,7 @@ class GeneratedMapHalfSpaceSettings(HalfSpaceSettings, GeneratedSurfaceLoadSetti
 
 
 class MeasuredLineHalfSpaceSettings(HalfSpaceSettings, MeasuredLineContactSettings):
-    """Section `[contact]` of the half-plane model for measured lines."""
+    """Section `[contact]` of the half-plane model for measured profiles and scan lines of maps."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
@@ -702,8 +702,8 @@ def choose_load_steps(
 ) -> Floats:
     """Return the given loads of a measured pair, and additional loads (mN) at which the contacts are computed.
 
-    All loads are below `max_load` (mN). For areas, `num_smaller` loads are below the given loads, and the ratio of
-    successive loads is at most `MAX_AREAL_LOAD_RATIO`.
+    All loads are below `max_load` (mN). For height maps, `num_smaller` loads are below the given loads, and the ratio
+    of successive loads is at most `MAX_AREAL_LOAD_RATIO`.
     """
     given_loads = np.atleast_1d(float_array("loads", loads))
     if not given_loads.size or not (given_loads > 0).all():

@@ -239,7 +239,7 @@ class InterfaceStrength:
     def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
         """Pairs of mu0 and tau0 samples (GPa). In each pair, a parameter whose interval includes 0 is set to 0.
 
-        The shift does not change the sum mu0 + tau0 A/F at the A/F of the tests.
+        The other parameter is shifted so that the sum mu0 + tau0 A/F at the A/F of the tests does not change.
         """
         fit = self.fits[0]
         area_per_load = fit.area_per_load

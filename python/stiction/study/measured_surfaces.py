@@ -147,7 +147,7 @@ MAX_RELATIVE_POSITIONS = 100_000  # maximum number of positions for a pair of li
 
 
 class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
-    """Keys of `[surfaces]` for lines from two measured files. Each upper line slides along a lower line."""
+    """Keys of `[surfaces]` for profiles or scan lines from two files. Upper profiles slide along lower profiles."""
 
     place: ClassVar[str] = "lines of measured files"
     pressed: ClassVar[str] = "Profiles"
@@ -195,7 +195,7 @@ class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> LineMemberSource:
-        """Return members that consist of lines from both scans or from their surrogates, at several positions."""
+        """Return members that consist of profiles or scan lines, or of their surrogates, at several positions."""
         upper, lower = self.filter_scans(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))

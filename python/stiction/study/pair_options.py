@@ -177,7 +177,7 @@ class PairProperties(Protocol):
 
     @property
     def press_mode(self) -> str:
-        """Bodies that are pressed: "areas" of maps, "lines", or "surrogates"."""
+        """Bodies that are pressed: "areas" (whole maps), "lines" (profiles or scan lines), or "surrogates"."""
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
@@ -271,7 +271,7 @@ def has_several_line_pairs(pair: PairProperties) -> bool:
 
 @make_condition("is for lines; for maps give {lines} as well")
 def presses_lines(pair: PairProperties) -> bool:
-    """Return whether lines are pressed, rather than areas."""
+    """Return whether profiles or scan lines are pressed, rather than whole maps."""
     return pair.press_mode == "lines"
 
 
@@ -283,19 +283,19 @@ def presses_lines_of_maps(pair: PairProperties) -> bool:
 
 @make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairProperties) -> bool:
-    """Return whether two height maps are pressed over their area."""
+    """Return whether two height maps are pressed as maps, not line by line."""
     return pair.press_mode == "areas"
 
 
 @make_condition("is for areas; lines are always moved in both directions")
 def presses_maps_or_surrogates(pair: PairProperties) -> bool:
-    """Return whether height maps are pressed over their area, measured ones or surrogates."""
+    """Return whether height maps, measured or surrogates, are pressed as maps, not line by line."""
     return pair.press_mode != "lines"
 
 
 @make_condition("is for lines, or for the areas of two maps")
 def presses_scans(pair: PairProperties) -> bool:
-    """Return whether the scans themselves are pressed, as lines or areas, rather than surrogates."""
+    """Return whether the scans themselves are pressed, as maps or line by line, rather than surrogates."""
     return pair.press_mode != "surrogates"
 
 

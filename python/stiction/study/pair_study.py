@@ -269,7 +269,7 @@ class MeasuredPair:
 
     @property
     def press_mode(self) -> str:
-        """Bodies that are pressed: "areas" of maps, "lines", or "surrogates"."""
+        """Bodies that are pressed: "areas" (whole maps), "lines" (profiles or scan lines), or "surrogates"."""
         if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
         return "areas" if self.are_maps and self.options.lines is None else "lines"
@@ -362,7 +362,7 @@ class MeasuredPair:
 
     @cached_property
     def half_space_inputs(self) -> Inputs:
-        """Inputs of half-spaces without adhesion and growth: mu0, tau0, elastic constants and hardness.
+        """Inputs of half-spaces without adhesion or junction growth: mu0, tau0, elastic constants and hardness.
 
         With an interface, mu0 and tau0 are its medians.
         """
@@ -483,7 +483,8 @@ class MeasuredPair:
     def preview_study(self) -> Study | None:
         """Study that uses the asperity model to preview the pair.
 
-        None if lines are pressed, if points are masked, or if the result itself uses the asperity model.
+        None if profiles or scan lines are pressed, if points are masked, or if the result itself uses the asperity
+        model.
         """
         if self.press_mode == "lines" or self.contact_models[0] == "asperities" or self.has_masked_points:
             return None
@@ -787,7 +788,7 @@ class MeasuredPair:
 
     @property
     def _area_loss(self) -> InputValue | None:
-        """Fraction of the true area that is lost under shear, or None if no fraction is given or usual."""
+        """Fraction of the true area that is lost under shear; None without a given fraction, except for soft bodies."""
         value: Any = self.options.area_loss
         if self._hardness is not None:
             if value is not None:

@@ -712,8 +712,8 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
     """List the differences between two studies that affect their members.
 
     Members depend on the central values of inputs, but not on their ranges. They do not depend on the section
-    `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. Elastic
-    areas are stored for any exponent of the yielding area.
+    `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. If bodies
+    yield, the stored elastic areas serve every exponent of the yielding area.
     """
     has_same_areas = (first.contact.yield_exponent is None) == (second.contact.yield_exponent is None)
     ignored_keys = (
