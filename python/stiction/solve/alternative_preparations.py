@@ -44,8 +44,8 @@ and in 31 % after the tip reconstruction alone.
 def build_alternative_study(study: Study, name: AlternativeName) -> Study:
     """Return a copy of a study of measured surfaces with an alternative preparation of the scans.
 
-    Outliers are masked in all alternatives, because a tip correction would broaden downward spikes. Where the study
-    cannot have missing points, the heights of outliers are interpolated.
+    Outliers are masked in all alternatives, because a tip correction would broaden downward spikes. In a study that
+    does not allow missing points, the heights of outliers are interpolated.
     """
     surfaces: Any = study.surfaces
     allows_missing_points = (

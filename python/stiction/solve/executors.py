@@ -140,7 +140,7 @@ def _can_be_copied() -> bool:
 def _send_value(function: Callable[[], Any], receiver: Connection, sender: Connection) -> None:
     """Send the value of a function. After an error or Ctrl-C, end without a value and without a message.
 
-    The copy also ends if the other process is killed.
+    The copy also ends if the original process is killed.
     """
     ctypes.CDLL(None).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -68,7 +68,7 @@ STIFFNESS_DIFFERENCE_STEP = 0.02
 """Half width of the finite difference that gives the stiffness of asperities, relative to the approach."""
 
 LOAD_JUMP_DISTANCE = 1e-11
-"""Relative distance of an approach from the jump of the load that follows.
+"""Relative distance of an approach from the next jump of the load.
 
 The distance exceeds the tolerance of `find_approaches_at_loads`.
 """
@@ -379,7 +379,7 @@ MEMBER_TIME_COEFFICIENTS = {
 
 "onset" is the time of one onset of sliding. "profile", "asperities" and "point" are times per grid point of generated
 profiles, of generated areas, and of measured areas with the asperity model. "area" and "line" are times per load of
-asperities on measured areas and lines. "half-space" and "half-plane" are times per load in addition to the time of the
+asperities on measured maps and lines. "half-space" and "half-plane" are times per load in addition to the time of the
 solution.
 """
 
@@ -603,8 +603,8 @@ def _list_loading_steps(contact: Any) -> Floats:
 def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, ArraysByName]]:
     """Compute contact sums of profiles with the asperity model. Several fractal dimensions are computed together.
 
-    The arrays have the shape (dimensions, amplitudes, rules, steps), with a single rule for quantities that do not
-    depend on the motion.
+    The arrays have the shape (fractal dimensions, amplitudes, sliding rules, steps), with a single rule for quantities
+    that do not depend on the motion.
     """
     surfaces: Any = study.surfaces
     steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)

@@ -283,7 +283,7 @@ class StoredResult:
 
     @cached_property
     def _checked_blocks(self) -> set[BlockFile]:
-        """Blocks that have been checked as a whole. Their variables can be decoded individually."""
+        """Blocks whose study has been checked, so that single variables can be decoded without another check."""
         return set()
 
     def _read_block(self, block: BlockFile) -> BlockFileContent:
@@ -298,7 +298,7 @@ class StoredResult:
         return content
 
     def _read_checked_block(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
-        """Return the named arrays of a block that has been checked before."""
+        """Return the named arrays of a block whose study has been checked."""
         numbers = np.arange(block.first, block.last + 1)
         shapes = {name: spec.shape for name, spec in variable_specs(self.study, numbers, names).items()}
         with self._convert_read_errors(block), _open_netcdf(self._read_block_bytes(block)) as file:
@@ -651,7 +651,7 @@ def check_unused(path: Path, claim: DirectoryClaim) -> None:
 
 
 def _contains_study(path: Path, study: Study, *, repetitions_may_differ: bool = False) -> bool:
-    """Return whether the directory contains the given study. An unreadable or empty study file contains none."""
+    """Return whether the directory contains the given study. An unreadable or empty study file contains no study."""
     try:
         stored_study = _read_study_file(path)
     except (OSError, ValueError):
