@@ -30,8 +30,8 @@ def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 
-    Fitted to mean plus two standard deviations of ln κ: 0.6 with 2 contacts, 0.35 with 5, 0.2 with 16 and 0.1 with 40.
-    The pairs had Hurst exponents of 0.4 and 0.8, and shortest wavelengths of 32 and of 4 points.
+    The factor was fitted to the mean plus two standard deviations of ln κ: 0.6 with 2 contacts, 0.35 with 5, 0.2 with
+    16 and 0.1 with 40. The pairs had Hurst exponents of 0.4 and 0.8, and shortest wavelengths of 32 and of 4 points.
     """
     return np.asarray(np.exp(np.maximum(1 / np.sqrt(np.maximum(contact_count, 1)), MIN_LOG_KAPPA_SPREAD)))
 
@@ -129,7 +129,7 @@ def friction_range_for_finer_scans(
 ) -> tuple[float, float]:
     """Return the range of mu_s that finer scans of a yielding pair can give if friction acts at all contacts.
 
-    `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper end is computed from `value`, or from `upper` if
+    `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper limit is computed from `value`, or from `upper` if
     given.
     """
     highest_friction = value if upper is None else upper

@@ -42,7 +42,7 @@ class Candidates:
     Attributes
     ----------
     index : (c,) ndarray of int
-        Grid point to the left of the minimum, or on surfaces below it to the left, counted row by row.
+        Grid point to the left of the minimum, or to the lower left of it on surfaces, counted row by row.
     position : (c, 3) ndarray, µm
         Position on the lower surface.
     gap : (c,) ndarray, µm

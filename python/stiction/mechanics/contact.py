@@ -30,8 +30,8 @@ class Contacts(TextReprMixin):
     Attributes
     ----------
     index : (c,) ndarray of int
-        Grid point of the contact: its cell ("cell"), or the point to its left ("gap-minimum"). On surfaces the point
-        below it to the left, counted row by row.
+        Grid point of the contact: its cell ("cell"), or the point to its left ("gap-minimum"). On surfaces the point to
+        its lower left, counted row by row.
     centre : (c, 3) ndarray, µm
         Centre of the contact.
     normal : (c, 3) ndarray

@@ -231,7 +231,7 @@ class OnsetState:
     ----------
     plastic_coefficient : float or array
         Friction coefficient if all contacts yield. NaN at seizure and for elastic contacts. Where almost no
-        contact yields, the shear strength of the softer body does not limit it.
+        contact yields, the shear strength of the softer body does not limit this coefficient.
     area : array, µm²
         True area; infinite at seizure, which includes junctions that cannot carry the load on the nominal area.
     friction_fraction : array
@@ -529,7 +529,8 @@ def choose_statuses(
 ) -> NDArray[Any]:
     """Return the status of each curve, ensemble or member. The boolean arguments are broadcast against each other.
 
-    `locked` refers to the last step. `below` means that the first step already supports more than the load.
+    `locked` refers to the last loading step. `below` means that the first loading step already supports more than the
+    load.
     """
     conditions_by_priority: list[tuple[ArrayLike, Status]] = [
         (np.logical_not(touched), STATUS_NO_CONTACT), (reached, STATUS_OK), (below, STATUS_BELOW_RANGE),

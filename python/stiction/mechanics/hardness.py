@@ -38,7 +38,8 @@ def size_effect_factor(length: ArrayLike, depth: ArrayLike, indent: ArrayLike = 
     depth : array_like of float, µm
         Depth of an indentation that corresponds to the contacts, as `estimate_indentation_depth` returns.
     indent : array_like of float, µm
-        Depth of the indentation. By default, it is so large that its hardness does not depend on its size.
+        Depth of the indentation that measured the hardness. By default, it is so large that the hardness does not
+        depend on its size.
 
     Examples
     --------

@@ -134,7 +134,7 @@ class SurfacePair:
         tau0: float,
         model: ContactModel,
     ) -> Floats:
-        """Find the approach that supports each load. F_N is too small at the lower limit but not at the upper limit."""
+        """Find the approach that supports each load. F_N is below the load at `lower_approaches` only."""
         arguments = {"loads": loads, "left": lower_approaches, "right": upper_approaches, "mu0": mu0, "tau0": tau0}
         return np.asarray(
             self._call_core(stiction._core.approaches_at, float(upper_approaches.max()), model, arguments)

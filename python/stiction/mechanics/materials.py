@@ -40,8 +40,8 @@ class MaterialValue(float):
     Attributes
     ----------
     low, high : float
-        Ends of the range in the source, which are equal if the source has a single value. The number is the geometric
-        mean of the ends, or half of the upper end if the lower end is 0.
+        Limits of the range in the source, which are equal if the source has a single value. The number is the geometric
+        mean of the limits, or half of the upper limit if the lower limit is 0.
     source : str
         Author, title and year of the source.
 
@@ -58,7 +58,7 @@ class MaterialValue(float):
     source: str
 
     def __new__(cls, low: float, high: float, source: str) -> MaterialValue:
-        """Create a value from the two ends of its range. The ends must not be negative."""
+        """Create a value from the two limits of its range. The limits must not be negative."""
         for name, end in (("low", low), ("high", high)):
             if validate_number(name, end) < 0:
                 raise ValueError(f"{name} must be at least 0, got {short_repr(end)}")
@@ -297,7 +297,7 @@ def is_coating_formula(name: str) -> bool:
 
 
 def _is_formula_of_another_material(name: str, other: Material) -> bool:
-    """Return whether a name such as "TiN" is spelled like a formula, although another material has the same letters."""
+    """Return whether a name is a formula, such as "TiN", that matches another material only if case is ignored."""
     letters = "".join(character for character in name if character.isalnum())
     exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(other))
     if letters in exact_names or letters in (letters.lower(), letters.upper()):

@@ -70,8 +70,8 @@ def resolution(
     loads : (k,) array_like of float, mN
         Above 0 and strictly increasing.
     hardness : float, GPa, or None
-        Largest pressure, the hardness of the softer body. None is elastic: the result then has no limit, and the
-        dataset contains the limiting wavelengths for typical hardnesses.
+        Largest pressure, the hardness of the softer body. None stands for elastic bodies: the result then has no limit,
+        and the dataset contains the limiting wavelengths for typical hardnesses.
     cut_offs : float or sequence of float, µm, optional
         Wavelengths for `cut_off`; the unfiltered scan, 0, is always included. By default 0, four points, and doubled
         up to a thirtieth of the shortest side.
@@ -102,8 +102,8 @@ def resolution(
         `bracket_friction_coefficient`, which contain all finer scans of this pair.
 
         Over `hardness` (GPa), `normal_load` and `statistic` (value, lower, upper): `plastic_wavelength` (µm), at which
-        the elastic mean pressure reaches the hardness. It is the longest wavelength if that already has the pressure,
-        and NaN if the power law never reaches it.
+        the elastic mean pressure reaches the hardness. It is the longest wavelength if this wavelength alone gives the
+        pressure, and NaN if the power law never reaches it.
 
         The attributes contain the instrument limit of the scans, the Hurst exponent of the gap with its interval, and
         the histories.
@@ -130,7 +130,7 @@ def resolution(
     .. math:: F/H \le A \le A_{scan}, \qquad μ_0 + τ_0/H \le μ_s \le μ_{s,scan}
 
     in the mean over pairs with friction at all contacts, up to terms of second order in slopes. For a single pair with
-    n contacts the upper end is :math:`F/H + (A - F/H)\,e^{2/\sqrt n}` instead of A, with 1/√n at least 0.1. With
+    n contacts the upper limit is :math:`F/H + (A - F/H)\,e^{2/\sqrt n}` instead of A, with 1/√n at least 0.1. With
     friction at opposing contacts only, the slope term has no such limit, so the result depends on the resolution. Below
     the fitted band, h' is extrapolated by the Hurst exponent of the gap, within its interval, with a factor on κ that
     increases as the number of contacts decreases.

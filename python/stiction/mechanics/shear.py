@@ -502,7 +502,7 @@ def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
 def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:
     """Return the peak of a shear curve, its displacement and dilation angle, and the value at the end, as attributes.
 
-    The peak is NaN if the faces lock, and the end is NaN if they slide by themselves there.
+    The peak is NaN if the faces lock. The value at the end is NaN if the faces slide there without a tangential load.
     """
     names = "peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa"
     summary: dict[str, Any] = dict.fromkeys((*names, "end"), math.nan)

@@ -2,8 +2,9 @@
 
 The solution minimises the energy at the given load. The slopes of the rotation are Lagrange multipliers of the moments,
 which decrease as the slopes increase. This is a concave problem with two unknowns. It is solved by Newton steps with
-the linear response of the contact points. If these fail, they start again from the tilt at which rigid surfaces would
-balance. A balanced tilt always exists, because a uniform pressure on the measured points acts at their centre.
+the linear response of the contact points. If the Newton steps fail, they start again from the tilt at which rigid
+surfaces would balance. A balanced tilt always exists, because a uniform pressure on the measured points acts at their
+centre.
 """
 
 from __future__ import annotations
