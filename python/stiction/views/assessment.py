@@ -58,7 +58,7 @@ def _common_assessment_text(points: Sequence[PointSummary]) -> str:
 
 
 def count_assessments(points: Sequence[PointSummary]) -> dict[str, int]:
-    """Return the number of points with each assessment that a point has, starting with "Do not quote"."""
+    """Return the number of points with each assessment that occurs, starting with "Do not quote"."""
     counts = Counter(point.assessment for point in points)
     return {assessment: counts[assessment] for assessment in ASSESSMENTS_BY_SEVERITY.values() if counts[assessment]}
 

@@ -219,7 +219,7 @@ _CARD_COLUMNS = (
 def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) -> list[str]:
     """Return the main columns of a joint table as comment lines, with intervals.
 
-    Of the estimates named in `given`, which the card itself contains, only the intervals are listed.
+    The card itself contains the estimates named in `given`, so only their intervals are listed.
     """
 
     def is_listed(name: str) -> bool:

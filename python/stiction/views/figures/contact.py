@@ -392,7 +392,7 @@ def _draw_profile_contacts(
 
 
 def _zoom_range(x: Floats, centre_positions: Floats, width: Floats, force: Floats) -> tuple[float, float]:
-    """Return the ends of the magnified range around the contact with the largest load."""
+    """Return the limits of the magnified range around the contact with the largest load."""
     zoom_centre = centre_positions[np.argmax(force)]
     distances = np.sort(np.abs(centre_positions - zoom_centre))
     min_half_width = max(_MIN_PROFILE_ZOOM_HALF_WIDTH * (x[1] - x[0]), 4 * float(width.max()))

@@ -198,7 +198,7 @@ def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: b
 
 
 def find_share_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
-    """Return the fraction of the load beyond Hertz theory at each point of the quantity `name`.
+    """Return the fraction of the load on contacts beyond Hertz theory, at each point of the quantity `name`.
 
     The half-space model has no asperities; the fraction is then NaN.
     """

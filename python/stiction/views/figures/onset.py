@@ -1,4 +1,4 @@
-"""Figures of the onset of sliding: tangential load against displacement (including load cycles), and slip."""
+"""Figures of the onset of sliding: tangential load against displacement, with load cycles, and slipping fractions."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from stiction.views.style import AREA_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, OP
 
 MARKER_AREA = 2.0  # area of the marker of a contact point (points²)
 PRESSURE_COLOURS = ListedColormap(mpl.colormaps["inferno"](np.linspace(0, 0.8, 256)), "pressure")
-"""Colours of pressures without their pale end, which would not be visible on white."""
+"""Colours of pressures, without the pale colours, which would not be visible on white."""
 
 
 def shear_figure(test: xarray.Dataset) -> Figure:

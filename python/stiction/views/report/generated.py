@@ -163,7 +163,7 @@ def _relative_half_widths(points: Floats) -> Floats:
 
 
 def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Floats, Floats]]:
-    """Return the ends of the colour range for each quantity with positive values.
+    """Return the limits of the colour range for each quantity with positive values.
 
     The axes of the arrays are amplitude, rule, motion, mu0 and tau0.
     """

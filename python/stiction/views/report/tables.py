@@ -41,13 +41,13 @@ def encode_small_integers(values: NDArray[np.int8]) -> str:
 
 @dataclass(frozen=True, eq=False)
 class EstimateArray:
-    """Array of values, lower ends and upper ends (last axis).
+    """Array whose last axis contains a value and the lower and upper limit of its interval.
 
     A page also stores the numbers of decimals to print, for `digits` (1 or 2) digits of the half-width of the interval.
     Values without an interval have the decimals of the estimates in `reference`, if it is given; the shapes must
     broadcast. If there are `formats` by size, in descending order of `minimum`, a page also stores the index of the
-    format of each value. Decimals are counted after the division by the factor of the format;
-    its number of digits is not used.
+    format of each value. Decimals are counted after the division by the factor of the format; the number of digits of
+    the format is not used.
     """
 
     values: Floats
@@ -56,7 +56,7 @@ class EstimateArray:
     formats: Sequence[NumberFormat] = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the values, interval ends and numbers of decimals, by name suffix."""
+        """Return the values, interval limits and numbers of decimals, by name suffix."""
         indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
         factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
         estimates = np.moveaxis(self.values / factors, -1, 0)
@@ -159,7 +159,7 @@ class QuantityTable:
     unit : str
         Core unit of the quantity, or "%".
     estimates : ndarray of float
-        Values, lower ends and upper ends (last axis) for each kind of member, cutoff and load.
+        Value, lower limit and upper limit (last axis) for each kind of member, cutoff and load.
     factor : float
         Conversion factor to the unit of the plot of the quantity.
     limit : float or None
@@ -174,7 +174,7 @@ class QuantityTable:
     limit: float | None
 
     def record(self) -> dict[str, Any]:
-        """Return a JSON record of the quantity, with values, interval ends, numbers of decimals and texts."""
+        """Return a JSON record of the quantity, with values, interval limits, numbers of decimals and texts."""
         points = self.factor * self.estimates
         decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
         texts = [
