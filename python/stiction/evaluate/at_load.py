@@ -135,7 +135,8 @@ def _find_bracketing_loads(
 ) -> tuple[Floats, tuple[NDArray[np.intp], NDArray[np.intp]], Floats] | None:
     """Find the computed loads between which values at the given loads are interpolated; None if all were computed.
 
-    Returns these computed loads, the indices of those below and above each load, and the positions between them.
+    Returns the computed loads, the indices of the computed loads below and above each given load, and the position of
+    each given load between them.
     """
     if find_step_dimension(result.head) != "load":
         return None

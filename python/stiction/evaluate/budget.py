@@ -498,8 +498,8 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
 def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Sequence[Any]) -> Floats:
     """Return the intervals that would remain if one of the named inputs were exact, for each of these inputs.
 
-    An alternative preparation can have other inputs, such as a drift of the roughness. Without an input, the combined
-    interval remains.
+    An alternative preparation can have other inputs, such as a drift of the roughness. If an input is missing there,
+    the combined interval is returned for it.
     """
     rows = at["remaining_interval"].transpose("input", *dims).values
     rows_by_name = dict(zip(at["input"].values.tolist(), rows, strict=True))

@@ -128,7 +128,7 @@ class InputSampler:
         return self._cache[key]
 
     def find_areas(self, key: Any, response: ContactResponse, inputs: InputValues) -> AreasBeforeShear:
-        """Return the areas before shear for the samples with a given key, which are cached for other mu0 and tau0."""
+        """Return the true areas before shear for samples with a given key. They are cached for other mu0 and tau0."""
         if key not in self._areas:
             if len(self._areas) == MAX_CACHED_AREAS:
                 self._areas.pop(next(iter(self._areas)))

@@ -34,7 +34,7 @@ The change is -1 if all other repetitions are zero. The distance from -1 exceeds
 MAX_RELATIVE_ROUND_OFF = 1e-12
 """Largest half width of a symmetric interval that counts as round-off, relative to |mean| + |slope| · load.
 
-So does friction up to this fraction of the load or of the pull-off force.
+Friction up to this fraction of the load or of the pull-off force counts as round-off, too.
 """
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50

@@ -355,7 +355,7 @@ class _EnsembleQuantities:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
         def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
-            """Evaluate a cell, and return its ratios."""
+            """Evaluate the quantities of a cell, and return the ratios of its contact sums."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)

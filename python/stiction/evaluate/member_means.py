@@ -246,7 +246,7 @@ def include_interpolation_error(
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
     """Return one status for all members (first axis).
 
-    It is a status with a coefficient if any member has one, and otherwise the most frequent status.
+    If any member has a coefficient, the status is one with a coefficient; otherwise, it is the most frequent status.
     """
     counts = np.stack([(statuses == each).sum(axis=0) for each in STATUSES])
     most_frequent_statuses = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
@@ -285,8 +285,8 @@ def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
 def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
     """If mu0 and tau0 are 0, replace round-off errors in means over opposite directions by 0.
 
-    The means have the dimensions (*dims, statistic). Without strength, the contributions of opposite directions cancel
-    except for round-off, which would have a random sign.
+    The means have the dimensions (*dims, statistic). Without interface strength, the contributions of opposite
+    directions cancel except for round-off, which would have a random sign.
     """
     mu0, tau0 = (members[name].values.reshape([-1 if dim == name else 1 for dim in dims]) for name in ("mu0", "tau0"))
     # The limits of the interval are NaN if there are few members.

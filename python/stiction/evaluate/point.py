@@ -255,7 +255,7 @@ def get_study_hardness(study: Study) -> float:
 def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
     """Return the hardness (GPa) of the contacts at a point, or NaN if the study has no hardness.
 
-    It differs from the hardness of the study if the depth of the indentation is known.
+    The hardness of the contacts differs from that of the study if the depth of the indentation is known.
     """
     return mean_over_directions(point, "contact_hardness") if "contact_hardness" in point else get_study_hardness(study)
 
@@ -263,8 +263,8 @@ def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
 def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | None:
     """Return the friction coefficient if all contacts yield and friction acts at all of them.
 
-    It is a lower limit if the interface is stronger than the softer body. The value is NaN at seizure, or None without
-    a hardness.
+    The coefficient is a lower limit if the interface is stronger than the softer body. The value is NaN at seizure, or
+    None without a hardness.
     """
     hardness = get_contact_hardness(point, study)
     if math.isnan(hardness) or not study.uses_half_space:

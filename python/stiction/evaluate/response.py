@@ -40,7 +40,7 @@ class InputValues:
     modulus : float or array
         Ratio of E* to the E* in the study.
     height_factor : float or array
-        Factor of all heights. It changes the area like a factor of E*, and divides the stiffness by itself.
+        Factor of all heights. It changes the true area like a factor of E*, and the stiffness is divided by it.
     yield_exponent : float or array
         Exponent of the yielding area.
     junction_growth : float or array
@@ -290,8 +290,8 @@ class ContactResponse:
     def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
         """Return the ratio of the closure to its value at the central inputs.
 
-        By similarity, it is that at the load over the change of E* and heights, times the height factor. `closures` is
-        the result of `closures_at_computed_loads`.
+        By similarity, the closure is that at the load divided by the change of E* and heights, times the height factor.
+        `closures` is the result of `closures_at_computed_loads`.
         """
         curve = self.closure_curve
         assert curve is not None, "the closure is known"

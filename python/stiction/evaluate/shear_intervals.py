@@ -182,7 +182,7 @@ def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, di
 def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _Samples:
     """Return the standard errors of the means over the strips.
 
-    They are NaN, or the name is missing, if a strip has no solution.
+    The errors are NaN, or the name is missing, if a strip has no solution.
     """
     if not strips:
         return {}
@@ -203,10 +203,10 @@ def add_shear_intervals(
 ) -> xr.Dataset:  # fmt: skip
     """Add the 95 % intervals of a shear test.
 
-    `variations` are the tests at the limits of the inputs, and `strips` those of the strips. The standard error of the
-    mean over the strips counts as the error of the test, with Student's t distribution. An interval contains the value,
-    and that of the displacement at the peak also the displacements before and after the peak. The dilation angle has no
-    interval if it is the same for all samples.
+    `variations` are the tests at the limits of the inputs, and `strips` are the tests of the strips. The standard error
+    of the mean over the strips counts as the error of the test, with Student's t distribution. An interval contains the
+    value. The interval of the displacement at the peak also contains the displacements before and after the peak. The
+    dilation angle has no interval if it is the same for all samples.
     """
     errors = _estimate_strip_errors(test, strips)
     if samples:
