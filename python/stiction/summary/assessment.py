@@ -43,8 +43,7 @@ if TYPE_CHECKING:
 Severity = Literal["caution", "fault"]
 
 YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
-"""Ratios of mean contact pressure to E*. Above the first, every material has yielded; above the second, most metals.
-"""
+"""Ratios of mean contact pressure to E*. Above the first, every material has yielded; above the second, most metals."""
 
 MIN_TOTAL_CONTACTS = 10  # minimum total number of contacts in all members for which a mean may be reported
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
@@ -62,7 +61,7 @@ MIN_MERGED_AREA_FRACTION = 0.3
 MAX_AFFECTED_FRACTION = 0.5
 MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated scan points above which a caveat is issued
 MAX_SCATTERED_MISSING_FRACTION = 0.02
-"""Largest fraction of scattered missing points without a caveat about holes in contacts."""
+"""Fraction of scattered missing points above which a caveat warns of holes in contacts."""
 MAX_AREA_LOSS_PER_HOLE = 1.3
 """Largest relative loss of A/A0 through scattered missing points, divided by the fraction of these points.
 
@@ -71,7 +70,7 @@ of both maps are missing at random, this is 1.3 times the fraction of points tha
 With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1 times that fraction on average.
 """
 MIN_DRIFT_EFFECT = 0.02
-"""Smallest relative standard error of a coefficient for a caveat about drift of the roughness."""
+"""Relative standard error due to drift of the roughness above which a coefficient has a caveat."""
 MAX_SPACING_RATIO = 3.0  # ratio of the grid spacings of two scans above which a caveat is issued
 
 # Ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk.
@@ -81,8 +80,8 @@ MAX_UNLIMITED_FRACTION = 0.025
 MIN_UNLIMITED_FRACTION = 0.01
 """Fraction of input samples without an upper limit of friction above which a caveat reports it.
 
-The upper end of an interval is the 97.5 % quantile. Without a smaller fraction of such samples, this end would be the
-96.5 % quantile or a higher one.
+The upper limit of an interval is the 97.5 % quantile. If a smaller fraction of samples were left out, this limit would
+be the 96.5 % quantile or a higher one.
 """
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
@@ -634,7 +633,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
 def _find_unlimited_caveats(
     point: xarray.Dataset, hardness: float, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if some input samples leave friction without an upper limit, or are close to it."""
+    """Yield a caveat if some input samples leave friction without an upper limit, or nearly do so."""
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(hardness))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")

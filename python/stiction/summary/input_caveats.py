@@ -51,13 +51,13 @@ MAX_HEIGHT_OVER_EXTENT = 10.0
 MAX_PLAUSIBLE_MU0 = 2.0  # largest plausible mu0, above all published values, even for clean metals in vacuum
 
 MAX_FORM_FRACTION = 0.6
-"""Largest fraction of the mean square height due to a fitted parabola without a caveat about form.
+"""Fraction of the mean square height due to a fitted parabola above which a scan has a caveat about form.
 
 The fraction is about one half if the longest wavelengths dominate the heights of a surface without form error.
 """
 
 MAX_STEP_FRACTION = 0.65
-"""Largest fraction of the mean square height due to a straight step without a caveat.
+"""Fraction of the mean square height due to a straight step above which a scan has a caveat.
 
 The largest fraction of 540 simulated profiles and 540 simulated maps without a step was 0.62.
 """
@@ -174,7 +174,7 @@ def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) ->
 
 
 MIN_GAP_REDUCTION = 2.0
-"""Smallest ratio of rms gaps for a caveat that the faces fit better if the upper map is mirrored."""
+"""Ratio of rms gaps above which a caveat reports that the faces fit better if the upper map is mirrored."""
 
 _MIRROR_ALTERNATIVES = (
     ("with its columns reversed instead of its rows", "--rotate {rotation:g} does this", np.s_[::-1, ::-1]),
@@ -444,7 +444,7 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_mask
 
 
 def _compute_parabola_fraction(body: Profile | Surface) -> float:
-    """Return the fraction of the mean square height due to a parabola; for a map, 0 unless the parabola dominates."""
+    """Return the fraction of the mean square height due to a parabola; 0 for a map with large higher-degree terms."""
     if not isinstance(body, Profile):
         return measure_parabola_fraction(body)
     levelled_heights = levelled(body, "line").heights

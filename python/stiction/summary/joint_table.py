@@ -121,7 +121,7 @@ class JointTable:
         By ascending pressure.
     units : JointUnits
     reference : JointRow
-        Row at the load of the pair, or at the first of several.
+        Row at the load of the pair, or at the first of several loads.
     mu0, tau0 : float
         Values to which the friction belongs; tau0 in GPa.
     notes : tuple of str

@@ -145,7 +145,7 @@ class GeneratedReportData(ReportData):
 
 
 def evaluate_measured_values(result: Evaluation) -> MeasuredReportValues:
-    """Evaluate the numbers of a report on measured surfaces at all its loads, mu0 and tau0; figures need none."""
+    """Evaluate the numbers of a report on measured surfaces at all its loads, mu0 and tau0. No figure needs them."""
     return evaluate_measured_report(ReportGrid(result))
 
 

@@ -125,7 +125,7 @@ class PointSummary:
         Quantities with one value for the point and their 95 % intervals, for the reported sliding rule: undirected
         quantities, or all quantities if there is a single direction.
     numbers : dict of float
-        The same for quantities without an interval.
+        Values of the quantities without an interval, selected as for `quantities`.
     distributions : dict of dict of Estimate
         Quantiles of the quantities that have a distribution, by the fraction of the distribution below the quantile.
     """
@@ -325,8 +325,8 @@ class Summary:
     def find_resolution_limits(self, mu0_index: int = 0, tau0_index: int = 0) -> ResolutionLimits | None:
         """Return values at several cutoffs with resolution limits, for one load and one pair of mu0 and tau0.
 
-        The load is the first load of the study or, if the summary does not contain it, the nearest load. None if there
-        is only one cutoff.
+        The load is the first load of the study or, if the summary does not contain it, the nearest load. Returns None
+        if there is only one cutoff.
         """
         if (points := self._points_at_cutoffs) is None:
             return None
@@ -445,7 +445,7 @@ def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, flo
 def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> PointSummary:
     """Return the reported point with intervals and caveats that also cover another cutoff.
 
-    Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
+    Filtering does not improve an assessment, so a fault at the other cutoff is also a fault of the reported point.
     """
     rules = tuple(_include_cutoff_value(*each) for each in zip(point.rules, other_point.rules, strict=True))
     other_budget = {entry.label: entry for entry in other_point.budget}
@@ -703,7 +703,7 @@ def _find_bounds_for_finer_scans(
     """Return bounds, valid to second order in the slope, on the friction coefficient for all finer scans.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
-    between contacts of different members. There are none if the interface of contacts that yield is stronger than the
+    between contacts of different members. No bounds exist if the interface of contacts that yield is stronger than the
     softer body.
     """
     hardness = study.contact.hardness
