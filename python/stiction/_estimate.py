@@ -207,10 +207,10 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return how many decimals an `Estimate` prints: one number for value and lower end, and one for the upper end.
+    """Return how many decimals an `Estimate` prints: one number for value and lower limit, and one for the upper limit.
 
-    Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are
-    `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large end. `digits` is
+    Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper limit are
+    `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large limit. `digits` is
     that of `Estimate.text`.
     """
     has_interval = ~(np.isnan(lower) | np.isnan(upper))

@@ -152,11 +152,11 @@ def shear_test(
 
         Attributes: `peak`, `peak_displacement_um`, `peak_dilation_angle_deg`, `peak_shear_stress_GPa`, `end` (value at
         the end of the path), with limits such as `peak_lower` and `peak_upper`, and `peak_status`, which is not "ok" if
-        the faces lock. `strips` is the number of strips. Of the lower face, along the
-        motion: `z2` and `jrc` (NaN outside its range), `rising_slope` and `falling_slope`. Of
-        the closure at the start, by Bandis' law: `closure_initial_stiffness_GPa_per_um`, `maximum_closure_um` and
-        `closure_misfit`, the largest relative deviation; NaN if the faces do not close. `fit_correlation` is the
-        correlation of the slopes of both faces at the start; NaN if a face is flat.
+        the faces lock. `strips` is the number of strips. The roughness of the lower face along the motion: `z2` and
+        `jrc` (NaN outside its range), `rising_slope` and `falling_slope`. The closure at the start, by Bandis' law:
+        `closure_initial_stiffness_GPa_per_um`, `maximum_closure_um` and `closure_misfit`, the largest relative
+        deviation; NaN if the faces do not close. `fit_correlation` is the correlation of the slopes of both faces at
+        the start; NaN if a face is flat.
 
     Raises
     ------
@@ -179,9 +179,9 @@ def shear_test(
     For ranges of mu0 and tau0, the forces of the solved contacts are evaluated again. For ranges of the hardness and of
     E*, the test is repeated at both limits, and curves are interpolated. Each strip is sheared under the same normal
     stress, free of the other strips; the standard error of the mean over the strips, with Student's t distribution,
-    stands for another piece of the same joint. It misses waves wider than a strip. An interval
-    of the displacement at the peak includes the displacements before and after the peak. The dilation angle at the peak
-    has no interval if no input or strip changes it.
+    stands for another piece of the same joint. It does not include wavelengths longer than the width of a strip. An
+    interval of the displacement at the peak includes the displacements before and after the peak. The dilation angle at
+    the peak has no interval if no input or strip changes it.
 
     Examples
     --------
@@ -264,7 +264,7 @@ def _build_setup(box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64
 
 
 def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[ShearBox]:
-    """Return a test of each strip. Raise a `ValueError` if the faces cannot be cut into so many strips."""
+    """Return a test of each strip. Raise a `ValueError` if the faces cannot be cut into this number of strips."""
     if strips is None:
         boxes = box.cut_strips(offsets)
         return boxes if len(boxes) >= MIN_STRIPS else []

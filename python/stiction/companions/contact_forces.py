@@ -108,7 +108,7 @@ _PairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, flo
 
 
 def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
-    """Return the first pair of measured profiles that touches at the first load of the study, or None if none does."""
+    """Return the first pair of measured profiles in contact at the first load of the study, or None if no pair is."""
     load = float(result.study.friction.load[0])
     for piece in result.pieces(["approach", "contact_count"]):
         members = piece.isel(cut_off=0).sel(load=load, method="nearest")

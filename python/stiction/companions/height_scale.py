@@ -396,7 +396,7 @@ def _compute_rms_heights(study: Study) -> dict[str, float]:
 def _interpolate_between_factors(
     values: Floats, solved_factors: Floats, factor: float, neighbors: tuple[int, int]
 ) -> Floats:
-    """Interpolate values along the first axis between computed height factors. NaN at a factor affects both sides."""
+    """Interpolate values along the first axis between computed height factors. NaN at either neighbour gives NaN."""
     from scipy.interpolate import PchipInterpolator
 
     lower, upper = neighbors

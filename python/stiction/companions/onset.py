@@ -1,7 +1,7 @@
 """Onset of sliding of a measured pair. The result stores the mean onset curve over a subset of its members.
 
-The stored curve is the curve of the contact whose pressure is limited by the hardness. The solver of this curve knows
-neither junction growth nor the true area of yielding contacts in closed form. Reported curves are therefore scaled to
+The stored curve is the curve of the contact whose pressure is limited by the hardness. The solver of this curve
+includes neither junction growth nor the closed-form area of yielding contacts. Reported curves are therefore scaled to
 the sliding load μ_s F of the result.
 """
 

@@ -141,7 +141,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 class ResolvedRoughness:
     """Roughness of the gap at resolved wavelengths, extrapolated to shorter wavelengths. Outliers are interpolated."""
 
-    shortest: float  # shortest resolved wavelength (two points or the cutoff), µm
+    shortest: float  # shortest resolved wavelength (two grid spacings or the cutoff), µm
     two_points: float  # shortest wavelength of the unfiltered scans, µm
     longest: float  # longest side of the pressed bodies, µm
     gradient: float  # root-mean-square gradient of the gap of the first member
@@ -156,7 +156,7 @@ class ResolvedRoughness:
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
         """Return the cutoff (µm) at which the elastic pressure is `ratio` times the pressure at the scan resolution.
 
-        `ratio` is the multiple. The cutoff is returned with its interval.
+        The cutoff is returned with its interval.
         """
         gradient = ratio * float(self.roughness.gradient_at(self.shortest))
         kappa_factor = float(brackets.kappa_uncertainty_factor(np.array(contact_count)))
