@@ -480,7 +480,7 @@ def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -
     low, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.975])
     assert low < 1.5
     assert high > 24.0
-    assert "α = 0..27, a range that they do not narrow" in " ".join(calibration_text(interface).split())
+    assert "α = 0..27, a range that the tests do not narrow" in " ".join(calibration_text(interface).split())
     value, *ends = interface.predict(compute_plastic_pair("0..27"), "20 MPa")
     assert value == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.01)
     assert np.ptp(ends) < 0.12 * value  # The given range of α alone would give an interval from 0.28 to 0.376.

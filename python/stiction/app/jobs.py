@@ -39,7 +39,7 @@ JOB_MEMORY_FRACTION = 0.5  # maximum fraction of the machine's memory that the r
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
 END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record, which a command prints before it draws figures
-# Files for the user, and the names under which the commands that print a JSON record write them.
+# For each command that prints a JSON record: names of files for the user, with the names that the command uses.
 FILES_BY_COMMAND = {
     "pair": {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"},
     "shear": {"page.html": "report.html", "result.csv": "shear.csv"},
@@ -245,7 +245,7 @@ class JobQueue:
     async def _show_files(self, job: Job, record: str) -> None:
         """Copy the files that a finished command wrote, and show them with the values in its JSON record."""
         files = self._choose_directory()
-        # The thread does not change the job, because it continues if the job is stopped in the meantime.
+        # The thread must not change the job, because the thread continues even after the job was stopped.
         counts = await asyncio.to_thread(self._copy_files, job, files, record)
         job.show(_read_answer(job, record), files, counts=counts)
 

@@ -144,7 +144,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.of_scan for typical in typical_deviations])
-        # Evaluate neighbourhoods only at outliers of the whole scan, because they can only raise the typical deviation.
+        # Check neighbourhoods only at outliers of the whole scan, because a neighbourhood cannot lower the deviation.
         is_judged = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(is_judged & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)

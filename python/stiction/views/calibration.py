@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from stiction.summary.evaluation import Evaluation
 
 MIN_PRINTED_AREA_RANGE = 1e-6  # relative range of A/F above which the interval or the range of A/F is printed
-# Minimum shift of a limit of a 95 % interval, relative to its width, by tests that narrow the range.
+# Minimum shift of a limit, relative to the width of the 95 % interval, for which tests narrow the interval.
 MIN_NARROWING = 0.05
 MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution that the figure shows
 
@@ -137,7 +137,7 @@ def _junction_growth_text(interface: Interface) -> str:
     low, value, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
     prior_low, prior_high = growth.quantile([0.025, 0.975])
     if max(abs(low - prior_low), abs(high - prior_high)) <= MIN_NARROWING * (prior_high - prior_low):
-        return f"{text}, a range that they do not narrow. A pair with this interface uses the same range."
+        return f"{text}, a range that the tests do not narrow. A pair with this interface uses the same range."
     name = "H/k" if growth.uses_slip_lines else "α"
     text += f", and narrow the range to {name} = {Estimate(value, low, high).text()}"
     return f"{text}. A pair with this interface uses the narrowed range."
