@@ -237,7 +237,7 @@ def test_profile_row_above_a_line_of_words_is_not_dropped_silently(tmp_path, nam
     line = names.count("\n") + 1
     message = error_message(path, unit="um")
     assert f"line {line} (" in message
-    assert f"has a position that continues in line {line + 1 + words.count(chr(10))}, but between them" in message
+    assert f"has a position that continues in line {line + 1 + words.count(chr(10))}, but words are between" in message
 
 
 @pytest.mark.parametrize("line", ["0 1", "1 2", "0.5 0.5", "20 1", "10 0.07"])

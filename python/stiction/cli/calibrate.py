@@ -111,7 +111,7 @@ def calibrate(
     elif load is None or measured is None:
         raise ValueError("FORCES.csv must be given, or --load and --measured for a single test")
     elif len(bodies) > 1:
-        raise ValueError("--measured requires exactly one --pair or --ball, because it describes a single test")
+        raise ValueError("--measured is for a single test, so it requires exactly one --pair or --ball")
     else:
         value = parse_uncertain_input("--measured", measured)
         error = (value.high - value.low) / (2 * Z_95) or None

@@ -572,7 +572,7 @@ def _check_resumable(stored_result: StoredResult) -> None:
     if last_member >= num_members:
         raise StoreError(
             f"{printable_path(path)}: repetition {last_member} is finished, and ensemble.repetitions = {num_members} "
-            f"would discard it; set it to at least {last_member + 1}, or choose another directory"
+            f"would discard it; set ensemble.repetitions to at least {last_member + 1}, or choose another directory"
         )
     if stored_result.num_finished == num_members:
         return
@@ -585,7 +585,8 @@ def _check_resumable(stored_result: StoredResult) -> None:
     if not content.is_exact:
         raise StoreError(
             f"{printable_path(path)} was created on another machine or with another version of NumPy, so its "
-            "steps differ slightly from the steps of the study; finish the result there, or choose another directory"
+            "steps differ slightly from the steps of the study; finish the result with the original machine "
+            "and NumPy, or choose another directory"
         )
 
 

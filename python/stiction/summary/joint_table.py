@@ -143,7 +143,7 @@ def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
     generated.
     """
     if nominal_area is None or not study.is_measured:
-        raise ValueError("a joint table needs a measured pair, got generated surfaces; stiction table tabulates these")
+        raise ValueError("a joint table needs a measured pair, got generated surfaces; use stiction table instead")
     steps = study.contact.loading_steps()
     counts = np.maximum(np.ceil(np.log(steps[1:] / steps[:-1]) / math.log(MAX_LOAD_RATIO) - 0.02), 1).astype(int)
     between = [

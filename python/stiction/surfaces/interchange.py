@@ -141,7 +141,7 @@ def _make_extracted_heights(
     if np.isnan(heights).any():
         raise ValueError(
             f"{name} must have a height at every point, got {int(np.isnan(heights).sum())} points without a height; "
-            "fill them first"
+            "fill these points first"
         )
     return ExtractedHeights(
         np.ascontiguousarray(heights) * factor, tuple(step * factor for step in spacing), (f"taken from a {kind}",)
