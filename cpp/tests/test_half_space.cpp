@@ -12,6 +12,7 @@
 #include <memory>
 #include <numeric>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 using stiction::Grid;
@@ -213,6 +214,26 @@ TEST_CASE("HalfSpaceSolver: solutions are bit-identical after other calculations
     response(*used);
     CHECK(solve(used, 0.3).pressure == solve(std::make_shared<const HalfSpaceGrids>(grid, modulus), 0.3).pressure);
     CHECK(response(*used).pressure == response(HalfSpaceGrids(grid, modulus)).pressure);
+  }
+}
+
+TEST_CASE("HalfSpaceSolver: concurrent threads with the same grids obtain the results of a single thread") {
+  const Grid grid{40, 60, 0.1, 0.1, false, false};
+  const std::vector<double> gap = sinusoids(grid);
+  const auto solve = [&](const std::shared_ptr<const HalfSpaceGrids>& grids, std::size_t task) {
+    return HalfSpaceSolver(gap, grids, unbounded, 1e-6).at(0.05 * static_cast<double>(task + 1));
+  };
+  const auto shared = std::make_shared<const HalfSpaceGrids>(grid, modulus);
+  std::array<HalfSpaceSolution, 4> together;
+  std::vector<std::thread> threads;
+  for (std::size_t task = 0; task < together.size(); ++task) {
+    threads.emplace_back([&, task] { together[task] = solve(shared, task); });
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  for (std::size_t task = 0; task < together.size(); ++task) {
+    CHECK(together[task].pressure == solve(std::make_shared<const HalfSpaceGrids>(grid, modulus), task).pressure);
   }
 }
 
