@@ -12,7 +12,7 @@ SCRIPTS = Path(__file__).parents[1] / "docs/scripts"
 
 # Mean pressure (over Young's modulus), A/A0 and elastic A/A0 on the same grid, by tamaas, of cases in
 # docs/scripts/yielding_exponent.py.
-MAP_AREAS = {
+TAMAAS_AREA_FRACTIONS = {
     "map 1": [
         (0.001346, 0.08069, 0.04881),
         (0.002711, 0.1656, 0.09665),
@@ -56,7 +56,7 @@ def areas(script):
         name: script.find_map_areas(
             script.CASES[name], dict(zip(("pressure", "area", "elastic_area"), zip(*rows, strict=True), strict=True))
         )
-        for name, rows in MAP_AREAS.items()
+        for name, rows in TAMAAS_AREA_FRACTIONS.items()
     }
 
 
@@ -80,7 +80,7 @@ def test_fitted_exponents_of_maps_are_close_to_1(areas):
 
 
 def test_elastic_areas_on_the_grid_of_tamaas_agree_with_the_half_space_model(areas):
-    for name, rows in MAP_AREAS.items():
+    for name, rows in TAMAAS_AREA_FRACTIONS.items():
         np.testing.assert_allclose(np.array(rows)[:, 2], areas[name].elastic, rtol=0.07)
 
 

@@ -254,7 +254,7 @@ def test_slip_lines_give_the_friction_of_fully_plastic_contacts():
 
 
 @pytest.mark.parametrize(("hardness", "mu0", "tau0"), [(2.0, 0.2, 0.1), (5.0, 0.1, 0.5)])
-def test_slip_lines_agree_with_solutions_at_the_hardness_under_shear(hardness, mu0, tau0):
+def test_slip_line_theory_agrees_with_solutions_of_sheared_contacts_at_the_hardness(hardness, mu0, tau0):
     options = {**PLASTIC_OPTIONS, "mu0": mu0, "tau0": tau0, "load": "50 MPa", "onset": 0}
     del options["hardness"]
     pressure = float(hardness_under_shear(hardness, mu0, tau0, "slip-line"))

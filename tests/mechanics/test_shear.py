@@ -272,10 +272,12 @@ def test_intervals_of_a_shear_test_do_not_depend_on_the_number_of_displacements(
     wavy = create_wavy_profile()
     face = Profile(wavy.heights[::8], spacing=8 * wavy.spacing)
     options = {"path": "80 um", "mu0": "0.5..0.7", "load": "10 MPa", "hardness": "2 GPa", "boundary": "periodic"}
-    many, few = (shear(face, steps=steps, **options) for steps in (200, 4))
-    assert many.sizes["displacement"] > 128
-    limits = many.friction_coefficient_interval.sel(displacement=few.displacement, method="nearest").values
-    np.testing.assert_allclose(limits, few.friction_coefficient_interval.values, rtol=0.01)
+    fine_result, coarse_result = (shear(face, steps=steps, **options) for steps in (200, 4))
+    assert fine_result.sizes["displacement"] > 128
+    limits = fine_result.friction_coefficient_interval.sel(
+        displacement=coarse_result.displacement, method="nearest"
+    ).values
+    np.testing.assert_allclose(limits, coarse_result.friction_coefficient_interval.values, rtol=0.01)
 
 
 def test_two_uncertain_inputs_widen_the_interval_of_a_shear_test():
@@ -312,8 +314,8 @@ def test_shear_test_accepts_materials_and_interfaces_like_pair():
     ]
     np.testing.assert_array_equal(tests[0].friction_coefficient, tests[1].friction_coefficient)
     assert tests[0].attrs["interface"] == name
-    central = float(tests[0].attrs["mu0"])
-    assert central == pytest.approx(float(np.median(interface(name).fits[0].mu0)), rel=1e-3)
+    central_mu0 = float(tests[0].attrs["mu0"])
+    assert central_mu0 == pytest.approx(float(np.median(interface(name).fits[0].mu0)), rel=1e-3)
 
 
 def test_interval_of_the_peak_displacement_includes_neighbouring_displacements():

@@ -68,10 +68,10 @@ def test_spectral_estimate_for_a_surface_on_a_flat_uses_only_slopes_of_the_surfa
     result = spectral_resolution(upper, None, **PAIR_OPTIONS)
     assert result.rms_gradient.values == pytest.approx(upper.gradient_at(result.wavelength))
     # The flat has no slope, so contacts on it are level.
-    friction_at_opposing, friction_at_all = (
+    friction_at_opposing, friction_at_all_contacts = (
         result.friction_coefficient.sel(sliding=rule).values for rule in ("opposing", "all")
     )
-    assert friction_at_opposing == pytest.approx(friction_at_all / 2)
+    assert friction_at_opposing == pytest.approx(friction_at_all_contacts / 2)
 
 
 @pytest.mark.parametrize(

@@ -133,7 +133,7 @@ def test_interrupted_companion_study_resumes_inside_a_partly_solved_pair(study, 
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_next_run_removes_steps_of_a_member_whose_run_was_killed_after_storing_its_block(study, tmp_path, monkeypatch):
+def test_next_run_removes_leftover_steps_of_a_member_with_a_stored_block(study, tmp_path, monkeypatch):
     directory = tmp_path / "result"
     monkeypatch.setattr(MembersInProgress, "remove", lambda *_: None)
     run(study, store=directory)

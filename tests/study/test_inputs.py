@@ -132,7 +132,7 @@ def test_material_of_one_body_and_given_modulus_of_the_other_have_separate_range
     assert inputs.entries["young_upper"].text == "209 GPa (207..212 GPa)"
 
 
-def test_modulus_relative_to_the_study_follows_from_samples_of_both_bodies():
+def test_relative_modulus_is_computed_from_samples_of_both_bodies():
     inputs = Inputs.from_study(STUDY)
     samples = {name: inputs.quantile(name, [0.025, 0.975]) for name in ("young_upper", "young_lower")}
     low, high = inputs.relative_modulus(samples)

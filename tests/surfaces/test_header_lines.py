@@ -91,7 +91,7 @@ TWO_SPACINGS = [
     "Spacing: 0.5 µm, 10 µm", "Increment: 0.5 um; 10 um", "Pixelgröße: 0,5 µm × 10 µm", "Pixel size: 0.5,10 um",
     "Pixel size 0.5 um by 10 um",
 ]  # fmt: skip
-TWO_SPACINGS_WITH_AXES = [
+HEADER_LINES_WITH_TWO_SPACINGS = [
     "pixel size: 0.5 um in x, 10 um in y", "Step size: 0.5 um (x), 10 um (y)", "Pixel size: 10 um in y, 0.5 um in x",
     "Resolution: 0.5 um/px, 10 um/line", "Pitch X: 0.5 um; Pitch Y: 10 um", "dx = 0.5 um dy = 10 um",
     "X step: 0.5 um\nRow step: 10 um", "Sampling interval: 0.5 µm\nProfile distance: 10 µm",
@@ -108,7 +108,7 @@ def test_two_spacings_without_axes_are_rejected_and_must_agree_with_given_spacin
     assert read_text(text, spacing=("10 um", "0.5 um")).body.spacings == (10.0, 0.5)
 
 
-@pytest.mark.parametrize("line", TWO_SPACINGS_WITH_AXES)
+@pytest.mark.parametrize("line", HEADER_LINES_WITH_TWO_SPACINGS)
 def test_two_spacings_that_name_their_axes_are_assigned_to_these_axes(read_text, line):
     reading = read_text(f"{line}\nZ unit: um\n{MAP_TEXT}")
     assert reading.body.spacings == pytest.approx((10.0, 0.5))
@@ -272,7 +272,7 @@ def test_words_after_a_column_name_are_ignored_unless_they_are_units(read_text, 
 
 
 @pytest.mark.parametrize("line", ["Z: MM", "z_my", "Height foo", "Z: 10 nm", "z 1e-4 m", "z = x10 nm", "Y unit: V"])
-def test_unit_option_does_not_replace_a_unit_after_the_name_of_the_heights(read_text, line):
+def test_unit_option_does_not_replace_an_unsupported_unit_above_the_heights(read_text, line):
     message = error_message(read_text, f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert "which is not a supported unit of length" in message
 

@@ -262,7 +262,7 @@ def test_extrapolated_roughness_of_a_gap_excludes_spikes():
     assert spiky.estimate.value == pytest.approx(clean.estimate.value, abs=0.05)
 
 
-def test_drift_of_a_scan_with_a_step_of_the_roughness_is_limited():
+def test_roughness_drift_is_limited_if_the_roughness_jumps():
     """Check this because a straight line through the logarithms of strips overshoots a step."""
     heights = rough_maps(points=96)[0].heights.copy()
     heights[:, 48:] *= 0.02

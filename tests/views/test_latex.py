@@ -62,7 +62,7 @@ def test_latex_table_contains_the_area_fraction_with_its_interval_or_its_status(
     assert table_cells(latex_table(summarize(dataset, measured_study())))[1][-2] == "complete"
 
 
-def test_latex_table_shows_unfiltered_scans_as_none():
+def test_latex_table_prints_none_as_the_cutoff_of_unfiltered_scans():
     assert "% cutoff (um) = none" in latex_table(SUMMARIES["pair"])
     cutoff_cells = [row[0] for row in table_cells(latex_table(SUMMARIES["readings"]))]
     assert cutoff_cells == ["cutoff (um)", "none", "0.5"]
