@@ -297,7 +297,7 @@ def run_command_line() -> int:
             message = error.format_message()
             # Replace the wording of the validation library for numbers that are out of range.
             message = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", message)
-            message = _with_command_suggestion(message)
+            message = _add_command_suggestion(message)
             print_message(f"{message}\ntry {command} --help")
     except MemoryError:
         print_message("not enough memory for this computation")
@@ -331,7 +331,7 @@ def _discard_unwritable_output() -> None:
             _redirect_to_null_device(stream)
 
 
-def _with_command_suggestion(message: str) -> str:
+def _add_command_suggestion(message: str) -> str:
     """Return the parser's error message. For an unknown command, the message suggests a similar command."""
     unknown_command = re.match(r"No such command '([^']*)'", message)
     names = [name for group in COMMANDS_BY_GROUP.values() for name in group]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from stiction._checks import Floats
 from stiction.mechanics.model import PROFILE_WIDTH
 
-ELASTIC_PRESSURE_FRACTION = 0.5
+MAX_ELASTIC_PRESSURE_RATIO = 0.5
 """Mean pressure, as a fraction of the hardness, up to which contacts count as elastic."""
 
 MIN_SIZE_EFFECT_LENGTH, MAX_SIZE_EFFECT_LENGTH = 0.1, 2.0
@@ -91,6 +91,6 @@ def yielded_area(elastic_area: ArrayLike, load: ArrayLike, hardness: ArrayLike, 
     pressure_ratio = np.asarray(load) / (area * np.asarray(hardness))  # mean elastic pressure divided by the hardness
     power = np.asarray(exponent)
     # Exponentials of logarithms are several times faster than powers.
-    log_ratio = np.log(np.maximum(pressure_ratio, ELASTIC_PRESSURE_FRACTION))
-    excess = np.exp(power * log_ratio) - np.exp(power * np.log(ELASTIC_PRESSURE_FRACTION))
+    log_ratio = np.log(np.maximum(pressure_ratio, MAX_ELASTIC_PRESSURE_RATIO))
+    excess = np.exp(power * log_ratio) - np.exp(power * np.log(MAX_ELASTIC_PRESSURE_RATIO))
     return np.asarray(area * np.exp(np.log(1.0 + excess) / power))

@@ -625,10 +625,10 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
             models=[model.for_profiles().core() for model in models],
         )  # fmt: skip
         shape = batch_dimensions.size, amplitudes.size, len(models), steps.size
-        tables = {name: columns[name].reshape(shape) for name in study.contact_sum_names()}
+        sums_by_name = {name: columns[name].reshape(shape) for name in study.contact_sum_names()}
         yield (
             slice(batch_start, batch_start + batch_dimensions.size),
-            {name: table if name in DIRECTED_SUM_QUANTITIES else table[:, :, :1] for name, table in tables.items()},
+            {name: sums if name in DIRECTED_SUM_QUANTITIES else sums[:, :, :1] for name, sums in sums_by_name.items()},
         )
 
 

@@ -365,7 +365,7 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
     The name is a key of `INPUT_KINDS`. Error messages do not include the name.
     """
     if name == "junction_growth" and isinstance(source, str) and source.split()[:1] == [SLIP_LINE_TEXT]:
-        return _parse_slip_lines(source)
+        return _parse_slip_line_ratio(source)
     if name not in _INPUT_LIMITS:
         return parse_uncertain_input("", source, INPUT_KINDS[name])
     minimum, maximum = _INPUT_LIMITS[name]
@@ -380,7 +380,7 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
     return replace(parsed, maximum=maximum) if name in ("poisson", "area_loss") else parsed
 
 
-def _parse_slip_lines(source: str) -> UncertainInput:
+def _parse_slip_line_ratio(source: str) -> UncertainInput:
     """Parse "slip-line", optionally with the ratio of hardness to shear strength, as in "slip-line 5.14..5.69"."""
     text = " ".join(source.split())
     ratio = text.removeprefix(SLIP_LINE_TEXT).strip()

@@ -203,10 +203,10 @@ def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study)
     smallest_gap_index = int(np.argmin(gaps))
     if height > MIN_GAP_REDUCTION * gaps[smallest_gap_index]:
         description, remedy, _ = _MIRROR_ALTERNATIVES[smallest_gap_index]
-        own_text, other_text = (format_with_unit(each, "um") for each in (height, gaps[smallest_gap_index]))
+        gap_text, mirrored_gap_text = (format_with_unit(each, "um") for each in (height, gaps[smallest_gap_index]))
         text = (
-            f"the rms height of the gap at the position (0, 0) is {own_text}; for the upper map {description}, "
-            f"{other_text}"
+            f"the rms height of the gap at the position (0, 0) is {gap_text}; for the upper map {description}, "
+            f"{mirrored_gap_text}"
         )
         yield Caveat(text, remedy.format(rotation=(surfaces.rotate + 180) % 360), "caution")
 

@@ -13,7 +13,7 @@ EXACT_POSITION_TOLERANCE = 1e-3  # largest deviation of nominally exact position
 # Largest deviation of a point from the grid, in grid steps, in addition to the rounding error of its position.
 MAX_GRID_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per listed point
-MIN_ROUNDED_STEP = 2.0  # minimum step of rounded positions, in units of the last printed digit
+MIN_STEP_OF_ROUNDED_POSITIONS = 2.0  # minimum step of rounded positions, in units of the last printed digit
 # Largest scatter of rounded positions about a grid, in units of the last printed digit.
 # Rounding causes a scatter of at most 1 digit. The margin of 0.2 allows for the error of the fitted step.
 MAX_SCATTER_DIGITS = 1.2
@@ -119,7 +119,8 @@ def _step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] |
     step = float(np.polyfit(nodes, distinct_positions, 1)[0])
     digit = float(np.max(digits()))
     is_uniform = (
-        step >= MIN_ROUNDED_STEP * digit and np.ptp(distinct_positions - step * nodes) <= MAX_SCATTER_DIGITS * digit
+        step >= MIN_STEP_OF_ROUNDED_POSITIONS * digit
+        and np.ptp(distinct_positions - step * nodes) <= MAX_SCATTER_DIGITS * digit
     )
     return step if is_uniform else None
 

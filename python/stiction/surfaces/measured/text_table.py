@@ -36,7 +36,7 @@ from stiction.surfaces.measured.split import (
 )
 from stiction.surfaces.measured.word_columns import LocatedWordColumn, describe_words, replace_word_columns
 
-MAX_HISTORY_STEP_LENGTH = 1000  # maximum number of characters of a history entry in a header
+MAX_HISTORY_ENTRY_CHARACTERS = 1000  # maximum number of characters of a history entry in a header
 
 
 MAX_HISTORY_STEPS = 1000
@@ -161,7 +161,7 @@ def _to_table(
         if declarations.unit is not None
         else replace(declarations, unit=column_heads.height_unit),
         history=(
-            *(printable_text(step, MAX_HISTORY_STEP_LENGTH) for step in parse_history(header)[:MAX_HISTORY_STEPS]),
+            *(printable_text(step, MAX_HISTORY_ENTRY_CHARACTERS) for step in parse_history(header)[:MAX_HISTORY_STEPS]),
             *(f"{text.describe_line(line)} skipped as a count or a size" for line in block.omitted[:MAX_HISTORY_STEPS]),
         ),
         source=make_height_provenance(block),

@@ -90,6 +90,8 @@ def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]
 
 @dataclass
 class _WordTable:
+    """Rows of a text with columns of words and of numbers, and the words that mark missing points."""
+
     numeric: set[int] = field(default_factory=set)  # indices of the columns with numbers
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)

@@ -12,7 +12,7 @@ from stiction._text import printable_text
 from stiction.surfaces.measured.npy import write_npy
 from stiction.surfaces.measured.raw import FormatError
 from stiction.surfaces.measured.shapes import MIN_MATRIX_COLUMNS
-from stiction.surfaces.measured.text_table import MAX_HISTORY_STEP_LENGTH
+from stiction.surfaces.measured.text_table import MAX_HISTORY_ENTRY_CHARACTERS
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -107,6 +107,6 @@ def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: lis
                 write_npy(binary_file, body.heights_with_nan, body.spacings, body.history)
             return
         steps = (" ".join(step.split()) for step in body.history)
-        history = [f"# history: {printable_text(step, MAX_HISTORY_STEP_LENGTH)}\n" for step in steps]
+        history = [f"# history: {printable_text(step, MAX_HISTORY_ENTRY_CHARACTERS)}\n" for step in steps]
         with partial_file.open("w", encoding="utf-8", newline="\n") as file:
             file.writelines(itertools.chain(head, history, rows))

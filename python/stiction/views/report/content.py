@@ -17,7 +17,7 @@ from stiction.summary.report_data import GeneratedReportData, MeasuredReportData
 from stiction.summary.report_grid import ParameterAxis
 from stiction.views.figures.ensemble import COLOUR_BAR_TICKS
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
-from stiction.views.report.tables import QuantityTable, ReportArray
+from stiction.views.report.tables import QuantityEstimates, ReportArray
 from stiction.views.style import SLIDING_RULE_LABELS
 
 
@@ -39,7 +39,7 @@ class ReportContent:
         Data for the scripts: texts and numbers.
     arrays : dict
         Data for the scripts: arrays of numbers, by name.
-    quantities : sequence of QuantityTable
+    quantities : sequence of QuantityEstimates
         Quantities that do not depend on mu0 and tau0.
     """
 
@@ -49,7 +49,7 @@ class ReportContent:
     description_markup: str
     facts: dict[str, Any]
     arrays: Mapping[str, ReportArray]
-    quantities: Sequence[QuantityTable] = ()
+    quantities: Sequence[QuantityEstimates] = ()
 
 
 STATUS_LABELS = {

@@ -31,7 +31,7 @@ from stiction.views.quantities import quantity_label
 from stiction.views.report.content import ReportContent, common_facts
 from stiction.views.report.page import MAX_SHOWN_LINE_LENGTH, escape_html
 from stiction.views.report.reading import LISTED_READING_OPTIONS, file_reading_table
-from stiction.views.report.tables import EstimateArray, QuantityTable, ReportArray
+from stiction.views.report.tables import EstimateArray, QuantityEstimates, ReportArray
 from stiction.views.resolution import resolved_wavelengths_text
 from stiction.views.sentence import (
     area_loss_text,
@@ -204,7 +204,7 @@ def _history_markup(side: str, history: BodyHistory) -> str:
     return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
-def _list_quantity_tables(study: Study, values: MeasuredReportValues) -> list[QuantityTable]:
+def _list_quantity_tables(study: Study, values: MeasuredReportValues) -> list[QuantityEstimates]:
     """Return a table for each quantity that has values, except friction."""
     tables = []
     curve_panels = _CURVE_PANELS[study.has_nominal_area].values()
@@ -218,7 +218,7 @@ def _list_quantity_tables(study: Study, values: MeasuredReportValues) -> list[Qu
         label = quantity_label(name, study)
         words = label[0].upper() + label[1:]
         limit = values.check_limits[name]
-        tables.append(QuantityTable(name, words, quantity.table_unit, estimates, factors.get(name, 1), limit))
+        tables.append(QuantityEstimates(name, words, quantity.table_unit, estimates, factors.get(name, 1), limit))
     return tables
 
 

@@ -149,7 +149,7 @@ def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class QuantityTable:
+class QuantityEstimates:
     """Estimates of a quantity that does not depend on mu0 and tau0.
 
     Attributes
