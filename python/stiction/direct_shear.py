@@ -281,7 +281,8 @@ def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[
     boxes = box.cut_strips(offsets, count)
     if len(boxes) < 2:
         raise ArgumentError(
-            "{strips} must be 0, or leave at least 2 strips with enough measured points, got {got}", got=count
+            "{strips} must be 0, or a number of strips of which at least 2 have enough measured points, got {got}",
+            got=count,
         )
     return boxes
 

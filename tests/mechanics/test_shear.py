@@ -388,7 +388,8 @@ def test_shear_test_rejects_strips_if_only_one_has_measured_points():
     holed = Surface(face.heights, spacing=face.spacing, missing=missing)
     options = {"path": "40 um", "steps": 1, "mu0": "0.5..0.7", "level": "mean"} | FULL_FIT
     with pytest.raises(
-        ValueError, match="strips must be 0, or leave at least 2 strips with enough measured points, got 2"
+        ValueError,
+        match="strips must be 0, or a number of strips of which at least 2 have enough measured points, got 2",
     ):
         shear_test(create_mate(face), holed, strips=2, **options)
 

@@ -202,7 +202,7 @@ def _print_height_factor_results(
                 )
         except KeyboardInterrupt:
             raise report_interruption(
-                "; results of finished factors are stored; run the same command again to resume"
+                "; results for the height factors computed so far are stored; run the same command again to resume"
             ) from None
     values = evaluate_at_height_factors(stored_result, height_factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
     result = Result(stored_result)

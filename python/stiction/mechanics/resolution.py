@@ -280,7 +280,7 @@ class _BodyPair:
             for length in lengths
         ):
             raise ValueError(
-                f"cut_offs must be 0, or between {self.shortest_cut_off:g} µm (two points) and "
+                f"cut_offs must be 0, or between {self.shortest_cut_off:g} µm (two grid spacings) and "
                 f"{MAX_CUTOFF_FRACTION * side_length:g} µm (a third of the shortest side), got {short_repr(cut_offs)}"
             )
         return sorted({0.0, *lengths})

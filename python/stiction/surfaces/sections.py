@@ -315,7 +315,9 @@ def _compute_with_cutoff(
         )
         ls = ls if ls >= 2 * spacing else 0.0
     elif ls and not 2 * spacing <= ls * ROUND_OFF_FACTOR <= lc:
-        raise ValueError(f"ls must be 0, or between {2 * spacing:g} µm (two points) and {lc:g} µm (lc), got {ls:g} µm")
+        raise ValueError(
+            f"ls must be 0, or between {2 * spacing:g} µm (two grid spacings) and {lc:g} µm (lc), got {ls:g} µm"
+        )
     primary_profile = (
         profile.changed(gaussian_low_pass(profile, ls, samples_weights=True), "S-filter") if ls else profile
     )

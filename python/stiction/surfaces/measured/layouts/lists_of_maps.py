@@ -51,12 +51,12 @@ def _reject(text: DecodedText) -> RawHeights:
         raise FormatError("is an image as text (.pgm, .ppm), whose grey values have no height scale")
     if any(map(_SMD_PATTERN.match, text.first_lines[:30])):
         raise FormatError(
-            "is an SMD or PRF file (ISO 5436-2), whose numbers are multiples of a scale; export it as X3P"
+            "is an SMD or PRF file (ISO 5436-2), whose numbers need a scale factor that is not read; export it as X3P"
         )
     if any(map(_FACES_PATTERN.match, text.first_lines[:30])):
         raise FormatError("is a mesh with faces (.ply); export only its points as x, y, z")
     raise FormatError(
-        "is a CODE V interferogram, whose numbers are multiples of a scale; export the heights as a matrix"
+        "is a CODE V interferogram, whose integers need a scale factor that is not read; export the heights as a matrix"
     )
 
 
