@@ -300,8 +300,8 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
-// Compute cosines and sines for a run of points by angle addition.
-// A table is rotated once by the phase of the first point, so that errors do not grow.
+// Rotate a table of cosines and sines by the phase of the first point.
+// Adding angles point by point instead would accumulate errors.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,
                   double* sines) {
