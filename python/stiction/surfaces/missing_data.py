@@ -145,8 +145,8 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.of_scan for typical in typical_deviations])
         # Check neighbourhoods only at outliers of the whole scan, because a neighbourhood cannot lower the deviation.
-        is_judged = is_measured & ~is_outlier & np.isfinite(line_deviations)
-        candidates = np.nonzero(is_judged & (ratio > _MIN_OUTLIER_RATIO))
+        can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
+        candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)
         ratio[candidates] = _find_smaller_ratio(
             [values[candidates] for values in deviations],
