@@ -30,13 +30,14 @@ if TYPE_CHECKING:
 
 MAX_PRINTED_DISPLACEMENTS = 13
 MIN_PRINTED_ANGLE_RANGE = 1.0  # smallest printed width (degrees) of an interval of the dilation angle
-MAX_EDGE_LOAD_FRACTION = 0.2  # maximum fraction of the load at the edges of the faces without a caveat
-MAX_HARDNESS_LOAD_FRACTION = 0.5  # maximum fraction of the load at the hardness without a caveat
-MAX_INITIAL_AREA_FRACTION = 0.5  # maximum ratio of contact area to overlap at the start without a caveat
+MAX_EDGE_LOAD_FRACTION = 0.2  # load fraction at the edges of the faces above which a caveat is issued
+MAX_HARDNESS_LOAD_FRACTION = 0.5  # load fraction at the hardness above which a caveat is issued
+MAX_INITIAL_AREA_FRACTION = 0.5  # ratio of contact area to overlap at the start above which a caveat is issued
 MAX_USUAL_PEAK = math.tan(math.radians(70))  # largest peak that Barton and Choubey (1977) recommend to use
-MAX_GAP_NOISE_RATIO = 3.0  # maximum ratio of the rms gap of registered faces to its noise without a caveat
-MIN_GAP_FRACTION = 0.01  # minimum ratio of the rms gap to the rms height change over the interval of Z2 for a caveat
-MIN_FIT_CORRELATION = 0.5  # minimum correlation of the slopes at the start of the path without a caveat
+# Registered faces have a caveat if the rms gap exceeds two limits: this multiple of the gap noise, and this fraction of
+# the rms height change over the sampling interval of Z2.
+MAX_GAP_NOISE_RATIO, MIN_GAP_FRACTION = 3.0, 0.01
+MIN_FIT_CORRELATION = 0.5  # correlation of the slopes at the start of the path below which a caveat is issued
 
 _CSV_COLUMNS = {
     "friction_coefficient": ("mu", 1.0), "shear_stress": ("shear stress (MPa)", 1e3),
