@@ -368,7 +368,7 @@ def evaluate_at_height_factors(
 def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) -> Floats | None:
     """Return the values of a quantity for each member, with the given dimensions after the first axis.
 
-    None if members have no values of the quantity.
+    Returns None if members have no values of the quantity.
     """
     import xarray
 

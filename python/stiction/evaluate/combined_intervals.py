@@ -49,7 +49,7 @@ NORMAL_DECILE_RANGE = 2.563103131089201
 MAX_CACHED_AREAS = 64  # maximum number of cached arrays of area samples
 
 StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
-"""Samples of mu0, tau0 (GPa), hardness (GPa) and junction growth. Each of the last two may be None."""
+"""Samples of mu0, tau0 (GPa), hardness (GPa) and junction growth. The hardness and the junction growth may be None."""
 
 _NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
 
@@ -309,7 +309,7 @@ class CombinedIntervals:
 
     @cached_property
     def _next_tests(self) -> list[tuple[Floats, Floats]]:
-        """Samples of the coefficient, and of its upper limit, of a test of one new member in one direction.
+        """Samples of the coefficient, and of its upper limit, in a single test of one new member in one direction.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a part whose roughness drifts, so that the drift counts twice. With joint samples of
@@ -324,7 +324,7 @@ class CombinedIntervals:
     def friction_after_dwell(self, dwell_time: float) -> tuple[float, float, float]:
         """Return the friction coefficient after a dwell time (s), together with the limits of its 95 % interval.
 
-        They are NaN if the nominal pressure reaches the hardness.
+        The coefficient is NaN if the nominal pressure reaches the hardness.
         """
         creep, central = Inputs.from_study(self.study).estimate("creep"), self.response.central
         assert creep is not None, "a study with dwell times has a creep exponent"
@@ -477,7 +477,7 @@ class CombinedIntervals:
     ) -> InputValues:
         """Insert the joint samples of an interface, sorted by the coefficients that follow from mu0 and tau0.
 
-        Their quantiles are therefore also quantiles of the coefficient.
+        Quantiles of the samples are therefore also quantiles of the coefficient.
         """
         mu0, tau0, hardness, growth = self.strengths[strength_index]
         central = self.response.central

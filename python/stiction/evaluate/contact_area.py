@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import xarray
 
 FALLBACK_YIELD_EXPONENT = 1.15
-"""Exponent of the yielding area if a result stores only capped areas. It only scales these areas."""
+"""Exponent of the yielding area if a result stores only capped areas. The exponent only scales these areas."""
 
 AREA_SUMS = ("contact_area", "normal_adhesive", "tangential_adhesive")
 """Stored sums that are proportional to the true area."""

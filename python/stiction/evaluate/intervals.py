@@ -134,7 +134,7 @@ class LoadCrossings:
 
     @property
     def loads(self) -> Floats:
-        """Requested loads. They are stored only if the crossings were found with `interpolates_ratio`."""
+        """Requested loads. The loads are stored only if the crossings were found with `interpolates_ratio`."""
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         return self.scale[1]
 
@@ -261,7 +261,7 @@ class MeansAtLoads:
         return np.asarray(before + self._fraction * (after - before))
 
     def _arrange_over_loads(self, of_points: Floats) -> Floats:
-        """Arrange the values at the crossings in an array of shape (c, l), with NaN at loads that are not reached."""
+        """Arrange values at crossings in an array (curves, loads), with NaN at loads that are not reached."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result
@@ -422,7 +422,8 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
     The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
     and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/uncertainty.md). The interval lies within the
-    range of the values. It is NaN if there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values are equal.
+    range of the values. The interval is NaN if there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values
+    are equal.
     """
     count = values.shape[0]
     # Sum each row (c, r) separately, so that the sum does not depend on the other rows.

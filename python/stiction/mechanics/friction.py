@@ -137,7 +137,7 @@ class FrictionLaw:
     def yield_pressure(self, hardness: Any) -> Any:
         """Return the pressure (GPa) of yielding contacts at the onset of sliding; NaN at seizure.
 
-        It is the hardness (GPa) if contacts do not grow. With slip lines, it is at least half the hardness.
+        The pressure is the hardness (GPa) if contacts do not grow. With slip lines, it is at least half the hardness.
         """
         if not np.any(self.junction_growth):
             return hardness
@@ -235,8 +235,9 @@ class OnsetState:
     area : array, µm²
         True area; infinite at seizure, which includes junctions that cannot carry the load on the nominal area.
     friction_fraction : array
-        Fraction of mu0 F + tau0 A that contacts carry. It is below 1 where the interface is stronger than the softer
-        body, which shears instead: the friction force is then a lower limit, because junctions grow while they slide.
+        Fraction of mu0 F + tau0 A that contacts carry. The fraction is below 1 where the interface is stronger than the
+        softer body, which shears instead: the friction force is then a lower limit, because junctions grow while they
+        slide.
     """
 
     plastic_coefficient: Any

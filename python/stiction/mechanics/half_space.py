@@ -249,7 +249,7 @@ class HalfSpaceCurve(FrictionCurve):
     def adhesion_range(self) -> float:
         """Decay length (µm) of the attraction.
 
-        It is the given range or, if larger, the smallest range that the grid resolves.
+        The length is the given range or, if larger, the smallest range that the grid resolves.
         """
         return self._problem.adhesion_range
 
@@ -257,8 +257,8 @@ class HalfSpaceCurve(FrictionCurve):
     def stiffness(self) -> Floats:
         """Stiffness dF/dδ (mN/µm, shape (k,)) for fixed contact points. It is infinite for a closed periodic gap.
 
-        The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. It is
-        computed on first use.
+        The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. The
+        stiffness is computed on first use.
         """
         return make_read_only(np.array([solution.stiffness for solution in self._contact_solutions]))
 

@@ -121,7 +121,7 @@ def find_members_in_progress(directory: Path) -> set[int]:
 
 
 def remove_stored_steps(directory: Path, members: Container[int] | None = None, key: str | None = None) -> None:
-    """Remove the stored steps of some or all members, with one or any key, from a result directory. Ignore errors."""
+    """Remove stored steps of members from a result directory: of all or some members, and with any or one key."""
     for member, member_directory in _list_member_directories(directory):
         if (members is None or member in members) and (key is None or member_directory.name.endswith(f"-{key}")):
             with contextlib.suppress(OSError):

@@ -42,7 +42,7 @@ _SLIP_LINE_LABEL = "the ratio of hardness to shear strength"  # label of the jun
 
 @dataclass(frozen=True)
 class Input:
-    """Input of a study.
+    """Input of a study, such as the hardness, with its label, unit and distribution.
 
     Attributes
     ----------

@@ -307,7 +307,7 @@ def _compute_checked_numbers(
 
 
 def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
-    """Return the means of a quantity, with or without intervals, at all points."""
+    """Return the means of a quantity, given with or without intervals, broadcast to all points."""
     return np.broadcast_to(_transpose(table.sel(statistic="mean") if "statistic" in table.dims else table), shape)
 
 

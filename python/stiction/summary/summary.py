@@ -700,7 +700,7 @@ def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
 def _find_bounds_for_finer_scans(
     point: xarray.Dataset, study: Study, all_rub: SlidingRuleCoefficient
 ) -> tuple[float, float] | None:
-    """Return bounds, valid to second order in the slope, on the friction coefficient for all finer scans.
+    """Return bounds on the friction coefficients of all finer scans. The bounds are valid to second order in the slope.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
     between contacts of different members. No bounds exist if the interface of contacts that yield is stronger than the

@@ -26,7 +26,7 @@ parabola is the form of the part, roughness contributes little to the higher ter
 """
 
 MIN_STEP_SHARPNESS = 0.8
-"""Smallest fraction of the height of a step that must lie within a few blocks. It excludes smooth forms."""
+"""Smallest fraction of the height of a step that must lie within a few blocks. Smooth forms have a smaller fraction."""
 
 _STEP_ANGLE_COUNT = 72  # number of tested directions across a step: 0°, 2.5°, ... 177.5°
 _STEP_MARGIN = 0.02  # minimum fraction of the points on either side of a step

@@ -1,7 +1,7 @@
 """Pairs of surfaces from two scans: pairs of lines, pairs of map pieces, and pairs of surrogates.
 
-A pair depends only on the scans, the options and its index. It depends neither on the number of pairs nor on the
-process that computes it.
+A pair depends only on the scans, the options and its index. Neither the number of pairs nor the process
+that computes a pair affects it.
 """
 
 from __future__ import annotations

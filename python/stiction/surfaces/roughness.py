@@ -339,7 +339,8 @@ def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> floa
 def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[float, float]:
     """Return the shortest and the longest distance, over all directions, at which the autocorrelation falls to 0.2.
 
-    Both are NaN if the autocorrelation does not fall to 0.2.
+    The shortest distance is NaN if the autocorrelation falls to 0.2 in no direction, and the longest is NaN unless it
+    falls to 0.2 in all directions.
     """
     correlation = autocorrelation(deviation)
     max_shift = [points // 2 for points in deviation.shape]

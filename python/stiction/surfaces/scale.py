@@ -399,12 +399,11 @@ def instrument_limit(
     -----
     The spectrum of a self-affine surface is proportional to q^-(1+2H), with an exponent from -1 to -3, and decreases
     faster where the surface is smooth. Other parts of a spectrum are noise, a spectral line, ringing, quantisation or
-    the texture of a machined surface. They are detected where the exponent of a decreasing spectrum rises above -1 over
-    one or two octaves, by three standard deviations, or where the spectrum rises to three times its minimum. A flat end
-    is instrument
-    noise. The limit is the wavelength at which the density is four times its minimum; h' of longer wavelengths then has
-    an error below 5 %. Lines, humps and spectra that rise at their end are of unknown origin, except for these
-    textures:
+    the texture of a machined surface. These parts are detected where the exponent of a decreasing spectrum rises above
+    -1 over one or two octaves, by three standard deviations, or where the spectrum rises to three times its minimum. A
+    flat end is instrument noise. The limit is the wavelength at which the density is four times its minimum; h' of
+    longer wavelengths then has an error below 5 %. Lines, humps and spectra that rise at their end are of unknown
+    origin, except for these textures:
 
     - All harmonics, or the odd harmonics, of one period, such as feed marks. The spectrum is then assessed between the
       harmonics, or not at all if they are less than 10 bins apart. Noise between the harmonics counts only if it also

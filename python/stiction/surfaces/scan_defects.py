@@ -28,7 +28,7 @@ MIN_SPIKE_HEIGHT_RATIO = 6.0
 """Distance from the median of the neighbourhood above which a point of a map is far from its neighbours.
 
 A point far from its neighbours that is also an outlier is a spike. The distance is a multiple of the robust standard
-deviation of the heights. It is at most 4 for machined surfaces, and 5 for white noise.
+deviation of the heights. The distance is at most 4 for machined surfaces, and 5 for white noise.
 """
 
 MIN_SPIKE_TO_FLANK_RATIO = 2.0
@@ -260,8 +260,8 @@ def _find_height(body: Profile | Surface) -> float:
 def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     """Find the sharp points of a body.
 
-    Sharp points of a profile are next to a large second difference. Those of a map are far from the median of the 3 x 3
-    points around them.
+    Sharp points of a profile are next to a large second difference. Sharp points of a map are far from the median of
+    the 3 x 3 points around them.
     """
     from scipy.ndimage import maximum_filter, median_filter
 

@@ -433,7 +433,7 @@ def _coefficients_table(
 
 
 def _coefficient_cell(estimate: Estimate) -> str:
-    """Format a coefficient as in the first lines of the output, with "no interval" if its interval is missing."""
+    """Format a coefficient with its interval, or with "no interval" if the interval is missing."""
     return str(estimate) if estimate.has_interval or math.isnan(estimate.value) else f"{estimate} no interval"
 
 

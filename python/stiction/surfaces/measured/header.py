@@ -507,7 +507,7 @@ def is_unit(word: str) -> bool:
 def find_other_axis(name: str, unit: str | None) -> str | None:
     """Return the quantity, such as "time", that a column of positions contains instead of a length, or None.
 
-    None also if the column has a unit that is not a length, because such units are rejected elsewhere.
+    The result is also None if the column has a unit that is not a length, because such units are rejected elsewhere.
     """
     match = _NON_POSITION_NAME_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", name))
     if match is None or (unit is not None and (match[1] is None or parse_length_unit(unit) is None)):

@@ -43,7 +43,8 @@ from stiction.surfaces.measured.raw import (
 MAX_STEP_UNEVENNESS = 1e-3
 """Largest accepted deviation of a point from a uniform grid, as a fraction of the spacing.
 
-Such a deviation has no visible effect on the heights. It occurs in positions that were stored in single precision.
+Such a deviation has no visible effect on the heights. Positions that were stored in single precision have such
+deviations.
 """
 
 MIN_MATRIX_COLUMNS = 4  # minimum number of columns of a height matrix in a text file

@@ -107,7 +107,7 @@ def _value_facts(values: GeneratedReportValues, study: Study) -> dict[str, Any]:
 
 
 def _value_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
-    """Return all quantities. The array axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
+    """Return arrays of all quantities over cell, amplitude, sliding rule, motion, load, mu0 and tau0."""
     arrays: dict[str, ReportArray] = {"friction": EstimateArray(values.estimates["friction"])}
     for panel, estimates in values.estimates.items():
         if panel != "friction":
@@ -127,7 +127,7 @@ def _value_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
 
 
 def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
-    """Return the numbers in the texts of caveats, at the points to which the caveats apply."""
+    """Return the numbers that the texts of caveats contain, for each point to which a caveat applies."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
         for check in filter(_has_number, caveats):
