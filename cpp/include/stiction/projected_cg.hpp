@@ -27,8 +27,8 @@ namespace stiction {
 ///
 /// Let the residual r be extended from the free points to the constrained points.
 /// On the free points, r·(inverse of K)r is the minimum of r·Mr over all extensions of r.
-/// On areas, extending r by zero comes close to this minimum.
-/// On lines with short contacts, extending r by zero is far from this minimum.
+/// On areas, an extension of r by zeros gives a value close to this minimum.
+/// On lines with short contacts, an extension of r by zeros gives a much larger value.
 /// On lines, the residual is therefore interpolated linearly between free points.
 /// The transpose of the interpolation is applied to M r.
 /// The interpolation continues across the edges of the grid, because M is periodic.
