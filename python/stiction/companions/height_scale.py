@@ -97,7 +97,7 @@ def parse_height_factors(factors: Any) -> Floats:
     Raises
     ------
     ArgumentError
-        If a factor is not a number or out of range, or if the ends of a range are not in ascending order.
+        If a factor is not a number or out of range, or if the limits of a range are not in ascending order.
     """
     values = _parse_factor_text(factors) if isinstance(factors, str) else float_array("height_scale", factors)
     values = np.unique([float(f"{factor:.{NUM_FACTOR_DIGITS}g}") for factor in np.ravel(values).tolist()])

@@ -235,18 +235,18 @@ class MeansAtLoads:
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
 
     def add(self, normal: Floats, quantities: Sequence[Floats]) -> None:
-        """Add repetitions. The normal loads and quantities of these repetitions are arrays of shape (c, k, r)."""
+        """Add repetitions, given arrays (curves, steps, repetitions) of their normal loads and of each quantity."""
         self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         points = {"curve": self._curve, "step": self._index, "fraction": self._fraction, "load": self._load}
         for quantity, values in zip(self._quantities, quantities, strict=True):
             quantity.add(normal, values, points, self._repetitions)
 
     def mean(self, quantity: int) -> Floats:
-        """Return the means of the quantity with the given index, with shape (c, l)."""
+        """Return the means of the quantity with the given index, as an array (curves, loads)."""
         return self._arrange_over_loads(self._quantities[quantity].mean)
 
     def interval(self, quantity: int) -> tuple[Floats, Floats]:
-        """Return the interval limits of the quantity with the given index, with shape (c, l).
+        """Return the interval limits of the quantity with the given index, as an array (curves, loads).
 
         All repetitions must have been added before.
         """
@@ -277,7 +277,7 @@ class _QuantityAtLoads:
         self.keeps_sign, self.keeps_load = np.ones((2, mean.size), np.bool_)
 
     def add(self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int) -> None:
-        """Add repetitions, given their normal loads and values (c, k, r)."""
+        """Add repetitions, given arrays (curves, steps, repetitions) of their normal loads and values."""
         self.has_negative_values |= (values < 0).any(axis=(1, 2))
         sums = _core.jackknife_sums(
             normal, values, **points, mean=self.mean, slope=self._slope, total_repetitions=total_repetitions

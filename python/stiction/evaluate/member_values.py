@@ -286,7 +286,7 @@ class _MemberForces:
     def at_elastic_loads(
         cls, contact_sums: Mapping[str, Floats], load_crossings: LoadCrossings, law: FrictionLaw
     ) -> _MemberForces:
-        """Compute the loads from contact sums that are interpolated at elastic loads."""
+        """Compute normal and tangential loads from contact sums that are interpolated at elastic loads."""
         is_reached, is_below = (
             each[..., None, None, :, None, None] for each in (load_crossings.reached, load_crossings.below)
         )
@@ -296,7 +296,9 @@ class _MemberForces:
     def at_normal_loads(
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
-        """Interpolate the loads of each step to given normal loads. If the steps are loads, ratios are interpolated."""
+        """Interpolate normal and tangential loads to given normal loads. If the steps are loads, ratios are
+        interpolated.
+        """
         # Move the steps to the last axis for the interpolation.
         normal, tangential = (np.moveaxis(each, -3, -1) for each in _compute_loads(sums_at_steps, law))
         normal = np.broadcast_to(normal, tangential.shape)

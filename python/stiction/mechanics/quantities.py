@@ -66,7 +66,7 @@ class ResultQuantity:
     numerator: str = ""
     denominator: tuple[str, ...] = ()  # names of the quantities whose sum is the denominator of a validity indicator
     sum_under_load: str = ""  # name of the same sum under load, for a sum at zero load
-    bounds: tuple[float, float] = (-math.inf, math.inf)  # range to which the ends of an interval are limited
+    bounds: tuple[float, float] = (-math.inf, math.inf)  # range to which the limits of an interval are restricted
     # Limits of the numbers that a result may store. Stored numbers may be infinite if a limit is infinite.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
     interval_kind: EstimateKind = "mean"  # kind of the 95 % interval

@@ -288,7 +288,7 @@ class MeasuredBodySettings(SettingsSection):
         ).with_checksums()
 
     def read(self) -> MeasuredBody:
-        """Read the profile, surface or spectrum (µm).
+        """Read the profile, surface or spectrum of the body. Lengths are in µm.
 
         Raises a `ValueError` if the checksum of the file differs.
         """

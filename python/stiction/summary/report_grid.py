@@ -57,7 +57,7 @@ class ParameterAxis:
     has_range: NDArray[np.bool_]
 
     def find_index(self, value: float) -> int:
-        """Return the index of the nearest value."""
+        """Return the index of the value on the axis that is nearest to a given value."""
         return int(np.abs(self.values - value).argmin())
 
 

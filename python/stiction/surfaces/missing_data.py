@@ -39,7 +39,7 @@ _WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profi
 # Of three estimates, one may be affected by another outlier.
 _MIN_NEIGHBOUR_ESTIMATES = 3
 # Maximum number of lines that may pass near an outlier by chance.
-# At least five lines connect neighbouring points near a point.
+# Each point is compared with at least five lines through two neighbouring points.
 _MAX_COINCIDENT_LINES = 2
 _MAX_OUTLIER_PASSES = 8
 # Steps from a point to its neighbours, by the number of axes.

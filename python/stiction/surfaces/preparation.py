@@ -127,7 +127,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
 
 
 def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
-    """Return orthogonal polynomials on a uniform grid, up to a given degree, with values of order 1."""
+    """Return orthogonal polynomials on a uniform grid, up to a given degree, scaled to values of about 1."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
     for _ in range(2, degree + 1):

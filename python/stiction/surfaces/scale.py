@@ -176,7 +176,7 @@ class ScaleDependentRoughness(TextReprMixin):
 
 
 def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
-    """Return the fitted power law, and two power laws whose exponents are the ends of the uncertainty interval.
+    """Return the fitted power law, and two power laws whose exponents are the limits of the uncertainty interval.
 
     All three power laws agree at the centre of the band.
     """

@@ -202,7 +202,7 @@ class ColumnTable:
     area: bool = False
     source: HeightProvenance = HeightProvenance()
     places: tuple[int, ...] | None = None  # column numbers in the file, if some columns were skipped
-    # Numbers of rows, and first line numbers (from 1), of the blocks that empty lines separate in a text.
+    # Number of rows and first line number (from 1) of each block of rows, if empty lines separate blocks in a text.
     block_lengths: tuple[int, ...] = ()
     block_lines: tuple[int, ...] = ()
     caveats: tuple[FileCaveat, ...] = ()

@@ -56,7 +56,7 @@ class EstimateArray:
     formats: Sequence[NumberFormat] = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the values, interval limits and numbers of decimals, by name suffix."""
+        """Return columns of values, interval limits and numbers of decimals, keyed by name suffix."""
         indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
         factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
         estimates = np.moveaxis(self.values / factors, -1, 0)
@@ -82,7 +82,7 @@ class NumberArray:
     formats: Sequence[NumberFormat]
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the numbers and the indices of their formats, by name suffix."""
+        """Return columns of numbers and of the indices of their formats, keyed by name suffix."""
         return {"value": self.values, "format": find_format_indices(self.values, self.formats)}
 
 
