@@ -197,7 +197,7 @@ def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: b
         axes.tick_params(labelbottom=False)
 
 
-def find_share_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
+def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
     """Return the fraction of the load on contacts beyond Hertz theory, at each point of the quantity `name`.
 
     The half-space model has no asperities; the fraction is then NaN.
@@ -210,7 +210,7 @@ def find_share_beyond_hertz(points: xarray.Dataset, name: str = "friction_coeffi
 def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
     """Draw friction curves for the lowest and highest shear strength. They are dotted where the model is invalid."""
     dimension = curves["fractal_dimension"].values
-    is_valid = ~(find_share_beyond_hertz(curves) > MAX_AFFECTED_FRACTION)
+    is_valid = ~(find_fraction_beyond_hertz(curves) > MAX_AFFECTED_FRACTION)
     value, lower, upper = (
         curves["friction_coefficient"].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS
     )
@@ -257,7 +257,7 @@ def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
     """Return a logarithmic colour scale that covers the valid values, or all values if few are valid."""
     values = maps["friction_coefficient"].sel(statistic="mean").values
     is_positive = np.isfinite(values) & (values > 0)
-    is_valid = is_positive & ~(find_share_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)
+    is_valid = is_positive & ~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)
     positive_values = values[is_valid if is_valid.sum() > 0.1 * is_positive.sum() else is_positive]
     low, high = np.quantile(positive_values, COLOUR_RANGE_QUANTILES) if positive_values.size else (0.1, 1.0)
     step = 10.0 ** np.floor(np.log10(low)) / 2  # step of which the limits of the colour scale are multiples
@@ -280,7 +280,7 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     colours[..., 3] = is_finite
     colours[status == STATUS_SELF_LOCKED] = (*to_rgb(SELF_LOCKED_COLOUR), 1)
     axes.pcolormesh(*edges, colours)
-    fraction = find_share_beyond_hertz(panel)
+    fraction = find_fraction_beyond_hertz(panel)
     _hatch_cells(axes, *edges, is_finite & (fraction > MAX_AFFECTED_FRACTION))
     if min(values.shape) > 1:
         masked_fractions = np.ma.masked_invalid(fraction)
@@ -339,13 +339,13 @@ def _unreached_cell_patch(*args: Any, **kwargs: Any) -> Any:
 def _legend_handles(maps: xarray.Dataset, *, has_asperities: bool) -> list[Any]:
     example_colour = np.array(colormaps[FRICTION_COLOUR_MAP](0.4)[:3])
     handles: list[Any] = []
-    if has_asperities and (find_share_beyond_hertz(maps) > MAX_AFFECTED_FRACTION).any():
+    if has_asperities and (find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION).any():
         invalid_label = "model not valid (dotted): most load on overlaps $> R/10$"
         # The small patch of the legend needs denser lines than the map.
         legend_style = {"facecolor": tuple(example_colour), "hatch": 2 * _INVALID_CELL_STYLE["hatch"]}
         handles.append(Patch(**_INVALID_CELL_STYLE | legend_style, label=invalid_label))
     fading = _compute_fading(maps["friction_coefficient"].transpose(..., "statistic").values)
-    if (fading[~(find_share_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)] > 0.1).any():
+    if (fading[~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)] > 0.1).any():
         handles.append(
             Patch(
                 facecolor=tuple(_fade_colours(example_colour, np.array(FADING_PARAMETERS[2]))),
@@ -412,7 +412,7 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load", ...)
     area, lower, upper = (areas["contact_area"].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
-    is_valid = ~(find_share_beyond_hertz(areas, "contact_area") > MAX_AFFECTED_FRACTION)
+    is_valid = ~(find_fraction_beyond_hertz(areas, "contact_area") > MAX_AFFECTED_FRACTION)
     positive = area[area > 0]
     for ax, area_factor in zip(axes, (np.ones(load.size), 1 / load), strict=True):
         ax.set(xscale="log", xlim=(load[0] / (load[-1] / load[0]) ** 0.24, load[-1] * 1.2))

@@ -25,7 +25,7 @@ from stiction.views.figures.ensemble import (
     create_figure_with_axes_rows,
     draw_heading,
     draw_panel_letter,
-    find_share_beyond_hertz,
+    find_fraction_beyond_hertz,
     format_fractal_dimension_axis,
     heading_lines,
 )
@@ -252,7 +252,7 @@ def _draw_onset_curves(axes: Axes, dataset: xarray.Dataset, name: str) -> None:
         mean, lower, upper = (
             factor * dataset_at_load[name].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS
         )
-        is_valid = ~(find_share_beyond_hertz(dataset_at_load, name) > MAX_AFFECTED_FRACTION)
+        is_valid = ~(find_fraction_beyond_hertz(dataset_at_load, name) > MAX_AFFECTED_FRACTION)
         axes.fill_between(dimension, lower, upper, color=colour, alpha=0.2, linewidth=0)
         marker = "o" if dimension.size == 1 else None
         style: dict[str, Any] = {"color": colour, "linewidth": 1, "marker": marker, "markersize": 2}
