@@ -296,9 +296,7 @@ class _MemberForces:
     def at_normal_loads(
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
-        """Interpolate normal and tangential loads to given normal loads. If the steps are loads, ratios are
-        interpolated.
-        """
+        """Interpolate normal and tangential loads to given normal loads; interpolate ratios if the steps are loads."""
         # Move the steps to the last axis for the interpolation.
         normal, tangential = (np.moveaxis(each, -3, -1) for each in _compute_loads(sums_at_steps, law))
         normal = np.broadcast_to(normal, tangential.shape)

@@ -258,9 +258,7 @@ class ContactSolution:
         return self._linear_response if self.below_hardness.all() else self._unloading_response
 
     def _get_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the stored elastic response of the contact points that a mask selects: points below the hardness, or
-        all.
-        """
+        """Return the stored elastic response of the points that a mask selects: points below the hardness, or all."""
         return self._linear_response if free_mask is self.below_hardness else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
