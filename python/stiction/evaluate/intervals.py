@@ -51,7 +51,7 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class LoadCrossings:
-    """Points at which curves of shape (..., k) first reach given loads of shape (l,).
+    """Points at which curves over the loading steps first reach given loads.
 
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """

@@ -228,7 +228,7 @@ _KEYS_PRINTED_WITHOUT_NAME = ("conditions", "source")
 
 
 def calibration_figure(interface: Interface) -> Figure:
-    """Draw a figure, 170 mm wide, of coefficients against A/F and of the joint distribution of mu0 and tau0.
+    """Draw coefficients against A/F, and the joint distribution of mu0 and tau0, in a figure 170 mm wide.
 
     Parameters
     ----------

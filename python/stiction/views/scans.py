@@ -108,7 +108,7 @@ def joined_spectrum_record(joined: JoinedSpectrum, caveats: Sequence[Caveat] = (
 
 
 def joined_spectrum_figure(joined: JoinedSpectrum) -> Figure:
-    """Draw a figure, 170 mm wide, of spectra, cumulative slope and curvature, and contact pressure against wavelength.
+    """Draw spectra, cumulative slope and curvature, and contact pressure against wavelength, in a figure 170 mm wide.
 
     The pressure is that of contact with a second surface of the same kind. The elastic pressure divided by E* is h'/κ
     of the gap, as in `spectral_resolution`. A material yields where this ratio reaches its hardness divided by E*;
@@ -259,7 +259,7 @@ def octave_noise_csv(comparison: RepeatedScans) -> str:
 
 
 def repeated_scans_figure(comparison: RepeatedScans) -> Figure:
-    """Draw a figure, 85 mm wide, of two spectra: the noise, and the roughness common to both scans."""
+    """Draw two spectra: the noise, and the roughness common to both scans, in a figure 85 mm wide."""
     import matplotlib as mpl
 
     with mpl.rc_context(MATPLOTLIB_STYLE):

@@ -25,7 +25,7 @@ MAX_ROW_LABEL_WIDTH = 20  # maximum width of the labels of inputs in characters;
 
 
 def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure:
-    """Draw a figure, 80 mm wide, of the contributions to friction, the combined interval and the uncertainty budget."""
+    """Draw the contributions to friction, the combined interval and the uncertainty budget, in a figure 80 mm wide."""
     width = point.upper - point.lower
     remaining_inputs = [item for item in point.budget if item.width < (1 - MIN_DRAWN_REDUCTION) * width][
         :MAX_DRAWN_INPUTS
@@ -66,7 +66,7 @@ def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure
 
 
 def dwell_time_figure(point: PointSummary, *, title: str = "") -> Figure:
-    """Draw a figure, 80 mm wide, of the coefficient and its 95 % interval against the dwell time."""
+    """Draw the coefficient and its 95 % interval against the dwell time, in a figure 80 mm wide."""
     estimate = point.rules[0]
     rows = [(1.0, estimate.value, estimate.lower, estimate.upper)]
     rows += [

@@ -27,7 +27,7 @@ MAX_COMPASS_RINGS = 5
 
 
 def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure, 80 mm wide, of the friction coefficient against the direction of motion for each sliding rule.
+    """Draw the friction coefficient against the direction of motion for each sliding rule, in a figure 80 mm wide.
 
     `points` is a result of `at_load` at one load, cell, mu0 and tau0. A smooth curve connects the directions.
     """
@@ -115,7 +115,7 @@ def _draw_polar_circles(axes: Any, highest: float) -> None:
 
 
 def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure, 80 mm wide, of the friction coefficient of each member in each direction.
+    """Draw the friction coefficient of each member in each direction, in a figure 80 mm wide.
 
     `point` is a result of `evaluate_positions`. Members of a single traverse are drawn against the offset, other
     members in ascending order. Directions are not averaged, because a test slides in one direction.
@@ -169,7 +169,7 @@ def _has_single_profile_pair(values: xarray.DataArray) -> bool:
 def contact_sizes_figure(
     members: xarray.Dataset, points: xarray.Dataset, *, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw a figure, 80 mm wide, of the distributions of contact size and of pressure over the contact area.
+    """Draw the distributions of contact size and of pressure over the contact area, in a figure 80 mm wide.
 
     `members` contains patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, which are drawn as
     thin lines. `points` contains the means of a single cell, as returned by `at_load`. The hardness (GPa) is marked.

@@ -21,7 +21,7 @@ from stiction.views.style import (
 
 
 def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure, 80 mm wide, of friction coefficient and true contact area against the rms gradient.
+    """Draw friction coefficient and true contact area against the rms gradient, in a figure 80 mm wide.
 
     Parameters
     ----------

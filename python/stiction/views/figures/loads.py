@@ -47,7 +47,7 @@ INTERVAL_BAND_LEGENDS = {
 
 
 def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
-    """Draw a figure, 80 mm wide, of friction coefficient and true contact area against load.
+    """Draw friction coefficient and true contact area against load, in a figure 80 mm wide.
 
     `points` is a result of `add_uncertainty` for one cell, mu0 and tau0. The loads of the study (mN) are marked. The
     bands of friction are the combined interval and, in a darker colour, the interval of the mean over
@@ -69,7 +69,7 @@ def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float]
 
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure, 80 mm wide, of closure and closure stiffness in an `at_load` dataset against nominal pressure."""
+    """Draw closure and closure stiffness in an `at_load` dataset against nominal pressure, in a figure 80 mm wide."""
     pressure_per_load = 1000 / float(points["nominal_area"])  # ratio of nominal pressure to load, MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
@@ -85,7 +85,7 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure, 80 mm wide, of load against approach (if known) and true contact area, for loading and unloading.
+    """Draw load against approach (if known) and true contact area, for loading and unloading, in a figure 80 mm wide.
 
     `branches` is a result of `loading_cycle`. The pull-off force is marked.
     """
@@ -129,7 +129,7 @@ def _pad_range(values: Floats) -> tuple[float, float]:
 
 
 def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
-    """Draw a figure, 80 mm wide, of friction coefficient and true area at one load against the cutoff wavelength.
+    """Draw friction coefficient and true area at one load against the cutoff wavelength, in a figure 80 mm wide.
 
     Unfiltered surfaces (cutoff 0) are drawn at their shortest resolved wavelength or, if this is unknown or not clearly
     below the first cutoff, to the left of the first cutoff. The figure also has a line at the plastic limit, dashed

@@ -43,7 +43,7 @@ LOAD_CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure, 80 mm wide: load against displacement, load cycles, and slipping fractions against load.
+    """Draw load against displacement, load cycles, and slipping fractions against load, in a figure 80 mm wide.
 
     `onset` is a result of `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """
@@ -128,7 +128,7 @@ def contains_slip_map(onset: xarray.Dataset) -> bool:
 
 
 def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure, 80 mm wide: the tangential load at which each contact point starts to slip, on a height map.
+    """Draw the tangential load at which each contact point starts to slip, on a height map, in a figure 80 mm wide.
 
     `onset` is a result of `compute_onset` for areal contact. With the asperity model, each contact is one marker, whose
     colour shows the load at which the contact slides.

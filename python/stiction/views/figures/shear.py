@@ -18,7 +18,7 @@ PRESSURE_COLOURS = ListedColormap(mpl.colormaps["inferno"](np.linspace(0, 0.8, 2
 
 
 def shear_figure(test: xarray.Dataset) -> Figure:
-    """Draw a figure, 80 mm wide, of a dataset that `shear_test` returned."""
+    """Draw a dataset that `shear_test` returned, in a figure 80 mm wide."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         has_contacts = "peak_pressure" in test
         has_map = has_contacts and test["peak_pressure"].ndim == 2
