@@ -817,7 +817,7 @@ def decode_members(content: bytes) -> BlockFileContent:
         numbers = _read_variable(file, "repetition")
         check_values("repetition", numbers, dtype=int, bounds=(0, np.iinfo(np.int64).max))
         if numbers.ndim != 1 or np.unique(numbers).size < numbers.size:
-            raise DamagedFileError("has repeated values of repetition")
+            raise DamagedFileError("contains a repetition more than once")
         arrays = {
             name: _read_member_array(file, name, spec.shape) for name, spec in variable_specs(study, numbers).items()
         }

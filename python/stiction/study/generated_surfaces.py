@@ -88,7 +88,7 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
         num_harmonics = getattr(self, "directions", 0) * getattr(self, "frequencies", 0)
         if num_harmonics > MAX_HARMONICS:
             raise make_key_error(
-                "directions", f"the product with frequencies must be at most {MAX_HARMONICS}, got {num_harmonics}"
+                "directions", f"directions times frequencies must be at most {MAX_HARMONICS}, got {num_harmonics}"
             )
         return self
 
