@@ -312,6 +312,24 @@ def test_attraction_decreases_at_every_point_when_the_load_decreases_towards_pul
     assert not adhesion_solver.find_equilibrium_at_pressure(state, -(1 + PULL_OFF_TOLERANCE) * pull_off)[1]
 
 
+@pytest.mark.parametrize("overload", [1.02, 1.04])
+def test_equilibrium_is_found_near_a_state_through_which_the_bodies_separate(overload):
+    bodies, adhesive = create_rough_bodies(0.02, 5e-5, modulus=2e-3, spacing=0.2, length=0.1001)
+    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
+    adhesion_solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
+    pull_off = curve.pull_off / adhesion_solver.mean_pressure_to_force(1.0)
+    start = adhesion_solver.find_equilibrium_at_pressure(None, 0.0)[0]
+    separating_state, is_balanced = adhesion_solver.find_equilibrium_at_pressure(start, -overload * pull_off)
+    assert not is_balanced
+    state = adhesion_solver.find_equilibrium_near(separating_state, earlier_state=start)
+    assert -(1 + PULL_OFF_TOLERANCE) * pull_off < state.load < (overload - 2) * pull_off
+    net_pressure = state.pressure.reshape(state.attraction.shape) - state.attraction
+    gap = curve._problem.gap + curve._problem.grids.displacement(net_pressure) - state.approach
+    residual = np.abs(adhesion_solver.attraction_at_gap(gap) - state.attraction).mean()
+    assert residual <= 2 * adhesion_solver.max_residual * (state.contact_load + state.mean_attraction)
+    assert net_pressure.mean() == pytest.approx(state.load, rel=1e-6)
+
+
 def test_pull_off_force_is_a_lower_bound_if_no_tensile_load_is_solved(monkeypatch):
     bodies, adhesive = create_soft_bodies_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)

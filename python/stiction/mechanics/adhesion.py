@@ -38,6 +38,14 @@ MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, as a 
 # maximum number of times the contact problem is solved for one external load, including jumps
 MAX_SOLVES_PER_LOAD = 2000
 MAX_SOLVES_PER_CONTACT_LOAD = 60  # maximum number of times the contact problem is solved for one contact load
+# Search for an equilibrium near a state: maximum number of contact solutions, number of steps for which the response to
+# the contact load is reused, relative change of the contact load for computing this response, and maximum relative
+# change of the contact load in one step
+MAX_SOLVES_NEAR_STATE = 100
+NUM_STEPS_PER_RESPONSE = 15
+RESPONSE_LOAD_CHANGE = 0.005
+MAX_CONTACT_LOAD_CHANGE = 0.2
+MAX_INITIAL_RESIDUAL = 1e-3  # residual that determines the tolerance of the first contact solution near a state
 MAX_STALLED_SOLVES = 20  # maximum number of successive contact solutions without a reduction of the residual
 # maximum accepted relative residual of the attraction, as a multiple of the tolerance
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
@@ -46,13 +54,22 @@ MIN_SOLUTION_TOLERANCE = (
 )
 # tolerance of a contact solution, as a fraction of the residual of the previous solution
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
+# The same fraction for plain steps. Extrapolation amplifies errors of the contact solutions, plain steps do not.
+PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3  # maximum tolerance of a contact solution
 # During separation, an increase of the attraction below this fraction of its maximum counts as numerical error.
 MAX_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
 CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads during separation
-MINIMUM_LOAD_TOLERANCE = 0.01  # accepted relative error of the minimum load
+# The search for the minimum load ends if extrapolated steps separate the bodies under a load that is lower by the first
+# fraction, and plain steps under a load that is lower by the second fraction. Near the minimum, plain steps take two to
+# three times as many iterations at a fraction of 0.01 as at 0.05.
+MINIMUM_LOAD_TOLERANCE = 0.01
+EXCLUDED_LOAD_MARGIN = 0.05
+# The search tries the load midway between the minimum load and a load under which the bodies separate, as long as they
+# differ by more than this fraction of the minimum load. Then it takes smaller steps from the minimum load.
+BISECTED_LOAD_MARGIN = 0.15
 # first step of the search for lower loads, relative to the minimum load so far
 FIRST_LOAD_DECREMENT = 0.05
 # An additional contact solution is computed only if the interpolated load is lower than the minimum load.
@@ -74,6 +91,11 @@ class _IterationState:
 
     attraction: Floats
     pressure: Floats | None = None
+    contact_load: float = math.nan
+    # Decrease of the gap, and increase of the attraction, due to a relative change of the contact load by
+    # `RESPONSE_LOAD_CHANGE`
+    gap_response: Floats | None = None
+    attraction_response: Floats | None = None
     # Attraction after the plain step. It is stored as a fallback if the step is extrapolated.
     plain_attraction: Floats | None = None
     residual: float = math.inf
@@ -194,6 +216,8 @@ class AdhesionSolver:
 
         def solve() -> StepResult:
             iteration = self._start_iteration(near)
+            if longest == 1 and iteration.number == 0:
+                iteration.tolerance_ratio = PLAIN_TOLERANCE_TO_RESIDUAL_RATIO
             states = self._iterate_to_equilibrium(
                 iteration, lambda mean_attraction: max(load + mean_attraction, min_contact), longest
             )
@@ -214,6 +238,59 @@ class AdhesionSolver:
         result = self.record.run_step(solve, EquilibriumNotFoundError)
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
+    def find_equilibrium_near(self, near: AdhesionState, *, earlier_state: AdhesionState) -> AdhesionState:
+        """Find an equilibrium near a state through which the bodies separate. The external load is adjusted.
+
+        At a constant load, the attraction changes fastest in the direction in which a change of the contact load
+        changes it. Each step therefore changes the contact load so that the attraction does not change in this
+        direction. All other changes decay. No point may be closer than in `earlier_state`. Otherwise, or if the
+        iteration fails, `EquilibriumNotFoundError` is raised.
+        """
+
+        def solve() -> StepResult:
+            iteration = self._start_iteration(near)
+            if math.isnan(iteration.contact_load):
+                iteration.contact_load, iteration.residual = near.contact_load, MAX_INITIAL_RESIDUAL
+            for number in range(iteration.number, MAX_SOLVES_NEAR_STATE):
+                iteration.number = number
+                self.record.offer_state(iteration.to_step_result)
+                tolerance, contact_load = self._solution_tolerance(iteration), iteration.contact_load
+                state, gap = self._solve_contact(iteration, contact_load, tolerance)
+                iteration.pressure = state.pressure
+                change = self.attraction_at_gap(gap) - state.attraction
+                unit_load = contact_load + state.mean_attraction
+                if float(np.abs(change).mean()) <= self.max_residual * unit_load and tolerance <= self.tolerance:
+                    max_attraction = earlier_state.attraction + MAX_ATTRACTION_INCREASE * self.max_attraction
+                    if (state.attraction <= max_attraction).all():
+                        return dict(vars(state))
+                    break
+                if number % NUM_STEPS_PER_RESPONSE == 0:
+                    closer_gap = self._solve_contact(iteration, (1 + RESPONSE_LOAD_CHANGE) * contact_load, tolerance)[1]
+                    iteration.gap_response = np.maximum(gap - closer_gap, 0)
+                    iteration.attraction_response = self.attraction_at_gap(closer_gap) - self.attraction_at_gap(gap)
+                gap_response, attraction_response = iteration.gap_response, iteration.attraction_response
+                assert gap_response is not None
+                assert attraction_response is not None
+                if not (response := float((gap_response * attraction_response).sum())) > 0:
+                    break
+                max_factor = MAX_CONTACT_LOAD_CHANGE / RESPONSE_LOAD_CHANGE
+                factor = min(max(-float((gap_response * change).sum()) / response, -max_factor), max_factor)
+                change += factor * attraction_response
+                iteration.contact_load = (1 + factor * RESPONSE_LOAD_CHANGE) * contact_load
+                previous_residual = iteration.residual
+                residual = iteration.residual = float(np.abs(change).mean()) / unit_load
+                if residual < iteration.best_residual:
+                    iteration.best_residual, iteration.best_state_number = residual, number
+                num_worse = number - iteration.best_state_number
+                if num_worse > MAX_STALLED_SOLVES or iteration.contact_load < self.min_contact:
+                    break
+                if number % (NUM_UNACCELERATED_STEPS + 1) == NUM_UNACCELERATED_STEPS:
+                    change *= _extrapolation_factor(residual, previous_residual, MAX_EXTRAPOLATION_FACTOR)
+                iteration.attraction = np.clip(state.attraction + change, 0.0, self.max_attraction)
+            raise EquilibriumNotFoundError("the computation of the attraction did not converge")
+
+        return _to_adhesion_state(self.record.run_step(solve, EquilibriumNotFoundError))
+
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
         """Return the state before the first iteration, or the state in which an earlier computation was interrupted."""
         if (state := self.record.read_state()) is not None:
@@ -231,7 +308,6 @@ class AdhesionSolver:
         is extrapolated as a geometric series with the ratio of the last two changes, limited to `longest` times the
         last change.
         """
-        grids, gap = self.problem.grids, self.problem.gap
         for number in itertools.count(state.number):
             state.number = number
             self.record.offer_state(state.to_step_result)
@@ -243,57 +319,60 @@ class AdhesionSolver:
                 continue
             if mean_pressure < self.min_contact:
                 return
-            if not mean_pressure < self.bound[0]:
-                raise EquilibriumNotFoundError("the attraction raises the pressure to the hardness at all points")
-            tolerance = min(
-                max(self.tolerance, state.tolerance_ratio * self.relative_range * state.residual),
-                MAX_SOLUTION_TOLERANCE,
-            )
-            attracted_gap = gap - grids.displacement(attraction, threads=solver_thread_count())
-            solver = _core.HalfSpaceSolver(
-                attracted_gap, grids, bound=self.bound, tolerance=tolerance, threads=solver_thread_count()
-            )
-            solution = solver.at(
-                mean_pressure, near=state.pressure, threads=solver_thread_count(), progress=self.report,
-                counter=self.record.counter,
-            )  # fmt: skip
-            if not solution.error <= max(tolerance, self.solver_tolerance):
-                raise EquilibriumNotFoundError("the computation of the pressures did not converge")
-            state.pressure = pressure = solution.pressure
-            displacement = grids.displacement(pressure.reshape(gap.shape), threads=solver_thread_count())
-            attraction_change = self.attraction_at_gap(attracted_gap + displacement - solution.approach) - attraction
+            tolerance = self._solution_tolerance(state)
+            contact_state, gap = self._solve_contact(state, mean_pressure, tolerance)
+            state.pressure = contact_state.pressure
+            attraction_change = self.attraction_at_gap(gap) - attraction
             previous_residual, residual = (
                 state.residual,
                 float(np.abs(attraction_change).mean()) / (mean_pressure + mean_attraction),
             )
-            approach_error_and_iterations = solution.approach, solution.error, solution.iterations
             if residual > self.max_residual or tolerance <= self.tolerance:
-                yield (
-                    AdhesionState(
-                        pressure,
-                        attraction,
-                        mean_pressure,
-                        mean_pressure - mean_attraction,
-                        *approach_error_and_iterations,
-                    ),
-                    residual,
-                )
+                yield contact_state, residual
             state.residual = residual
             state.stalled_count = 0 if residual < state.least_residual else state.stalled_count + 1
             state.least_residual = min(state.least_residual, residual)
             # the remaining residual may be caused by inexact contact solutions
             if state.stalled_count > MAX_STALLED_SOLVES:
                 state.tolerance_ratio, state.stalled_count = state.tolerance_ratio / 10, 0
-            residual_ratio = residual / previous_residual if previous_residual else 0.0
-            extrapolation_factor = 1 / (1 - residual_ratio) if residual_ratio < 1 - 1 / longest else longest
             next_attraction = np.clip(attraction + attraction_change, 0.0, self.max_attraction)
             state.plain_attraction = None
             if number % (NUM_UNACCELERATED_STEPS + 1) == NUM_UNACCELERATED_STEPS and longest > 1:
                 state.plain_attraction = next_attraction
-                next_attraction = np.clip(
-                    attraction + extrapolation_factor * attraction_change, 0.0, self.max_attraction
-                )
+                factor = _extrapolation_factor(residual, previous_residual, longest)
+                next_attraction = np.clip(attraction + factor * attraction_change, 0.0, self.max_attraction)
             state.attraction = next_attraction
+
+    def _solution_tolerance(self, state: _IterationState) -> float:
+        """Return the tolerance of the next contact solution. It decreases with the residual of the attraction."""
+        tolerance = state.tolerance_ratio * self.relative_range * state.residual
+        return min(max(self.tolerance, tolerance), MAX_SOLUTION_TOLERANCE)
+
+    def _solve_contact(
+        self, state: _IterationState, contact_load: float, tolerance: float
+    ) -> tuple[AdhesionState, Floats]:
+        """Solve the contact under the current attraction at a contact load (GPa). Return the contact and its gap."""
+        if not contact_load < self.bound[0]:
+            raise EquilibriumNotFoundError("the attraction raises the pressure to the hardness at all points")
+        grids, threads = self.problem.grids, solver_thread_count()
+        attracted_gap = self.problem.gap - grids.displacement(state.attraction, threads=threads)
+        solver = _core.HalfSpaceSolver(attracted_gap, grids, bound=self.bound, tolerance=tolerance, threads=threads)
+        solution = solver.at(
+            contact_load, near=state.pressure, threads=threads, progress=self.report, counter=self.record.counter
+        )
+        if not solution.error <= max(tolerance, self.solver_tolerance):
+            raise EquilibriumNotFoundError("the computation of the pressures did not converge")
+        displacement = grids.displacement(solution.pressure.reshape(attracted_gap.shape), threads=threads)
+        contact_state = AdhesionState(
+            solution.pressure,
+            state.attraction,
+            contact_load,
+            contact_load - float(state.attraction.mean()),
+            solution.approach,
+            solution.error,
+            solution.iterations,
+        )
+        return contact_state, attracted_gap + displacement - solution.approach
 
     def at(self, load: float, near: AdhesionState | None) -> AdhesionState:
         """Find the equilibrium at an external pressure (GPa). The iteration starts from `near`, or without contact."""
@@ -315,9 +394,13 @@ class AdhesionSolver:
     def trace_separation(self, start: AdhesionState) -> list[AdhesionState]:
         """Return states of decreasing contact load, at least down to the minimum of the external load.
 
-        States of decreasing contact load lead close to the minimum. Lower loads are then tried, first with extrapolated
-        steps and finally with plain steps from the start. The minimum is certain if the bodies separate under a load
-        that is lower by `MINIMUM_LOAD_TOLERANCE`. Otherwise `uncertainty_reason` contains the reason.
+        States of decreasing contact load lead close to the minimum. Lower loads are then tried. If the bodies separate
+        under a load, an equilibrium is searched near the state that changed most slowly.
+
+        The search ends if extrapolated steps separate the bodies under a load that is lower than the minimum by
+        `MINIMUM_LOAD_TOLERANCE`. Extrapolated steps may pass an equilibrium. The minimum is therefore certain only if
+        plain steps from the start also separate the bodies, under a load that is lower by `EXCLUDED_LOAD_MARGIN`.
+        Otherwise `uncertainty_reason` contains the reason.
         """
         self.uncertainty_reason = ""
         opening_state = self.find_opening_state(start)
@@ -336,20 +419,21 @@ class AdhesionSolver:
             )
             if load_bound >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
                 return states
+            uses_plain_steps = unsupported_load >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load
             load = (least_load + max(load_bound, unsupported_load)) / 2
             if least_load < 0:
-                load = min(max(load, (1 + decrement) * least_load), (1 + MINIMUM_LOAD_TOLERANCE) * least_load)
+                if not -math.inf < unsupported_load < (1 + BISECTED_LOAD_MARGIN) * least_load:
+                    load = max(load, (1 + decrement) * least_load)
+                if load > (1 + 2 * MINIMUM_LOAD_TOLERANCE) * least_load:
+                    load = (1 + MINIMUM_LOAD_TOLERANCE) * least_load
+            if uses_plain_steps:
+                load = (1 + EXCLUDED_LOAD_MARGIN) * least_load
             try:
                 trial_state, is_balanced = (
-                    self.find_equilibrium_at_pressure(extrapolated_start, load)
-                    if load > unsupported_load
-                    else (extrapolated_start, False)
+                    self.find_equilibrium_at_pressure(plain_start, load, longest=1.0)
+                    if uses_plain_steps
+                    else self.find_equilibrium_at_pressure(extrapolated_start, load)
                 )
-                if not is_balanced and load >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
-                    trial_state, is_balanced = self.find_equilibrium_at_pressure(plain_start, load, longest=1.0)
-                    if not is_balanced:
-                        return states
-                    plain_start, unsupported_load = trial_state, -math.inf
             except EquilibriumNotFoundError:
                 force = self.mean_pressure_to_force(load)
                 self.uncertainty_reason = (
@@ -358,12 +442,18 @@ class AdhesionSolver:
                 return states
             if is_balanced:
                 extrapolated_start, decrement = trial_state, 2 * decrement
+                if uses_plain_steps:
+                    plain_start = trial_state
+                if load <= unsupported_load:
+                    unsupported_load = -math.inf
+            elif uses_plain_steps:
+                return states
             else:
                 unsupported_load = load
+                if trial_state.load > load:
+                    continue  # no step was slower than the previous step
                 try:
-                    trial_state = self.solve_at_contact_pressure(
-                        trial_state, trial_state.contact_load, earlier_state=start
-                    )
+                    trial_state = self.find_equilibrium_near(trial_state, earlier_state=start)
                 except EquilibriumNotFoundError:
                     continue
                 if trial_state.load >= least_load:
@@ -445,6 +535,12 @@ class AdhesionSolver:
     def mean_pressure_to_force(self, mean: float) -> float:
         """Convert a mean pressure (GPa) to a force (mN)."""
         return mean * self.problem.cell_area * self.problem.gap.size
+
+
+def _extrapolation_factor(residual: float, previous_residual: float, longest: float) -> float:
+    """Return the sum of a geometric series with the ratio of two successive residuals, at most `longest`."""
+    ratio = residual / previous_residual if previous_residual else 0.0
+    return 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
 
 
 def state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:

@@ -202,8 +202,9 @@ class HalfSpaceCurve(FrictionCurve):
     def pull_off(self) -> float:
         """Largest tension (mN) that the surfaces support when they are pulled apart, starting from the smallest load.
 
-        The force is computed on first use. The surfaces separate under a tension that is 1 % larger. If separation is
-        not certain, a warning contains "at least", and `pull_off_is_bound` is True.
+        The force is computed on first use. No equilibrium was found at a tension that is 1 % larger, and none exists
+        at a tension that is 5 % larger. If this is not certain, a warning contains "at least", and
+        `pull_off_is_bound` is True.
         """
         force, is_bound = self.pull_off_bound
         if is_bound:
