@@ -25,7 +25,7 @@ MAX_STATISTIC_LINES = 6  # maximum number of outer rows or columns that contain 
 MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per line of a profile that is written in lines
 MIN_WRAPPED_LINES = 3  # minimum number of lines of a profile that is written in lines
-# Likelihood ratio of a map to a profile that is written in lines, up to which a caveat is issued.
+# A caveat is issued up to this ratio of the likelihoods of a map and of a profile that is written in lines.
 # In a profile, heights change as little from the end of a line to the next line as along a line.
 # In a map, heights change from the end of a line to the next line as much as between neighbours in a column.
 MAX_LIKELIHOOD_RATIO = 100.0
