@@ -114,7 +114,8 @@ class MemberSums:
         The pieces depend only on the study, so that sums over the pieces are bitwise reproducible.
         """
         if names is not None:
-            names, variables = parse_names("names", names), self.head.variables
+            first = self._first_member if isinstance(self.source, StoredResult) else self.source
+            names, variables = parse_names("names", names), first.variables
             if unknown_names := [name for name in names if name not in variables]:
                 raise ValueError(f"names must be variables of the result, got {short_repr(unknown_names[0])}")
         if isinstance(self.source, StoredResult):
