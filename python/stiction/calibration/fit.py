@@ -158,7 +158,7 @@ class CalibrationProblem:
     def _compute_equation_coefficients(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Compute both sides of the test equations (coefficients of mu0 and tau0, right side) from the nuisance scores.
+        """Compute the test equations from nuisance scores: the coefficients of mu0 and tau0, and the right sides.
 
         The scores have the shape (points, nuisances), and the coefficients have the shape (points, tests). If mu0 and
         tau0 (GPa) of shape (points, ...) are given, the coefficients of tau0 have the shape (points, tests, ...) and

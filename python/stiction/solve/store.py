@@ -663,7 +663,7 @@ def _contains_study(path: Path, study: Study, *, repetitions_may_differ: bool = 
 
 
 class EditedStudyError(StoreError):
-    """Error raised if a study file would be replaced that a user has written or edited."""
+    """Error raised if a run would replace a study file that a user has written or edited."""
 
 
 class StudyMismatchError(StoreError):

@@ -788,7 +788,7 @@ class MeasuredPair:
 
     @property
     def _area_loss(self) -> InputValue | None:
-        """Fraction of the true area that is lost under shear; None without a given fraction, except for soft bodies."""
+        """Given fraction of the true area that is lost under shear, or the default for soft bodies; otherwise None."""
         value: Any = self.options.area_loss
         if self._hardness is not None:
             if value is not None:

@@ -23,7 +23,7 @@ from stiction.views.style import SLIDING_RULE_LABELS
 
 @dataclass(frozen=True, eq=False)
 class ReportContent:
-    """Content of a report.
+    """Content of a report: title, texts, and the data for its scripts.
 
     Attributes
     ----------
