@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from stiction.evaluate.member_means import MemberDependence
 from stiction.evaluate.point import iterate_points
 from stiction.study.values import quantity
 from stiction.summary.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat
@@ -562,7 +563,7 @@ def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
 )
 def test_caveats_call_the_members_by_the_word_of_the_study(study, members):
     expected_texts = {
-        ("half_width_ratio", np.nan): f"there is no interval; an interval requires at least 8 different {members}",
+        ("half_width_ratio", np.nan): f"there is no interval; an interval requires at least 3 different {members}",
         ("half_width_ratio", 0.55): f"the interval of the mean is wider than ±50 %; use more {members}",
         ("contact_count", 0.6): f"all {members} together have fewer than 10 contacts, on average 0.6 per "
         f"{study.member_names.singular}; use a higher load, larger surfaces or more {members}",
@@ -574,6 +575,19 @@ def test_caveats_call_the_members_by_the_word_of_the_study(study, members):
     for (name, value), expected_text in expected_texts.items():
         caveats = summarize_single_point(measured_result(**{name: value}), study).caveats
         assert expected_text in [f"{caveat.text}; {caveat.remedy}" for caveat in caveats]
+
+
+@pytest.mark.parametrize(("press", "min_positions"), [("areas", 3), ("lines", 8)])
+def test_caveat_about_a_missing_interval_states_the_smallest_number_of_positions_with_an_interval(press, min_positions):
+    study = measured_study(press=press)
+    (caveat,) = summarize_single_point(measured_result(half_width_ratio=np.nan), study).faults
+    assert caveat.remedy == f"an interval requires at least {min_positions} different positions"
+    values = np.random.default_rng(1).normal(1.0, 0.1, min_positions)
+    for count in (min_positions - 1, min_positions):
+        coordinates = {"line": np.zeros(count), "x": np.arange(count), "y": np.zeros(count)}
+        dependence = MemberDependence.from_coordinates(study, coordinates)
+        _, *limits = dependence.mean_with_interval(values[:count])
+        assert np.isfinite(limits).all() == (count == min_positions)
 
 
 def test_caveats_of_generated_surfaces_use_the_word_repetitions():

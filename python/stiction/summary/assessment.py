@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._number_format import format_number, format_percent, format_significant, format_with_unit
 from stiction.calibration.friction_tests import NEGLIGIBLE_GROWTH_EFFECT
+from stiction.evaluate.intervals import MIN_NEIGHBOURING_VALUES, MIN_SAMPLE_SIZE
 from stiction.evaluate.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
 from stiction.evaluate.point import (
     SlidingRuleCoefficient,
@@ -268,11 +269,13 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
     if study.is_gap:
         return (SINGLE_POSITION_CHECK,)
     members = study.member_names.plural
+    are_neighbours = study.is_measured and not study.is_areal
+    min_members = MIN_NEIGHBOURING_VALUES if are_neighbours else MIN_SAMPLE_SIZE
     return (
         LimitCheck("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
         LimitCheck(
             "missing_interval", MAX_AFFECTED_FRACTION, "there is no interval",
-            f"an interval requires at least 8 different {members}",
+            f"an interval requires at least {min_members} different {members}",
         ),
         LimitCheck(
             WIDE_INTERVAL_CHECK_NAME, MAX_RELATIVE_HALF_WIDTH,
