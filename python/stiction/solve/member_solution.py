@@ -404,13 +404,13 @@ The keys are False for lines and True for areas.
 """
 
 ITERATIONS_PER_LOAD = 15
-MAX_PULL_OFF_ITERATIONS = 12_000  # maximum number of iterations for maps of up to 256² points
-MAX_PULL_OFF_ITERATIONS_PER_SIDE_POINT = 47  # maximum number of iterations per point along a side
+MAX_PULL_OFF_ITERATIONS = 10_700  # maximum number of iterations for maps of up to 256² points
+MAX_PULL_OFF_ITERATIONS_PER_SIDE_POINT = 42  # maximum number of iterations per point along a side
 PULL_OFF_ITERATION_FACTORS = {False: 100_000, True: 5000}
 """Factor in the number of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
 
 The number is inversely proportional to E* Sq Sdq / (4 w) of the gap, up to a maximum. Bodies near complete contact need
-the most iterations: 12 000 with 256² points, and 31 000 with 512² points.
+the most iterations: 7000 with 256² points, and 21 000 with 512² points. The maximum covers both.
 """
 
 _reusable_arrays = threading.local()
