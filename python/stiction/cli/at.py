@@ -222,7 +222,10 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
     width_factor = 1.0
     if width is not None:
         if result.study.surfaces.press != "lines":
-            raise ArgumentError("{width} applies only to a pair of profiles, got {width} {got}", got=repr(width))
+            raise ArgumentError(
+                "{width} must be omitted, because the result is not of two measured profiles in contact, got {got}",
+                got=repr(width),
+            )
         width_factor = PROFILE_WIDTH / float(parse_quantity("width", width, "length"))
     if not texts:
         if not result.study.friction.load:
