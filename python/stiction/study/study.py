@@ -409,7 +409,7 @@ class Study(SettingsSection):
                 raise ValueError('figures.draw: "onset" needs contact.onset, which specifies the strengths')
             return self
         if self.figures != FigureSettings():
-            raise ValueError("figures.draw: applies only to generated surfaces; measured surfaces have all figures")
+            raise ValueError("figures.draw: must be omitted for measured surfaces, whose results have all figures")
         if friction.wait and (self.contact.hardness is None or friction.creep is None):
             missing_key = "friction.creep" if self.contact.hardness else "contact.hardness"
             raise ValueError(
