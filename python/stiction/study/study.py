@@ -612,7 +612,12 @@ class Study(SettingsSection):
     def _remove_dependent_loads(
         self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
     ) -> None:
-        """For generated surfaces, remove loads that the changes make invalid or that depend on changed loads."""
+        """For generated surfaces, remove loads that would contradict changed loads.
+
+        `friction.load` is removed if `contact.load` changes, or if the changed study has no `friction.load`. Otherwise,
+        `contact.load` is removed if it has two loads more than `friction.load`, because the validation added these two
+        and will add two that enclose the changed loads.
+        """
         if "contact.load" in changes or not is_allowed:
             data["friction"].pop("load", None)
         elif len(requested := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(requested) + 2:
