@@ -198,12 +198,12 @@ class _TypicalDeviations:
 def _find_typical_deviations(
     distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_], heights: Floats, step: float
 ) -> _TypicalDeviations:
-    """Find the median deviation of edge points and of all other points.
+    """Find the median deviation of edge points, and the median deviation of all other points.
 
-    Deviations up to `step`, the step (µm) to which heights are rounded, may be due to rounding. In flat regions, most
-    deviations are so small. If a scan has flat regions, the median of its rough regions is used in and beside the rough
-    regions. Flat regions of heights that are not rounded were clipped or filled; the median of the rough regions is
-    then used everywhere.
+    `step` is the rounding step of the heights (µm). Where most deviations are at most one step, they may be due to
+    rounding, and the region counts as flat. In scans with flat regions, rough regions and their neighbourhoods have the
+    median of the rough regions. If heights are not rounded, flat regions were clipped or filled, and the median of the
+    rough regions is used everywhere, provided that the rough regions are large enough.
     """
     from scipy.ndimage import maximum_filter, median_filter
 
