@@ -101,8 +101,9 @@ ReportArray = NDArray[Any] | EstimateArray | NumberArray
 class PackedArrays:
     """Encoded arrays of a page.
 
-    `offsets` maps each column to the index of its first number in the decoded array of its type. `formats` contains
-    the formats of each array that has formats.
+    `texts` contains two encoded arrays: all floating-point numbers, and all small whole numbers. `offsets` maps the
+    name of each column to the index of its first number in the decoded array. `formats` maps the name of each array of
+    estimates or of numbers with formats to its formats.
     """
 
     offsets: dict[str, int]
