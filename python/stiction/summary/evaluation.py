@@ -455,7 +455,7 @@ class Evaluation(MemberSums):
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Limits of the combined 95 % interval of `value`. It reflects inputs, positions and unresolved roughness."""
+        """Limits of the combined 95 % interval of `value`, which covers inputs, positions and unresolved roughness."""
         return self._first_reported_point.lower, self._first_reported_point.upper
 
     @property
