@@ -119,7 +119,7 @@ class _IterationState:
 
     @classmethod
     def from_step_result(cls, result: StepResult) -> _IterationState:
-        """Return the state that `to_step_result` converted."""
+        """Restore a state from the arrays and numbers that `to_step_result` returned."""
         values = {field.name: _to_array_or_number(result[field.name]) for field in fields(cls) if field.name in result}
         if "best_pressure" in result:
             values["best_state"] = _to_adhesion_state(
