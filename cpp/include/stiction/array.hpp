@@ -5,7 +5,7 @@
 //
 // No compiled function takes, returns or contains an Eigen array that owns its memory.
 // How Eigen allocates and aligns memory depends on compiler flags (-mavx, -fsanitize=address).
-// If a program is compiled with other flags than this library, the linker keeps only one version of an Eigen function.
+// The linker keeps one version of each Eigen function, even if program and library were compiled with different flags.
 // The function that frees an array may then not match the function that allocated it.
 #pragma once
 
