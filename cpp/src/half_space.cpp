@@ -603,9 +603,8 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
   const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
-  // The first guess of the mean pressure is a tenth of E* approach / length.
-  // E* approach / length is the mean pressure of a contact as large as the grid.
-  // No rough contact exceeds this pressure.
+  // E* approach / length is the mean pressure if the contact is as large as the grid.
+  // It is an upper limit for rough surfaces, so the first guess is a tenth of it.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);
   const double length = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
   double pressure = near.empty() ? 0.1 * grids_->effective_modulus() * approach / length : mean_value(near);
