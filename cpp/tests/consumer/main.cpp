@@ -31,7 +31,7 @@ std::vector<double> fractal_profile(unsigned seed) {
   return heights;
 }
 
-/// Return an arc of a circle [µm] around the middle of the profile.
+/// Return the heights [µm] of a circular arc whose apex is at height 0 in the middle of the profile.
 /// `sign` is +1 for a bump on the lower surface, and -1 for a bump on the upper surface.
 std::vector<double> arc(double radius, double sign) {
   std::vector<double> heights(points);
