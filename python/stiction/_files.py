@@ -154,7 +154,8 @@ class DirectoryClaim:
     def _refresh_regularly(self) -> None:
         while not self._has_ended.wait(CLAIM_REFRESH_INTERVAL):
             with suppress(OSError):
-                self.file.touch()  # another machine may have removed an old claim
+                # If another machine has removed this claim as stale, create the file again.
+                self.file.touch()
 
     def find_other_claim(self) -> Path | None:
         """Return the partial file of another active run in this directory, or None.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from stiction.summary.summary import Summary
 
 
-# Maximum number of lines for caveats, with which the output of `pair` and `run` fits on 24 terminal lines.
+# Maximum number of caveat lines. With more, the output of `pair` and `run` would exceed 24 terminal lines.
 MAX_CAVEAT_LINES = 5
 
 VERBOSE_OPTION = "--verbose"  # option that shows all points and caveats

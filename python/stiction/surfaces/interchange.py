@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-# Relative difference of the steps between coordinates below which a grid counts as uniform.
+# Maximum difference between the steps of a uniform grid, relative to the mean step.
 SPACING_TOLERANCE = 1e-6
 
 

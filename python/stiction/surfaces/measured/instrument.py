@@ -115,7 +115,7 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable
         if points > MAX_POINTS:
             raise FormatError(f"contains {points} points; at most {MAX_POINTS} can be read")
         check_point_count(points, path.stat().st_size)
-        # If positions and values have different units, the values are not lengths.
+        # The unit is a tuple if positions and values have different units, so the values are not lengths.
         if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None

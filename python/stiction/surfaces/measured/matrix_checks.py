@@ -26,8 +26,8 @@ MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per line of a profile that is written in lines
 MIN_WRAPPED_LINES = 3  # minimum number of lines of a profile that is written in lines
 # A caveat is issued up to this ratio of the likelihoods of a map and of a profile that is written in lines.
-# In a profile, heights change as little from the end of a line to the next line as along a line.
-# In a map, heights change from the end of a line to the next line as much as between neighbours in a column.
+# If a profile was written in lines, heights change between two lines no more than within a line.
+# In a map, heights are assumed to change between two lines as much as between neighbours in a column.
 MAX_LIKELIHOOD_RATIO = 100.0
 MAX_DEVIATION_IN_LINES = 8.0  # number of median deviations beyond which heights of a wrapped profile are ignored
 MIN_COLUMN_DIFFERENCE = 2.0  # minimum ratio of the mean square differences of neighbours in a column and in a line
