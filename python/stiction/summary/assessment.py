@@ -48,21 +48,21 @@ YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 
 MIN_TOTAL_CONTACTS = 10  # minimum total number of contacts in all members for which a mean may be reported
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
-"""Mean contact counts per member below which a coefficient must not be quoted (first) or has a caveat (second)."""
+"""Minimum mean contact counts per member for quoting a coefficient, and for quoting it without a caveat."""
 
 # Maximum fraction of the load on a single contact for which a coefficient is reported.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
-# Fraction of the load on contacts at the edge above which a caveat is issued.
+# A caveat is issued if contacts at the edge bear more than this fraction of the load.
 CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
-CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # load fraction on one contact above which a caveat is issued
+CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # a caveat is issued if one contact bears more than this fraction of the load
 
-# Ratio of true to nominal area above which contacts are assumed to have merged.
+# Contacts are assumed to have merged if the ratio of true to nominal area exceeds this limit.
 MIN_MERGED_AREA_FRACTION = 0.3
-# Fraction of the load, the members or the scan length above which a problem that affects it causes a caveat.
+# A problem causes a caveat if it affects more than this fraction of the load, the members or the scan length.
 MAX_AFFECTED_FRACTION = 0.5
-MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated scan points above which a caveat is issued
+MAX_INTERPOLATED_FRACTION = 0.02  # a caveat is issued if more than this fraction of scan points is interpolated
 MAX_SCATTERED_MISSING_FRACTION = 0.02
-"""Fraction of scattered missing points above which a caveat warns of holes in contacts."""
+"""Maximum fraction of scattered missing points. If more are missing, a caveat warns of holes in contacts."""
 MAX_AREA_LOSS_PER_HOLE = 1.3
 """Largest relative loss of A/A0 through scattered missing points, divided by the fraction of these points.
 
@@ -71,22 +71,22 @@ of both maps are missing at random, this is 1.3 times the fraction of points tha
 With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1 times that fraction on average.
 """
 MIN_DRIFT_EFFECT = 0.02
-"""Relative standard error due to drift of the roughness above which a coefficient has a caveat."""
-MAX_SPACING_RATIO = 3.0  # ratio of the grid spacings of two scans above which a caveat is issued
+"""Minimum relative standard error, due to drift of the roughness, that causes a caveat."""
+MAX_SPACING_RATIO = 3.0  # a caveat is issued if the ratio of the grid spacings of two scans exceeds this limit
 
-# Ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk.
+# An interface counts as nearly as strong as the bulk if the ratio of τ0 to H/√α exceeds this limit.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# Fraction of samples without an upper limit above which an interval has no upper limit.
+# An interval has no upper limit if more than this fraction of samples has no upper limit.
 MAX_UNLIMITED_FRACTION = 0.025
 MIN_UNLIMITED_FRACTION = 0.01
-"""Fraction of input samples without an upper limit of friction above which a caveat reports it.
+"""Minimum fraction of input samples without an upper limit of friction that a caveat reports.
 
 The upper limit of an interval is the 97.5 % quantile. If a smaller fraction of samples were left out, this limit would
 be the 96.5 % quantile or a higher one.
 """
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
-"""Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
+"""Minimum load fraction on plastic contacts for comparing τ0 with the shear strength of the softer body."""
 
 TYPICAL_SIZE_EFFECT_LENGTH = 0.5
 """Typical length h* (µm) of the indentation size effect, used if the depth of the indentation is unknown."""
@@ -94,9 +94,9 @@ TYPICAL_SIZE_EFFECT_LENGTH = 0.5
 MIN_SIZE_EFFECT_MODULUS_RATIO = 25.0
 """Smallest ratio of E* to the hardness for which h* of metals is within its range; h* falls as (G/H)²."""
 MIN_METAL_MODULUS = 20.0
-"""E* (GPa) above which a body that yields and has no name is taken for a metal."""
+"""Minimum E* (GPa) for which a body that yields and has no name is taken for a metal."""
 
-# Load that adhesion adds, relative to the applied load, above which a caveat is issued.
+# A caveat is issued if adhesion adds more than this fraction of the applied load.
 MAX_NEGLECTED_ADHESION_FRACTION = 0.05
 TYPICAL_WORK_OF_ADHESION = 5e-5  # typical work of adhesion of solids in air, in mN/µm (50 mJ/m²)
 RIM_ATTRACTION_FACTOR = 4.3
@@ -105,9 +105,9 @@ RIM_ATTRACTION_FACTOR = 4.3
 docs/explanation/adhesion.md describes the fit.
 """
 
-MAX_DEVIATION_FROM_MU0 = 0.02  # relative difference below which a coefficient counts as equal to mu0
+MAX_DEVIATION_FROM_MU0 = 0.02  # a coefficient counts as equal to mu0 if the relative difference is below this limit
 ROUND_UP_FACTOR = 1 + 1e-12  # factor that makes ties such as 2.25 round up, in the same way as in the report
-MAX_RELATIVE_HALF_WIDTH = 0.5  # relative half width of an interval above which a caveat is issued
+MAX_RELATIVE_HALF_WIDTH = 0.5  # a caveat is issued if the relative half width of an interval exceeds this limit
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class Caveat:
     remedy: str
     severity: Severity
     cut_off: float = math.inf
-    """Cutoff wavelength (µm) at and above which the caveat does not apply."""
+    """Shortest cutoff wavelength (µm) for which the caveat does not apply."""
     has_second_cutoff: bool = False
     """True if the interval covers the results with and without the wavelengths that the caveat concerns."""
     name: str = ""
@@ -806,7 +806,7 @@ def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[C
 
 
 MIN_YIELDING_PRESSURE_FRACTION = 0.45
-"""Ratio of mean pressure to hardness above which yielding below the surface increases the area by some per cent."""
+"""Minimum ratio of mean pressure to hardness for which yielding below the surface adds some per cent of area."""
 
 
 def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:

@@ -28,7 +28,7 @@ MIN_NUM_PRESSURES_FOR_STIFFNESS = 3  # minimum number of pressures from which a 
 # Directions of motion (degrees) over which coefficients are averaged, because the surfaces are isotropic.
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 MAX_FITTED_AREA_FRACTION = 0.1  # maximum true area fraction of results that are used to fit the laws
-MAX_LAW_DEVIATION = 0.1  # relative deviation of the means from a fitted law above which a caveat is issued
+MAX_LAW_DEVIATION = 0.1  # a caveat is issued if the means deviate from a fitted law by more than this fraction
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 

@@ -46,18 +46,19 @@ INSTRUMENT_LIMIT_REASON_TEXTS = {
 }
 """Explanations of why wavelengths are not attributed to the surface, keyed by the short name of the reason."""
 
-# Maximum plausible ratio of height to length, above which the height unit must be wrong.
+# Maximum plausible ratio of height to length. If the ratio is larger, the height unit must be wrong.
 MAX_HEIGHT_OVER_EXTENT = 10.0
 MAX_PLAUSIBLE_MU0 = 2.0  # largest plausible mu0, above all published values, even for clean metals in vacuum
 
 MAX_FORM_FRACTION = 0.6
-"""Fraction of the mean square height due to a fitted parabola above which a scan has a caveat about form.
+"""Maximum fraction of the mean square height due to a fitted parabola.
 
-The fraction is about one half if the longest wavelengths dominate the heights of a surface without form error.
+If the fraction is larger, a scan has a caveat about form. The fraction is about one half if the longest wavelengths
+dominate the heights of a surface without form error.
 """
 
 MAX_STEP_FRACTION = 0.65
-"""Fraction of the mean square height due to a straight step above which a scan has a caveat.
+"""Maximum fraction of the mean square height due to a straight step. If the fraction is larger, a scan has a caveat.
 
 The largest fraction of 540 simulated profiles and 540 simulated maps without a step was 0.62.
 """
@@ -69,7 +70,7 @@ CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_SPECTRA_RATIO = 2.0  # ratio of the spectra of the same surface above which a caveat is issued
+MAX_SPECTRA_RATIO = 2.0  # a caveat is issued if the ratio of the spectra of the same surface exceeds this limit
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Largest plausible ratio of nominal pressure to E*. A larger load is probably the load on the whole component."""
 
@@ -174,7 +175,7 @@ def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) ->
 
 
 MIN_GAP_REDUCTION = 2.0
-"""Ratio of rms gaps above which a caveat reports that the faces fit better if the upper map is mirrored."""
+"""Minimum ratio of rms gaps for a caveat that the faces fit better if the upper map is mirrored."""
 
 _MIRROR_ALTERNATIVES = (
     ("with its columns reversed instead of its rows", "--rotate {rotation:g} does this", np.s_[::-1, ::-1]),

@@ -31,7 +31,7 @@ MAX_LOAD_RATIO = 10 ** (1 / 16)
 Other programs interpolate linearly between its rows; the closure of two profiles then deviates by less than 0.1 %.
 """
 MIN_PREDICTION_POSITIONS = 3
-MIN_DUNDURS_BETA = 0.005  # Dundurs' second constant below which materials count as equal
+MIN_DUNDURS_BETA = 0.005  # materials count as equal if Dundurs' second constant is below this limit
 UnitSystem = Literal["mm,N,MPa", "m,N,Pa", "um,mN,GPa"]
 """Consistent units of length, force and pressure of other programs."""
 
