@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# Height below which a hill or dale is merged with a neighbour, relative to the maximum height (Wolf pruning).
+# Minimum height of a hill or dale that is not merged with a neighbour, relative to the maximum height (Wolf pruning).
 PRUNING_FRACTION = 0.05
 NUM_AVERAGED_FEATURES = 5  # number of peaks or pits over which the five-point parameters are averaged
 
@@ -29,7 +29,7 @@ def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     heights : (rows, columns) ndarray
         Pass the negative heights to find pits.
     threshold : float
-        Height of a peak above the highest common saddle with a neighbour, below which the two hills are merged.
+        Two hills are merged if the lower peak is less than this height above their highest common saddle.
 
     Notes
     -----

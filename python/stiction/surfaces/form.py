@@ -17,7 +17,7 @@ PointCoordinates = tuple[Floats, Floats]  # coordinates (x, y) relative to the m
 _FormModel = Callable[[Floats, PointCoordinates], Floats]
 # Lower limit of the squared cosine of the slope angle, which keeps heights beyond the equator of a form finite.
 _MIN_COSINE_SQUARED = 1e-6
-_FIT_TOLERANCE = 1e-12  # relative change below which the fit has converged
+_FIT_TOLERANCE = 1e-12  # the fit has converged if the relative change is below this limit
 
 
 def fit_round_form(

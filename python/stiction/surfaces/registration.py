@@ -124,7 +124,7 @@ def measure_fit(upper: Any, lower: Any) -> float:
 
 
 MIN_FIT_CORRELATIONS = {Profile: 0.9, Surface: 0.5}
-"""Correlation of the slopes of two faces (see `measure_fit`) above which the faces fit.
+"""Minimum correlation of the slopes of two faces that fit (see `measure_fit`).
 
 The largest correlation of 3600 pairs of unrelated profiles was 0.86, and of 1350 pairs of unrelated maps 0.40.
 """

@@ -35,7 +35,7 @@ _NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps in each stage of the a
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation needs
 _NUM_TRIAL_CUTOFFS = 400  # number of cutoffs that are tried
-# Distance (points) from the nearest integer below which a shift counts as an integer.
+# A shift counts as an integer if its distance (points) from the nearest integer is below this limit.
 _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 

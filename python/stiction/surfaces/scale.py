@@ -34,7 +34,7 @@ _MIN_EXPONENT_DEVIATIONS = 3.0
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
 # Minimum ratio of the spectral density at reliable wavelengths to the lowest density.
 _MIN_TRUSTED_DENSITY_RATIO = 4.0
-# Ratio of a density to the lowest density at longer wavelengths above which the spectrum counts as rising.
+# A spectrum counts as rising if a density exceeds this multiple of the lowest density at longer wavelengths.
 # The spectrum of a surface never rises to three times its lowest density at longer wavelengths.
 _MIN_RISE_DENSITY_RATIO = 3.0
 # Largest fraction of the mean square slope that may come from wavelengths not attributed to the surface.
@@ -56,7 +56,7 @@ _MIN_QUANTISATION_FRACTION = 0.3
 _MAX_FLAT_EXPONENT = 0.35
 # Largest exponent of a noise floor if the fitted range also contains a part of the spectrum of the surface.
 _MAX_FLOOR_EXPONENT = 0.7
-# Wavelength, relative to the wavelength limit, below which a spectrum consists only of noise.
+# Wavelengths shorter than this fraction of the wavelength limit consist only of noise.
 _NOISE_WAVELENGTH_RATIO = 0.7
 # Reasons for a wavelength limit that always refer to the instrument and never to the surface.
 INSTRUMENT_REASONS = ("noise floor", "quantisation")

@@ -18,14 +18,14 @@ from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface
 
 MIN_SPIKE_SHARPNESS_RATIO = 12.0
-"""Second difference above which a point of a profile is sharp, as a multiple of the robust standard deviation.
+"""Minimum second difference at a sharp point of a profile, as a multiple of the robust standard deviation.
 
 A sharp point that is also an outlier is a spike. The robust standard deviation is the median of the absolute second
 differences, divided by 0.67.
 """
 
 MIN_SPIKE_HEIGHT_RATIO = 6.0
-"""Distance from the median of the neighbourhood above which a point of a map is far from its neighbours.
+"""Minimum distance from the median of the neighbourhood for a point of a map that is far from its neighbours.
 
 A point far from its neighbours that is also an outlier is a spike. The distance is a multiple of the robust standard
 deviation of the heights. The distance is at most 4 for machined surfaces, and 5 for white noise.
@@ -47,7 +47,7 @@ _MIN_DEEP_SPIKE_RATIO = 2.0  # minimum height of a wide spike or a dip of a prof
 MIN_ROUGHNESS_RATIO = 1e-6
 
 MIN_LAY_RATIO = 2.0
-"""Ratio of the rms slopes across and along the lay of a map above which the orientation of the map matters.
+"""Minimum ratio of the rms slopes across and along the lay of a map whose orientation matters.
 
 The ratio is at most 1.2 for isotropic maps with 64 x 64 points.
 """

@@ -19,8 +19,8 @@ BodyLike = Any  # a Profile, a Surface, or an array of heights
 
 # Names in the C++ core for the amplitude measures that do not depend on the order of the points.
 _CORE_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Lower limit of the height of a body (µm), below which fourth powers would underflow.
-# Above the inverse of the lower limit, fourth powers of heights would overflow.
+# Minimum height of a body (µm). Fourth powers of smaller heights would underflow.
+# The maximum height is the inverse of the minimum. Fourth powers of larger heights would overflow.
 _MIN_HEIGHT = 1e-50
 
 

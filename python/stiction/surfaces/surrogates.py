@@ -17,7 +17,7 @@ _RINGS_PER_DECADE = 12  # number of rings of wave number per decade; empty rings
 _SMOOTHNESS_PENALTY = 2.0
 _ROUND_OFF_FRACTION = 1e-14  # largest density that counts as round-off, relative to the maximum of the spectrum
 _MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten are usually enough
-# Change of the logarithm of each density in one iteration below which the fit has converged.
+# The fit has converged if one iteration changes the logarithm of each density by less than this limit.
 _CONVERGENCE_TOLERANCE = 1e-6
 # Default maximum number of rows and of columns of a surrogate.
 # The half-space solution of a map of 512 × 512 points takes some tenths of a second.

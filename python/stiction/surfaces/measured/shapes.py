@@ -53,7 +53,7 @@ MAX_LISTED_NAMES = 12  # maximum number of names in a message
 MAX_SELECTED_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
 MIN_JITTERED_POSITIONS = 8  # minimum number of slightly uneven positions that count as measured
 MAX_JITTER = 0.5  # largest range of the steps between measured positions, relative to the mean step
-# Correlation between heights and point index above which a surface counts as tilted.
+# Minimum correlation between heights and point index of a surface that counts as tilted.
 MIN_TILT_CORRELATION = 0.98
 # Minimum number of following numbers with equal decimals for a check of the first number.
 # The first number of a column is suspicious if it has fewer decimals than the numbers below it.

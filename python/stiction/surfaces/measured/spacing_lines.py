@@ -46,7 +46,7 @@ _SPACING_PATTERN = re.compile(
 _UNQUALIFIED_NAME_PATTERN = re.compile(r"(?:scan[\s_-]*)?(?:step|pitch|interval|abstand)", re.IGNORECASE)
 """Pattern of names that may also denote lengths of a specimen or of a path, such as the pitch of a grating."""
 
-MIN_SPECIMEN_DISTANCE = 100.0  # "sample spacing" (µm) above which it may be a distance between specimens
+MIN_SPECIMEN_DISTANCE = 100.0  # minimum "sample spacing" (µm) that may be a distance between specimens
 
 _POINTS_REMARK_PATTERN = re.compile(
     r"\W*(?:nominal|mean|average|fast|along|in|lateral|horizontal|sampl\w*|points?|pixels?|px|x|axis|direction|\W)*",
