@@ -28,7 +28,7 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# Variation of a gap along one axis, as a fraction of its range, below which the gap counts as grooved.
+# A gap counts as grooved if its variation along one axis is less than this fraction of its range.
 _GROOVE_TOLERANCE = 1e-9
 
 

@@ -23,10 +23,10 @@ from stiction.mechanics.friction import (
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import SlidingRule
 
-# Number of bisections after which the logarithm of an aspect ratio is exact to the last bit.
+# Number of bisections that makes the logarithm of an aspect ratio exact to the last bit.
 _NUM_BISECTIONS = 64
 _SLOPE_TOLERANCE = 1e-9  # largest relative amount by which the rms slope may exceed the rms gradient
-# Standard deviation of the slopes below which two terms of the series are exact to the last bit.
+# If the standard deviation of the slopes is below this limit, two terms of the series are exact to the last bit.
 _SMALL_SLOPE_LIMIT = 1e-3
 
 _P = ParamSpec("_P")

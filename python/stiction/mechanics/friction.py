@@ -60,7 +60,9 @@ NEGLIGIBLE_COEFFICIENT = 1e-9
 """Largest magnitude of a coefficient that is attributed to round-off."""
 
 MAX_SHEAR_STRENGTH_RATIO, MAX_RUBBER_SHEAR_STRENGTH_RATIO = 0.1, 1.0
-"""Ratios tau0/E* above which the unit of tau0 is probably wrong: for stiff bodies, and for rubber and gels.
+"""Maximum plausible ratios tau0/E* for stiff bodies, and for rubber and gels.
+
+If a ratio is larger, the unit of tau0 is probably wrong.
 
 The ratio of rubber on glass is usually 0.1 to 0.3. A unit that is wrong by a factor of 1000 gives more than 100.
 """
@@ -83,7 +85,7 @@ SMALLEST_TABULATED_MEAN, NUM_TABULATED_VALUES = 0.005, 256
 axis.
 """
 
-NUM_PRESSURE_STEPS = 3  # number of Newton steps after which the yield pressure of slip lines is exact to round-off
+NUM_PRESSURE_STEPS = 3  # number of Newton steps that makes the yield pressure of slip lines exact to round-off
 
 
 @dataclass(frozen=True)

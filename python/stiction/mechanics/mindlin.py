@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
     from stiction.mechanics.half_space_problem import ContactSolution
 
-# Relative difference of traction bounds below which they count as uniform.
+# Maximum relative difference of traction bounds that count as uniform.
 UNIFORMITY_TOLERANCE = 1e-12
 NUM_QUADRATURE_NODES = 24  # number of Gauss-Legendre nodes for integrating a smooth function of an angle
 

@@ -56,8 +56,8 @@ NORMAL_LOAD_TOLERANCE = 1e-4
 
 MAX_LOAD_TRIALS = 40  # maximum number of contact solutions for one step
 MAX_LOAD_FACTOR = 4.0  # maximum factor between the elastic loads of two consecutive trials
-MAX_ELASTIC_LOAD_RATIO = 100.0  # ratio of the elastic load to the target of the normal load above which the faces lock
-MIN_ELASTIC_LOAD_RATIO = 1e-4  # ratio of the elastic load to the initial load below which the faces are separated
+MAX_ELASTIC_LOAD_RATIO = 100.0  # the faces lock if the elastic load exceeds this multiple of the required normal load
+MIN_ELASTIC_LOAD_RATIO = 1e-4  # the faces are separated if the elastic load is below this fraction of the initial load
 
 MAX_ROUND_OFF_GAP = 1e-9
 """Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
