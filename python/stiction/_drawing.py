@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stiction._checks import Floats
 
 HEIGHT_COLOUR_MAP = "gray"
-_MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which heights are drawn in nm
+_MAX_NANOMETRE_RANGE = 0.5  # heights are drawn in nm if their range (µm) is below this limit
 _MAX_SCALE_BAR_FRACTION = 0.25  # maximum length of the scale bar, relative to the width of the map
 PRESSURE_COLOUR_MAP = "inferno"
 MAX_LEGEND_LINES = 12  # maximum number of lines in a figure with a legend

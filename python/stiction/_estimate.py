@@ -15,7 +15,7 @@ from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, 
 
 MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is very narrow
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
-# Ratio of the upper limit of an interval to the value above which the upper limit is printed with one digit.
+# The upper limit of an interval is printed with one digit if it exceeds this multiple of the value.
 MAX_FULL_PRECISION_END_RATIO = 100.0
 NO_INTERVAL_CODE = -128  # replaces the number of decimals of the upper end if no interval is printed
 # Code instead of a number of decimals, for an upper end with one digit and an exponent, as in "5e+09".

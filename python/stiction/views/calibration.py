@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from stiction.calibration.friction_tests import FrictionTest
     from stiction.summary.evaluation import Evaluation
 
-MIN_PRINTED_AREA_RANGE = 1e-6  # relative range of A/F above which the interval or the range of A/F is printed
+MIN_PRINTED_AREA_RANGE = 1e-6  # the interval or range of A/F is printed if the relative range of A/F exceeds this limit
 # Minimum shift of a limit, relative to the width of the 95 % interval, for which tests narrow the interval.
 MIN_NARROWING = 0.05
 MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution that the figure shows

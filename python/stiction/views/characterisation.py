@@ -30,12 +30,12 @@ from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.spreadsheet import frame_to_csv
 
 NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
-# Fraction of the mean square slope below which the contribution of unreliable wavelengths is ignored.
+# The contribution of unreliable wavelengths is ignored if it is less than this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
 _MIN_PEAK_RATIO = 3.0  # minimum ratio of the density of a peak to the density at longer wavelengths
 _MIN_LONGER_WAVELENGTHS = 4  # minimum number of wavelengths that are longer than a peak
 _MIN_PEAK_FRACTION = 0.1  # minimum fraction of m4 that a reported peak contributes
-# Dispersion of the spectrum relative to its fit above which the scatter is reported.
+# The scatter is reported if the dispersion of the spectrum relative to its fit exceeds this limit.
 _MAX_DISPERSION = 2.0
 
 _UNIT_SYMBOLS = {

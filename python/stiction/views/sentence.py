@@ -30,7 +30,7 @@ from stiction.views.pull_off import pull_off_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# Relative effect of the load definition on the coefficient above which the sentence defines the load.
+# The sentence defines the load if the relative effect of the load definition on the coefficient exceeds this limit.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 # Minimum width of the range for finer scans that the text contains, relative to the interval width.
 MIN_STATED_BRACKET_WIDTH = 0.05

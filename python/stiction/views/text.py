@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.summary.evaluation import Evaluation
 
-MIN_STATED_GROOVE_EFFECT = 0.01  # relative difference of friction along the axes below which no grooves are reported
+MIN_STATED_GROOVE_EFFECT = 0.01  # no grooves are reported if the relative difference of friction is below this limit
 MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table if a result has several points
 
 

@@ -32,7 +32,7 @@ from stiction.views.style import (
 )
 
 _MIN_FORCE_ZOOM_HALF_WIDTH = 40  # minimum half width of the magnified range in the figure of forces, in grid spacings
-_MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which the axis is labelled in nm
+_MAX_NANOMETRE_RANGE = 0.5  # the axis is labelled in nm if the range of heights (µm) is below this limit
 _MAX_ARROW_LENGTH = 0.45  # maximum length of an arrow, inches
 EDGE_CONTACT_COLOUR = "#e00030"  # colour of contacts that are cut by the edge of the map
 # Number of neighbouring contacts in the magnified range, in addition to the strongest contact.
