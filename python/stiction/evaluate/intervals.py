@@ -27,7 +27,7 @@ NUM_BATCH_VALUES = 2**17  # maximum number of values in a batch; larger batches 
 MIN_SAMPLE_SIZE = 3  # minimum number of values from which an interval is computed
 MIN_NEIGHBOURING_VALUES = 8  # minimum number of values at neighbouring positions, for an interval of their mean
 MIN_RELATIVE_CHANGE = -1 + 1e-12
-"""Smallest relative change of a mean on leaving out a repetition at which the mean keeps its sign.
+"""Minimum relative change of a mean for which the mean keeps its sign if one repetition is left out.
 
 The change is -1 if all other repetitions are zero. The distance from -1 exceeds the round-off.
 """
@@ -38,8 +38,8 @@ Friction up to this fraction of the load or of the pull-off force counts as roun
 """
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
-_MIN_SKEWNESS = 1e-9  # skewness below which an interval is computed as symmetric
-MAX_DEGREES_OF_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution counts as normal
+_MIN_SKEWNESS = 1e-9  # an interval is computed as symmetric if its skewness is below this limit
+MAX_DEGREES_OF_FREEDOM = 1e6  # with more degrees of freedom, Student's t distribution counts as normal
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 MIN_STICKING_PRESSURE = 1e-7
-"""Pull-off pressure (GPa) above which bodies stick.
+"""Minimum pull-off pressure (GPa) of bodies that stick.
 
 The value is 100 Pa, the weight per area of a steel plate that is 1.3 mm thick.
 """
