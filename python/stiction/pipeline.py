@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 LinePrintFunction = Callable[[str], Any]  # function that prints a line
 
-MIN_ANNOUNCED_TIME = 20.0  # computing time (s) above which an estimate of the time is always printed
+MIN_ANNOUNCED_TIME = 20.0  # if the computing time (s) exceeds this limit, its estimate is always printed
 
 _COMPANION_FILES = {
     CONTACT_PICTURE_FILE: CHECKSUM_PREFIX,

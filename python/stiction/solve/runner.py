@@ -309,7 +309,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(unfinished_members.total), arrays, find_body_attributes(study))
 
 
-# Estimated time (s) on all threads above which advice on shortening the run is printed.
+# If the estimated time (s) on all threads exceeds this limit, advice on shortening the run is printed.
 LONG_RUN_TIME = 600.0
 
 
@@ -342,7 +342,7 @@ def _describe_remaining_work(
     )
 
 
-MIN_REPORTED_TIME = 60.0  # remaining time (s) above which a new estimate of the run time is printed
+MIN_REPORTED_TIME = 60.0  # minimum remaining time (s) for printing a new estimate of the run time
 
 
 def _format_revised_time_estimate(
