@@ -21,7 +21,7 @@ from stiction.mechanics.materials import (
 )
 
 NUM_MATERIAL_DIGITS = 3  # number of digits of the properties of materials
-# Number of digits of elastic constants, with which E* of all pairs of materials has three exact digits.
+# Number of digits of elastic constants that gives E* of all pairs of materials three exact digits.
 NUM_ELASTIC_CONSTANT_DIGITS = 6
 
 

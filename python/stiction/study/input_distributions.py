@@ -60,7 +60,7 @@ _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
 # Pattern of a central value that is followed by its range in brackets.
 _CENTRAL_VALUE_PATTERN = re.compile(r"\s*([^()]+?)\s*\(\s*([^()]+?)\s*\)\s*")
-# Pattern of an uncertainty in per cent, after which the unit of the value may follow.
+# Pattern of an uncertainty in per cent. The unit of the value may follow the per cent sign.
 _PERCENT_PATTERN = re.compile(r"(.+?)\s*%\s*(.*)")
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
 # Pattern of a Vickers scale with its test load, as in "HV10" or "HV 0.5".
@@ -75,7 +75,7 @@ MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
 # Limits of the exponent of the yielding area, from far below the exponent of fine asperities to above that of steps.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9  # largest fraction of the true area that contacts may lose under shear
-# Maximum creep exponent, with which the hardness falls to a third in each decade of time.
+# Maximum creep exponent. Its effect is that the hardness falls to a third in each decade of time.
 MAX_CREEP_EXPONENT = 0.5
 
 

@@ -51,7 +51,7 @@ class Input:
     unit : str
         "GPa", "µm", or "" for a number.
     central : float
-        Value with which contacts are computed.
+        Value that is used to compute contacts.
     estimate : UncertainInput
         Distribution of the input.
     text : str
@@ -139,7 +139,7 @@ class Inputs:
         return FrictionLaw(mu0, tau0, growth.central, growth.estimate.uses_slip_lines)
 
     def central(self, name: str) -> float:
-        """Return the value with which contacts are computed (GPa or 1)."""
+        """Return the value that is used to compute contacts (GPa or 1)."""
         return self.entries[name].central
 
     def quantile(self, name: str, probability: ArrayLike) -> Floats:

@@ -59,7 +59,7 @@ scaled.
 
 # Maximum distance, relative to the interval width, at which a lower limit is moved to the bound of the quantity.
 BOUND_TOLERANCE = 0.01
-INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the true value
+INTERVAL_COVERAGE = 0.95  # probability that an interval contains the true value
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 
 HARDNESS_HEADER_ENTRY = "hardness of the draws"

@@ -1,7 +1,7 @@
 """Checks of the variables and attributes of stored files.
 
 A file with a correct checksum may still contain values that no computation returns, for example if another program
-changed the file. Each variable and attribute has a specification, with which it is compared when the file is read.
+changed the file. When a file is read, its variables and attributes are compared with their specifications.
 """
 
 from __future__ import annotations
