@@ -23,7 +23,7 @@ PARTIAL_FILE_NAME_PATTERN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9
 The name contains the machine, the process id, the run and a random number.
 """
 
-# Age in seconds above which a partial file that another machine left counts as stale.
+# A partial file that another machine left counts as stale if its age in seconds exceeds this limit.
 MAX_PARTIAL_FILE_AGE = 3600.0
 # Time (s) between two refreshes of a claim, so short that a claim survives a few failed refreshes.
 CLAIM_REFRESH_INTERVAL = 300.0

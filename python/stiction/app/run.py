@@ -21,7 +21,7 @@ from stiction.app.server import Server
 WORKING_DIRECTORY_PREFIX = "stiction-app-"
 
 SERVER_IDLE_TIMEOUT = 90.0
-"""Seconds without a request after which the server exits; browsers limit hidden windows to one request per minute."""
+"""Time (s) without a request until the server exits. Browsers limit hidden windows to one request per minute."""
 
 FIRST_WINDOW_TIMEOUT = 600.0  # time in seconds within which the first browser window must connect
 

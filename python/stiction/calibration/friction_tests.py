@@ -28,10 +28,10 @@ from stiction.study.moduli import UncertainModulus, find_default_area_loss, pars
 from stiction.study.study import parse_study_of_dataset
 
 MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
-"""Limits above which a coefficient depends on junction growth.
+"""Minimum area ratio and minimum growth effect of a coefficient that depends on junction growth.
 
-The first limit is the ratio of the true area to the area of plastic contact, and the second limit is the relative
-change of the coefficient due to junction growth. A coefficient depends on it if both limits are exceeded.
+The area ratio is the true area divided by the area of plastic contact. The growth effect is the relative change of the
+coefficient due to junction growth. A coefficient depends on junction growth if it exceeds both limits.
 """
 
 

@@ -11,10 +11,10 @@ from contextlib import suppress
 from stiction.cli.exit_status import EXIT_BAD_INPUT, EXIT_INTERRUPTED, exit_on_interrupt
 
 MIN_ADDRESS_SPACE = 2**30
-"""Address space in bytes (ulimit -v) below which OpenBLAS may block forever while SciPy is imported."""
+"""Minimum address space in bytes (ulimit -v). With less, OpenBLAS may block forever while SciPy is imported."""
 
 ALLOCATIONS_PER_COLLECTION = 100_000
-"""Number of new objects after which Python's garbage collector searches for unused cycles of objects.
+"""Number of new objects until Python's garbage collector searches for unused cycles of objects.
 
 With Python's default, 700 in Python 3.11, the collector traverses the objects of the imported libraries so often that
 `stiction pair` takes a tenth longer.

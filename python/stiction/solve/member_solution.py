@@ -84,7 +84,7 @@ NUM_ELASTIC_MAP_MEMBERS, NUM_ELASTIC_LARGE_MAP_MEMBERS, NUM_ELASTIC_PROFILE_MEMB
 """Numbers of members (maps, large maps, profiles) whose elastic area is computed in addition if the bodies yield."""
 
 MIN_LARGE_MAP_POINTS = 2**19
-"""Number of grid points above which a map is large.
+"""Minimum number of grid points of a large map.
 
 Large maps need few members: for 384² points, the areas of members differ by 0.1 % if all contacts yield, and by 2 % if
 some contacts yield.
