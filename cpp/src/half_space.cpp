@@ -187,7 +187,7 @@ bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
 //
 // On a free area, pressures displace every point away from the other body.
 // A point whose initial gap exceeds the approach therefore cannot come into contact.
-// If few points remain, they are selected, and displacements are computed only at them, with a dense matrix.
+// If few points remain, select them, and compute displacements only at the selected points, with a dense matrix.
 // At all other points, the potential is replaced by its lower bound, the initial gap.
 // The displacements due to a pressure on the first point of the grid are given by `influence`.
 // If `influence` is empty, no points are selected.
@@ -316,7 +316,7 @@ class LevelSolver {
   }
 
   // Return the approach [µm] of the starting pressures, the mean potential of points between 0 and their bound.
-  // Returns infinity if there are too many points under pressure, or if all of them are at their bound.
+  // Returns infinity if there are too many points under pressure, or if all points under pressure are at their bound.
   double estimate_approach() const {
     const Values pressure = cg_.pressure();
     const std::vector<std::size_t> loaded = find_points([&](std::size_t i) { return pressure[i] > 0.0; });
@@ -336,7 +336,7 @@ class LevelSolver {
     return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::infinity();
   }
 
-  // Select the points that can come into contact up to an approach somewhat above the given one.
+  // Select the points that can come into contact up to an approach slightly above the given approach.
   // If too many points can come into contact, select none, so that displacements are computed at all points.
   void select_points(double approach) {
     const double lowest_gap = *std::min_element(gap_.begin(), gap_.end());
@@ -603,8 +603,8 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
   const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
-  // E* approach / length is the mean pressure if the contact is as large as the grid.
-  // It is an upper limit for rough surfaces, so the first guess is a tenth of it.
+  // E* approach / length, the mean pressure of a contact as large as the grid, is an upper limit for rough surfaces.
+  // The first guess is a tenth of this limit.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);
   const double length = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
   double pressure = near.empty() ? 0.1 * grids_->effective_modulus() * approach / length : mean_value(near);

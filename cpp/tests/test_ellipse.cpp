@@ -37,7 +37,7 @@ TEST_CASE("hertz_ellipse: tends to the sphere for equal and nearly equal radii")
   CHECK(sphere.minor == doctest::Approx(2.5).epsilon(1e-15));
   CHECK(sphere.force_radius == doctest::Approx(2.5).epsilon(1e-15));
   // To first order, b/a = ratio^(2/3).
-  // To second order, area and force are those of the sphere with the geometric mean radius.
+  // To second order, area and force equal the values of a sphere with the geometric mean radius.
   for (const double excess : {1e-3, 1e-6, 1e-12}) {
     const Ellipse near = hertz_ellipse(1.0 + excess, 1.0);
     CHECK(std::abs(std::sqrt(near.minor / near.major) - (1.0 - 2.0 / 3.0 * excess)) < excess * excess + 1e-15);

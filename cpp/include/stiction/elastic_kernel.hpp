@@ -95,7 +95,7 @@ class ElasticKernel {
 };
 
 /// Return the root-mean-square deviation [µm/GPa] of displacements from their mean.
-/// The displacements are those under uniform pressure on a free grid.
+/// The displacements are due to uniform pressure on a free grid.
 /// The deviation is zero on a periodic grid.
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus);
 

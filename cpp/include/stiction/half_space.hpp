@@ -42,7 +42,7 @@ class HalfSpaceGrids {
   Kernels kernels(std::size_t level = 0, const ThreadPool& pool = ThreadPool()) const;
 
   /// Return the root-mean-square deviation [µm/GPa] of displacements from their mean.
-  /// The displacements are those under uniform pressure on a free grid.
+  /// The displacements are due to uniform pressure on a free grid.
   double uniform_pressure_deviation() const;
 
   /// Return the displacement [µm/GPa] of each point due to a pressure on the first point.
@@ -109,7 +109,7 @@ class HalfSpaceSolver {
 
   /// Return the length [µm] by which errors are divided.
   /// The length is the larger of the root-mean-square deviations of the gap and of the displacements.
-  /// The displacements are those due to the mean pressure [GPa].
+  /// The displacements are due to the mean pressure [GPa].
   double scale(double mean_pressure) const;
 
   /// Solve the contact problem for a given mean pressure [GPa] on the grid.

@@ -58,7 +58,7 @@ struct HarmonicArea {
 /// The phases are (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn.
 /// All harmonics of a frequency have the same weight w_n [µm].
 /// According to cos(a + b) = cos a cos b - sin a sin b, each harmonic is the sum of two products of a column and a row.
-/// Accuracy and exceptions are the same as those of `harmonic_profiles`.
+/// Accuracy and exceptions are the same as for `harmonic_profiles`.
 void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
                       const CancellationCheck& check_cancellation = {});
 

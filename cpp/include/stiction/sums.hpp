@@ -49,7 +49,7 @@ struct Sums {
   void add(const ContactPoint& contact_point, const Radii& radii, const ForceArea& force_area, const Vector2& direction,
            Sliding sliding, double spacing);
 
-  /// Add those contributions of a contact that do not depend on the direction. Returns the load F n_z [mN].
+  /// Add the contributions of a contact that do not depend on the direction. Returns the load F n_z [mN].
   double add(const Vector3& normal, double overlap, double radius, const ForceArea& force_area, double spacing);
 };
 
