@@ -480,7 +480,7 @@ class AdhesionSolver:
     def find_opening_state(self, state: AdhesionState) -> AdhesionState | None:
         """Return the state in which complete contact begins to open, or None if the contact is incomplete.
 
-        Until then all points move together, and the attraction is that of contact everywhere.
+        Until then, all points move together, and the attraction is as in full contact.
         """
         if not (state.pressure.all() and (state.pressure < self.bound[0]).all()):
             return None
@@ -500,7 +500,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Add states where interpolation predicts a lower external load than that of any state. Return all states."""
+        """Add states where interpolation predicts an external load below the loads of all states. Return all states."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)

@@ -464,7 +464,7 @@ def fuller_tabor(
     adhesion_parameter : ndarray of float
         σ/δ, dimensionless, with the broadcast shape of the arguments.
     relative_pull_off : ndarray of float
-        Ratio of the pull-off force to that of equally high summits, from 0 to 1.
+        Ratio of the pull-off force to the pull-off force of equally high summits, from 0 to 1.
 
     Raises
     ------

@@ -281,7 +281,8 @@ class ContactSolution:
         if problem.periodic and problem.missing is None:
             return self._compute_stiffness(free_mask) / problem.area
         # Both the approach and the mean displacement are per 1 GPa of nominal pressure.
-        # By reciprocity, the mean displacement is that of a uniform pressure, weighted with the pressures (sum: 1 GPa).
+        # By reciprocity, the mean displacement is the mean of the displacements under a uniform pressure.
+        # The weights of this mean are the pressures (sum: 1 GPa).
         pressures_of_unit_sum, approach_of_unit_sum = self._get_response(free_mask)
         approach = approach_of_unit_sum * problem.area / problem.cell_area
         mean_displacement = float((pressures_of_unit_sum * problem.uniform_pressure_displacement).sum())

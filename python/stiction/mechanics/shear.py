@@ -490,8 +490,8 @@ def _find_root(
 def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
     """Return the angles (degrees) whose tangent is the dilation (last axis) per displacement.
 
-    The slope at a displacement is that of the line through its two neighbours. At an end of the path, the line passes
-    through the end and its only neighbour.
+    The slope at a displacement is the slope of the line through its two neighbours. At an end of the path, the line
+    passes through the end and its only neighbour.
     """
     index = np.arange(displacement.size)
     first, last = np.maximum(index - 1, 0), np.minimum(index + 1, displacement.size - 1)
