@@ -19,7 +19,8 @@ A profile is divided into at most ``MAX_BLOCKS ** 2`` blocks.
 
 MIN_BLOCKS = 16  # minimum number of blocks along an axis; fewer blocks do not distinguish form from roughness
 MIN_PARABOLA_DOMINANCE = 5.0
-"""Smallest ratio of the mean square height of the fitted parabola to that of the fitted cubic and quartic terms.
+"""Minimum ratio of the mean square height of the fitted parabola to the mean square height of the fitted cubic and
+quartic terms.
 
 For a rough map without form, the ratio is about 2 if the longest wavelengths dominate, and rarely above 5. If the
 parabola is the form of the part, roughness contributes little to the higher terms, and the ratio is larger.

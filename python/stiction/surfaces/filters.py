@@ -313,7 +313,7 @@ def _fit_local_polynomials(
     kernels = [_FilterKernel(*pair, samples_weights) for pair in zip(heights.shape, lengths, strict=True)]
     padded_shape = [kernel.padded_size for kernel in kernels]
     unpadded_slices = tuple(slice(points) for points in heights.shape)
-    # Like `rfftn`, compute half of the transform along the last array axis, and the full transform along the others.
+    # Like `rfftn`, compute half of the transform along the last array axis, and the full transform along other axes.
     kernel_transforms = [
         [
             _reshape_along_axis(

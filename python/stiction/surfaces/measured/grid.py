@@ -90,7 +90,7 @@ def _find_step_and_node_indices(
     last_node = int(nodes.max())
     step = float(positions.max() - positions.min()) / last_node
     deviations = np.abs(positions - positions.min() - nodes * step)
-    # Fit the step to all positions, because measured end positions are as uncertain as the others.
+    # Fit the step to all positions, because measured end positions are as uncertain as other positions.
     if deviations.max() > EXACT_POSITION_TOLERANCE * step:
         step, first = (float(item) for item in np.polyfit(nodes, positions, 1))
         deviations = np.abs(positions - first - nodes * step)

@@ -345,7 +345,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the first number has fewer decimals than all others, or if a last number counts the others."""
+    """Return a caveat if the first number has fewer decimals than all others, or if a number at the end is a count."""
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1

@@ -118,7 +118,7 @@ def is_spectrum_file(path: Path) -> bool:
 def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     r"""Read a surface spectrum from a table.
 
-    The file may be one that `write_spectrum` or ``stiction characterise --together`` wrote, or a similar table.
+    `write_spectrum`, ``stiction characterise --together`` or another program may have written the file.
 
     Parameters
     ----------
