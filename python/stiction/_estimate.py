@@ -211,7 +211,7 @@ def count_estimate_decimals(
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper limit are
     `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large limit. `digits` is
-    that of `Estimate.text`.
+    explained at `Estimate.text`.
     """
     has_interval = ~(np.isnan(lower) | np.isnan(upper))
     with np.errstate(invalid="ignore", over="ignore"):

@@ -213,10 +213,10 @@ _MODEL_FORCES = ("iwan_sliding_load_mN",)
 def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
     """Scale a computed onset to the sliding load μ_s F, where F is the normal load of the onset.
 
-    The sliding load and its interval are those of the coefficient times F. The tangential loads of the curve are their
-    fractions of this sliding load. As in the solution of Cattaneo and Mindlin, the displacements at equal fractions are
-    proportional to the sliding load: they, and the sliding load of the fitted models, are multiplied by the same factor
-    as the mean sliding load, and energies by its square. Stiffnesses and slipping fractions are not changed.
+    The sliding load and its interval are the coefficient and its interval times F. The tangential loads of the curve
+    are fractions of this sliding load. As in the solution of Cattaneo and Mindlin, the displacements at equal fractions
+    are proportional to the sliding load: they, and the sliding load of the fitted models, are multiplied by the same
+    factor as the mean sliding load, and energies by its square. Stiffnesses and slipping fractions are not changed.
 
     Parameters
     ----------

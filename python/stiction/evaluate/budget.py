@@ -134,7 +134,7 @@ _Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and values of 
 def predict_interval(result: MemberSums, load: float, strength: InterfaceStrength) -> Interval:
     """Return the combined interval of the coefficient at a load (mN) for the joint samples of an interface.
 
-    The sliding rule is that of the fit. If the interface was calibrated with the junction growth of the result, its
+    The sliding rule of the fit is used. If the interface was calibrated with the junction growth of the result, its
     fitted α is used. The interval does not cover alternative preparations of the scans.
     """
     fit, study = strength.fits[0], result.study

@@ -528,7 +528,7 @@ def compute_quantiles(
 ) -> Floats:
     """Return quantiles of samples along an axis. A quantile is infinite if too many samples are infinite.
 
-    Quantiles above the median are those of `upper_values`, if given.
+    If `upper_values` are given, quantiles above the median are computed from `upper_values`.
 
     Raises
     ------

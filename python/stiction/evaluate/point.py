@@ -31,7 +31,7 @@ NEGLIGIBLE_LOAD_RATIO = 0.01
 class SlidingRuleCoefficient(Estimate):
     """Coefficient of static friction at a point under one sliding rule: mean over directions and combined interval.
 
-    Without a combined interval, the interval is that of the mean.
+    Without a combined interval, the interval is the interval of the mean.
     """
 
     _: KW_ONLY

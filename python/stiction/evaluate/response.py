@@ -260,7 +260,7 @@ class ContactResponse:
     def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
         """Return the ratio of the friction without an external load to its value at the central inputs.
 
-        The attraction is that of the central inputs. The area changes as at the smallest computed load.
+        The attraction is computed with the central inputs. The area changes as at the smallest computed load.
         """
         if self.sums_at_no_load is None:
             return np.full((), np.nan)
@@ -274,7 +274,7 @@ class ContactResponse:
     def closures_at_computed_loads(self, inputs: InputValues) -> Floats:
         """Return the closures (µm) at all loads of the closure curve, from which `closure_ratio` interpolates.
 
-        E* and the height factor are those of the study. The hardness is divided by their changes.
+        E* and the height factor have the values of the study. The hardness is divided by their changes.
         """
         assert self.closure_curve is not None, "the closure is known"
         hardness = np.asarray(inputs.hardness / (inputs.modulus * inputs.height_factor))

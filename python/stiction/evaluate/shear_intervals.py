@@ -39,7 +39,7 @@ CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 SHEAR_SUMMARY_NAMES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
 """Attributes of a shear test that have an interval."""
 
-_Samples = dict[str, Floats]  # arrays by quantity, whose first axis is that of the samples or of the strips
+_Samples = dict[str, Floats]  # arrays by quantity; the first axis contains samples or strips
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,8 @@ MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 SLIP_LINE_TEXT = "slip-line"  # text of an input that selects yield by slip lines
 # Smallest and largest accepted ratio of hardness to shear strength.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
-# Limits of the exponent of the yielding area, from far below the exponent of fine asperities to above that of steps.
+# Limits of the exponent of the yielding area.
+# The limits are far below the exponent of fine asperities, and above the exponent of steps.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9  # largest fraction of the true area that contacts may lose under shear
 # Maximum creep exponent. Its effect is that the hardness falls to a third in each decade of time.

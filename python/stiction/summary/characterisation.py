@@ -200,7 +200,7 @@ class Characterisation:
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
         """Small-slope estimates of friction along x and y between two equally rough bodies; empty for a flat body."""
-        # The mean square slope of the gap between two equally rough bodies is twice that of one body.
+        # The mean square slope of the gap between two equally rough bodies is twice the mean square slope of one body.
         # Reverse the list of slopes, so that the estimate along x comes first.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
         return tuple(

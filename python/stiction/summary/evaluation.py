@@ -178,8 +178,8 @@ class Evaluation(MemberSums):
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return values
-        # If the fractal dimensions are a range, a few of them suffice for a curve.
-        # If the fractal dimensions are a list, all of them are needed.
+        # If the fractal dimensions are a range, a few dimensions suffice for a curve.
+        # If the fractal dimensions are a list, all dimensions are needed.
         num_dimensions = values.sizes["fractal_dimension"]
         shown_indices = np.unique(
             np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)

@@ -332,7 +332,7 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 
 
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
-    """Return whether the spectrum of any scan differs from the others, significantly and by more than a factor of 2."""
+    """Return True if a scan differs from all other scans together, significantly and by more than a factor of 2."""
     with np.errstate(invalid="ignore"):
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
 

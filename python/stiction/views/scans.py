@@ -110,8 +110,8 @@ def joined_spectrum_record(joined: JoinedSpectrum, caveats: Sequence[Caveat] = (
 def joined_spectrum_figure(joined: JoinedSpectrum) -> Figure:
     """Draw spectra, cumulative slope and curvature, and contact pressure against wavelength, in a figure 170 mm wide.
 
-    The pressure is that of contact with a second surface of the same kind. The elastic pressure divided by E* is h'/κ
-    of the gap, as in `spectral_resolution`. A material yields where this ratio reaches its hardness divided by E*;
+    The pressure is computed for contact with a second surface of the same kind. The elastic pressure divided by E* is
+    h'/κ of the gap, as in `spectral_resolution`. A material yields where this ratio reaches its hardness divided by E*;
     shorter wavelengths then have no effect.
     """
     import matplotlib as mpl

@@ -30,7 +30,7 @@ TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # spacings of ticks, in units 
 def characterisation_figure(body: Profile | Surface | Characterisation, **options: Any) -> Figure:
     """Draw heights, height distribution and spectra. The figure is 80 mm wide for a profile, and 170 mm for a surface.
 
-    Options are those of `characterisation_text`.
+    Options are the same as for `characterisation_text`.
     """
     result = to_characterisation(body, **options)
     with mpl.rc_context(MATPLOTLIB_STYLE):
