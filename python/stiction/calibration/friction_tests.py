@@ -173,7 +173,7 @@ class _BallAreaFactor(AreaFactor):
         )
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the ratio of the area at the onset to that for the central moduli, and a friction fraction of 1."""
+        """Return the ratio of the onset area to the area for the central moduli, and a friction fraction of 1."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 

@@ -345,7 +345,7 @@ class ResolutionLimits:
         Shortest wavelengths of finer scans; empty with a hardness.
     friction, area_fractions : (n, 3) ndarray of float
         Elastic results of finer scans, extrapolated with the Hurst exponent: value, lower and upper limit. The
-        coefficients are those with friction at all contacts.
+        coefficients are computed with friction at all contacts.
     spectral : xarray.Dataset or None
         Result of `spectral_resolution` for joined spectra of several scans.
     """

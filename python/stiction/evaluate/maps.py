@@ -504,7 +504,7 @@ def _average_sums(
 
 
 def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
-    """Return mu0 and tau0 (GPa) as arrays. Values that are None are replaced by those in the study."""
+    """Return mu0 and tau0 (GPa) as arrays. None is replaced by the values in the study."""
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0

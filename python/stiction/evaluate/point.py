@@ -255,7 +255,7 @@ def get_study_hardness(study: Study) -> float:
 def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
     """Return the hardness (GPa) of the contacts at a point, or NaN if the study has no hardness.
 
-    The hardness of the contacts differs from that of the study if the depth of the indentation is known.
+    The hardness of the contacts differs from the hardness of the study if the depth of the indentation is known.
     """
     return mean_over_directions(point, "contact_hardness") if "contact_hardness" in point else get_study_hardness(study)
 

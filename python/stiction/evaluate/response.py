@@ -290,8 +290,8 @@ class ContactResponse:
     def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
         """Return the ratio of the closure to its value at the central inputs.
 
-        By similarity, the closure is that at the load divided by the change of E* and heights, times the height factor.
-        `closures` is the result of `closures_at_computed_loads`.
+        By similarity, take the closure at the load divided by the change of E* and heights, and multiply it by the
+        height factor. `closures` is the result of `closures_at_computed_loads`.
         """
         curve = self.closure_curve
         assert curve is not None, "the closure is known"

@@ -70,7 +70,7 @@ EXCLUDED_LOAD_MARGIN = 0.05
 # The search tries the load midway between the minimum load and a load under which the bodies separate, as long as they
 # differ by more than this fraction of the minimum load. Then it takes smaller steps from the minimum load.
 BISECTED_LOAD_MARGIN = 0.15
-# first step of the search for lower loads, relative to the minimum load so far
+# First step of the search for lower loads, relative to the lowest load that has been found.
 FIRST_LOAD_DECREMENT = 0.05
 # An additional contact solution is computed only if the interpolated load is lower than the minimum load.
 # The relative difference must be at least this fraction.

@@ -44,7 +44,7 @@ class Contacts(TextReprMixin):
         Principal radii of the relative curvature, the larger one first; for spheres both are the effective radius.
     axes : (c, 2) ndarray, µm
         Semi-axes of the contact patch, the larger one first; for Hertz spheres both are (R overlap)^(1/2). If the edge
-        of the map cuts the patch, the semi-axes are those of the similar ellipse with the area inside the map.
+        of the map cuts the patch, the semi-axes describe the similar ellipse with the area inside the map.
     along : (c, 3) ndarray
         Unit vector of the larger semi-axis; on profiles the y axis.
     overlap : (c,) ndarray, µm

@@ -439,7 +439,7 @@ def validity_ratio(name: str, sums: Any) -> Floats:
 def compute_ratios(sums: Mapping[str, Floats], load: Floats, nominal_area: float | None = None) -> dict[str, Floats]:
     """Compute all quantities that are ratios of contact sums at a normal load (mN), by name.
 
-    The sums are those of a member or means over an ensemble. Ratios to the nominal area (µm²) require that area.
+    The sums are the sums of a member or means over an ensemble. Ratios to the nominal area (µm²) require that area.
     """
     ratios: dict[str, Floats] = {}
     if nominal_area is not None:

@@ -22,7 +22,7 @@ from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
 from stiction.study.values import StudyError
 
 MAX_MATERIAL_ROUNDING_ERROR = 0.006
-"""Largest relative difference between the hardness of a study, which was rounded, and that of its material."""
+"""Largest relative difference between the rounded hardness of a study and the hardness of its material."""
 
 
 def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]:

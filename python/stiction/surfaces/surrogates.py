@@ -39,7 +39,7 @@ def surrogate(
     seed, repetition : int
         Numbers, at least 0, that select the random phases.
     side : {"lower", "upper"}
-        Body of the pair. The phases are those of `random_phases` with `seed`, `repetition` and `side`.
+        Body of the pair. `random_phases` returns the phases for `seed`, `repetition` and `side`.
     periodic : bool
         True if the given body is periodic. Its spectrum is then preserved except for round-off.
 
@@ -206,7 +206,7 @@ def isotropic_surface(
         Rows and columns, at least 4 each; by default the number of points of the profile, at most 512. Wavelengths
         longer than the surface are excluded.
     side : {"lower", "upper"}
-        Body of the pair. The random numbers are those of `random_phases` with `seed`, `repetition` and `side`.
+        Body of the pair. `random_phases` returns the random numbers for `seed`, `repetition` and `side`.
     periodic : bool
         True if the given profile is periodic. The generated surface is always periodic.
 

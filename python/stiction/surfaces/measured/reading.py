@@ -357,9 +357,9 @@ def read_measurement(
 
 
 def read_with_interpretation(path: str | os.PathLike[str], **options: Any) -> FileReading[Profile | Surface]:
-    """Read a profile or surface, and record how its file was interpreted. Options are those of `read_measurement`.
+    """Read a profile or surface, and record how its file was interpreted.
 
-    Caveats are returned in `caveats`, and no warning is issued.
+    Options are the same as for `read_measurement`. Caveats are returned in `caveats`, and no warning is issued.
     """
     option_names = ("unit", "spacing", "missing", "channel", "columns", "outliers", "crop", "missing_value", "accept")
     given_options = {"missing": "error", "outliers": "keep"} | {
