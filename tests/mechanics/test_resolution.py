@@ -311,7 +311,7 @@ def test_resolution_at_an_unsolved_load_is_nan_and_progress_is_reported_to_the_e
         ({"hardness": 0.0}, "hardness must be a finite number above 0 GPa"),
         (
             {"cut_offs": [0.1]},
-            r"cut_offs must be 0, or between 0.32 µm \(two points\) and .* \(a third of the shortest side\)",
+            r"cut_offs must be 0, or between 0.32 µm \(two grid spacings\) and .* \(a third of the shortest side\)",
         ),
         ({"cut_offs": [3.0]}, "cut_offs must be 0, or"),
         ({"mu0": -0.1}, "mu0 must not be negative"),

@@ -208,7 +208,7 @@ class TestSettingClass:
         ({"lc": 60.0}, "one section length is 60 µm"),
         ({"lc": 2.0}, r"lc must be at least 3.5 µm \(7 points\), got 2 µm"),
         ({"lc": -1.0}, "lc must be a finite number above 0 µm"),
-        ({"lc": 40.0, "ls": 0.7}, r"ls must be 0, or between 1 µm \(two points\) and 40 µm \(lc\), got 0.7 µm"),
+        ({"lc": 40.0, "ls": 0.7}, r"ls must be 0, or between 1 µm \(two grid spacings\) and 40 µm \(lc\), got 0.7 µm"),
         ({"lc": 40.0, "ls": 41.0}, "ls must be 0, or between 1 µm"),
         ({"lc": 40.0, "ls": -2.0}, "ls must be"),
         ({"lc": 40.0, "sections": 0}, "sections must be a whole number of at least 1"),

@@ -231,7 +231,7 @@ class CharacterisationTable:
         return [
             TableRow(
                 "wavelengths",
-                (f"{format_with_unit(limit.pixels, 'um')} (two points) to {length_text(longest_wavelength)}",),
+                (f"{format_with_unit(limit.pixels, 'um')} (two grid spacings) to {length_text(longest_wavelength)}",),
                 (shortest_entry,),
             ),
             TableRow("", (shortest_octave_text,), (octave_entry,)),

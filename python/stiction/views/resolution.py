@@ -54,7 +54,8 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
     The last row is the plastic limit if there is a hardness (GPa).
     """
     first_values = resolution.cutoffs[0].at
-    rules = [name.removeprefix("friction_") for name in resolution.cutoffs[0].values if name.startswith("friction_")]
+    rules_by_name = {f"friction_{rule}": rule for rule in SLIDING_RULE_TITLES}
+    rules = [rules_by_name[name] for name in resolution.cutoffs[0].values if name in rules_by_name]
     rows = [["cutoff", "h'", "A/A0", "mean pressure", *(f"μ_s {SLIDING_RULE_TITLES[rule]}" for rule in rules)]]
     for point in resolution.cutoffs:
         if any(point.at[name] != first_values[name] for name in ("load", "mu0", "tau0")):
