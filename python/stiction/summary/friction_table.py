@@ -210,7 +210,8 @@ def friction_table(
     if "load" not in dataset.dims or study.surfaces.kind != "surface":
         raise ValueError("result must be from a study of generated height maps with the half-space model")
     strengths = choose_mu0_and_tau0(evaluation, mu0, tau0)
-    area = float(np.prod(study.surfaces.extents()))
+    area = evaluation.nominal_area
+    assert area is not None
     pressure_steps = dataset["load"].values / area
     approach, touching_area = (
         dataset[name].transpose(*_DIMENSION_ORDER).values for name in ("approach", "contact_area")
