@@ -6,8 +6,8 @@ from stiction._checks import check_bool
 from stiction.surfaces.filters import gaussian_low_pass, validate_cutoff
 from stiction.surfaces.surface import AnyBody, as_body
 
-# Longest cutoff wavelength, as a fraction of the shortest side of the body.
-# A body filtered at a longer cutoff wavelength would contain too few periods.
+# Longest filter cutoff, as a fraction of the shortest side of a body.
+# With a longer cutoff, fewer than three of the transmitted wavelengths would fit on that side.
 MAX_CUTOFF_FRACTION = 1 / 3
 
 

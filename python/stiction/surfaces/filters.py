@@ -17,23 +17,22 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 MonomialExponents = tuple[int, ...]
-# Shortest cutoff of a filter, in points.
-# A cutoff of half a point transmits 96 % of the amplitude of the shortest wavelength.
+# Shortest cutoff of a filter, in points: at 0.5, the shortest wavelength of a grid still has 96 % of its amplitude.
 MIN_CUTOFF_POINTS = 0.5
-_MIN_REGRESSION_CUTOFF_POINTS = 4.0  # minimum cutoff, in points, at which straight lines are fitted near the ends
+_MIN_REGRESSION_CUTOFF_POINTS = 4.0  # minimum cutoff (points) for which the filter fits straight lines near the ends
 # Half width of the weight function, in cutoff wavelengths.
 # All weights farther than 1.6 cutoff wavelengths away are below 1e-15 of the largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
-# Minimum number of weights on each side of a point.
-# With a cutoff of two or three points, the weights decay slowly, to 1e-5 at a distance of 64 points.
+# Minimum number of filter weights on each side of a point.
+# With a cutoff of two or three points, the weights decay slowly: to 1e-5 at a distance of 64 points.
 _MIN_HALF_WIDTH_POINTS = 64
-# Minimum fraction of the weights that must belong to measured points for an estimate of the mean line.
+# The filter estimates a mean line only where measured points have at least this fraction of the weights.
 _MIN_WEIGHT_COVERAGE = 1e-6
-_MIN_PIVOT = 1e-9  # local equations with a smaller normalised pivot count as singular
+_MIN_PIVOT = 1e-9  # smallest normalised pivot of the equations of a local polynomial that counts as regular
 # Scale of Tukey's biweight, in median absolute deviations.
 # For normally distributed heights, the scale of the biweight is three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
-# Change of the mean line, relative to the biweight scale, at which the iteration has converged.
+# The robust filter has converged if the mean line changes by less than this fraction of the biweight scale.
 _ROBUST_TOLERANCE = 1e-4
 _MAX_ITERATIONS = 200
 
@@ -354,8 +353,8 @@ def _solve_constant_terms(
     """
     term_indices = range(len(basis))
     total = np.where(moments[basis[0]] > _MIN_WEIGHT_COVERAGE, moments[basis[0]], 1)
-    # Row k of the normal equations belongs to term k. Only the lower triangle is stored.
-    # The upper triangle is not needed, because the Schur complements remain symmetric.
+    # Row k of the normal equations belongs to polynomial term k.
+    # Only the lower triangle is stored, because the equations remain symmetric during elimination.
     rows = {
         (k, m): moments[_multiply_monomials(basis[k], basis[m])] / total for k in term_indices for m in range(k + 1)
     }
