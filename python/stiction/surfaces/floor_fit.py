@@ -13,12 +13,14 @@ from stiction._checks import Floats
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
 
-# Minimum increase of the log-likelihood by a significant noise floor, compared with power laws alone.
+# A noise floor is significant if adding it to the power laws raises the log-likelihood of the fit by more than 2.
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
-# initial level of the fitted floor, as a fraction of the largest level that all spectral densities allow
+# initial noise level of the fit, as a fraction of the lowest spectral density
 _INITIAL_FLOOR_FRACTION = 0.3
-_FIT_TOLERANCE = 1e-12  # tolerance of the minimisation; typical relative errors of the floor level are below 3e-6
-_MAX_FIT_EVALUATIONS = 2000  # maximum number of evaluations in a minimisation; nearly all need fewer than 100
+# tolerance of the minimisation, for which the fitted noise level typically has a relative error below 3e-6
+_FIT_TOLERANCE = 1e-12
+# maximum number of evaluations of the likelihood in a minimisation; nearly all fits need fewer than 100
+_MAX_FIT_EVALUATIONS = 2000
 
 
 class BinnedSpectrum(NamedTuple):
@@ -26,8 +28,8 @@ class BinnedSpectrum(NamedTuple):
 
     log_q: Floats  # logarithm of the wave number
     density: Floats
-    weight: Floats  # shape parameters of the gamma distributions of the densities
-    # spectral density of a noise floor of level 1; white noise of variance 1 has the spacing as its density
+    weight: Floats  # shape parameter of the gamma distribution of the spectral density in each bin
+    # spectral density of a noise floor whose fitted level is 1
     floor: float = 1.0
 
 
@@ -35,9 +37,10 @@ class NoiseFloorFit(NamedTuple):
     """Power laws with a common noise floor, fitted to spectra. The densities are A q^-s + level * floor."""
 
     level: float
-    gain: float  # increase of the log-likelihood relative to the best power laws without a floor
-    exponents: tuple[float, ...]  # exponent s of each spectrum
-    ratios: tuple[float, ...]  # ratio of the floor to the power law at the largest wave number of each spectrum
+    gain: float  # increase of the log-likelihood due to the noise floor
+    exponents: tuple[float, ...]  # exponent s of the power law fitted to each spectrum
+    # fitted noise density divided by the power law, at the largest wave number of each spectrum
+    ratios: tuple[float, ...]
 
     @property
     def is_significant(self) -> bool:
@@ -76,8 +79,8 @@ def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float
         bounds += [(None, None), exponents]
 
     def minimize_loss(parameters: Sequence[float], level_bounds: tuple[float, float | None]) -> OptimizeResult:
-        # TNC is used because L-BFGS-B solves its small systems of equations on several threads (SciPy 1.17).
-        # After each fit, the threads of L-BFGS-B would occupy the processor for another 0.1 s.
+        # Use TNC. The method L-BFGS-B of SciPy 1.17 starts threads, which occupy the processor for 0.1 s after each
+        # fit.
         return minimize(
             loss, parameters, jac=True, bounds=[*bounds, level_bounds], method="TNC", tol=_FIT_TOLERANCE,
             options={"maxfun": _MAX_FIT_EVALUATIONS},

@@ -23,13 +23,14 @@ from stiction.surfaces.scale import (
 from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, surface_spectrum
 from stiction.surfaces.surface import Surface
 
-MAX_FITTED_WAVELENGTH_POINTS = 16.0  # longest fitted wavelength, in points
+MAX_FITTED_WAVELENGTH_POINTS = 16.0  # longest wavelength (points) of the spectrum to which hidden noise is fitted
 _BINS_PER_OCTAVE = 8
-_MIN_FIT_BINS = 8  # minimum number of bins for a fit
-_RELATIVE_MODEL_ERROR = 0.1  # assumed relative deviation of the true spectrum from a power law in each bin
-_LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)  # exponents of line spectra for Hurst exponents 0 and 2
-# Maximum accepted ratio of the fitted noise density of a map to the median density at the shortest wavelengths.
-# Wavelengths of a map below four points along both axes count as shortest.
+_MIN_FIT_BINS = 8  # minimum number of spectral bins to which hidden noise is fitted
+_RELATIVE_MODEL_ERROR = 0.1  # assumed relative deviation of the true spectral density from a power law in each bin
+# exponents of line spectra of self-affine surfaces with Hurst exponents 0 and 2
+_LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
+# Largest ratio of the fitted noise density of a map to the median density at short wavelengths.
+# Short wavelengths are below four points along both axes.
 _MAX_FITTED_NOISE_RATIO = 2.0
 
 
@@ -37,8 +38,9 @@ _MAX_FITTED_NOISE_RATIO = 2.0
 class HiddenNoise:
     """White noise that the spectrum of a scan may contain without showing a noise floor."""
 
-    slope_fraction: float  # fraction of the mean square slope that is due to the noise
-    cut_off: float  # cutoff (µm) of a low-pass filter that reduces the mean square slope by `slope_fraction`
+    slope_fraction: float  # fraction of the mean square slope of a scan that is due to noise
+    # cutoff (µm) of the low-pass filter that removes the fraction `slope_fraction` of the mean square slope
+    cut_off: float
 
 
 def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> HiddenNoise | None:
@@ -99,7 +101,7 @@ def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:
 def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpectrum | None:
     """Average a spectrum in bins at wavelengths of up to 16 points; return None if there are too few bins."""
     q, density, count, spacing = spectrum
-    # Exclude the first two harmonics, into which the window spreads longer wavelengths.
+    # Exclude the first two harmonics, to which the Hann window adds power from longer wavelengths.
     if not periodic:
         q, density, count = q[2:], density[2:], count[2:]
     is_fitted = q * MAX_FITTED_WAVELENGTH_POINTS * spacing * (1 + 1e-9) >= 2 * math.pi
