@@ -19,28 +19,30 @@ from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, areal_spectrum, is_
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 _NUM_NEWTON_STEPS, _NUM_HALVINGS = 50, 30
-MAX_HURST_INTERVAL_WIDTH = 0.5  # largest width of the 95 % interval of an informative estimate of H
-MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
+# largest width of the 95 % interval at which an estimate of the Hurst exponent counts as informative
+MAX_HURST_INTERVAL_WIDTH = 0.5
+MIN_BAND_HARMONICS = 8  # minimum number of harmonics in the wavelength band to which a Hurst exponent is fitted
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
-_TREND_ROUND_OFF = 1e-13  # round-off of a subtracted straight line, relative to the largest height
+# round-off of heights from which a straight line was subtracted, relative to the largest height
+_TREND_ROUND_OFF = 1e-13
 # Number of lowest harmonics that are excluded if a Hann window is applied.
-# The lowest harmonics are affected by the mean and by longer wavelengths.
+# The window adds power from the mean and from longer wavelengths to these harmonics.
 _NUM_EXCLUDED_HARMONICS = 2
 
 _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with one degree of freedom
 _BINS_PER_DECADE = 12
-_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum that has its own power law
+_MIN_PIECE_BINS = 4  # minimum number of bins in each part of the spectrum that has its own power law
 # Assumed relative deviation of the true spectrum from a power law in each bin.
 # Every measured spectrum deviates from a power law by at least 10 %.
 _RELATIVE_MODEL_ERROR = 0.1
-# Minimum increase of the log-likelihood by an additional piece of the spectrum.
-# An additional piece of the spectrum has three parameters, and can begin at any of about 50 bins.
+# Minimum increase of the log-likelihood of a spectrum that is divided into one more power law.
+# The limit is high, because a power law has three parameters and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
-# Largest accepted deviance per bin. Random scatter about a power law causes a deviance of about 1 per bin.
+# Largest accepted deviance per bin of a spectrum from a power law. Random scatter causes about 1.
 # A spectrum with a larger deviance consists of separate peaks.
 _MAX_DEVIANCE = 10.0
-_MIN_BAND_WIDTH = math.log(3)  # minimum width of a band in ln(q), about half a decade
-# Minimum increase of the log-likelihood by a roll-off, which adds one parameter to the fit.
+_MIN_BAND_WIDTH = math.log(3)  # minimum width of the fitted wave number band in ln(q), about half a decade
+# Minimum increase of the log-likelihood of a fit with a roll-off, which needs one more parameter.
 _ROLL_OFF_PENALTY = 2.0
 
 
@@ -58,10 +60,11 @@ class PowerLawFit:
         self._max_power = float(power.max())
         self._power = fraction * power / self._max_power
         self.exponent = 0.0
-        for _ in range(_NUM_NEWTON_STEPS):  # The loss is a convex log-sum-exp function, so Newton's method converges.
+        # Newton's method converges, because the loss is a convex log-sum-exp function.
+        for _ in range(_NUM_NEWTON_STEPS):
             scaled_power = self._power * np.exp(self.exponent * self._log_q)
             scaled_power /= scaled_power.sum()
-            # Use sums, because the round-off of BLAS dot products depends on the number of threads.
+            # Use sums instead of BLAS dot products, whose round-off depends on the number of threads.
             gradient = float((scaled_power * self._log_q).sum())
             step = gradient / float((scaled_power * (self._log_q - gradient) ** 2).sum())
             self.exponent -= min(max(step, -2.0), 2.0)
@@ -287,7 +290,7 @@ def estimate_hurst_exponent(
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     fit = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
     lower, upper = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_95 / 2)
-    if piece_bins is not None:  # include the uncertainty of the end of the roll-off in the interval
+    if piece_bins is not None:  # add the uncertainty of the roll-off wavelength to the interval of the Hurst exponent
         roll_off_fits = _fit_roll_offs(piece_bins, piece_bins.count / (variance_factor * dispersion))
         max_loss = min(roll_off_fit.min_loss for roll_off_fit in roll_off_fits) + _CHI_SQUARED_95 / 2
         intervals = [
@@ -319,7 +322,7 @@ def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats,
     is_harmonic = spectrum.count == 1
     if not periodic:
         is_harmonic[:_NUM_EXCLUDED_HARMONICS] = False
-    # Above the highest wave number of the profile, the spectrum contains only round-off.
+    # Wave numbers above the highest harmonic of the profile contain only round-off.
     power = np.maximum(spectrum.density[is_harmonic], np.finfo(float).eps ** 2 * spectrum.density.max())
     return spectrum.wave_number[is_harmonic], power, scale
 
@@ -345,7 +348,7 @@ def _areal_harmonics_to_fit(surface: Surface, periodic: bool) -> tuple[Floats, F
 class _SpectrumBins:
     """Spectrum in bins of equal width in log q."""
 
-    first: NDArray[np.intp]  # index of the first harmonic of every bin
+    first: NDArray[np.intp]  # index of the first harmonic in every bin
     log_q: Floats
     power: Floats
     count: Floats
@@ -388,7 +391,7 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
                     continue
                 end -= end < bins.log_q.size
                 first_bin = start + (start > 0)
-                if start == 0:  # remove a roll-off that is too short for a separate piece of the spectrum
+                if start == 0:  # start after a roll-off that has too few bins for its own power law
                     roll_off_losses = [law.min_loss for law in _fit_roll_offs(bins.slice_bins(0, end), weight[:end])]
                     start = (
                         int(np.argmin(roll_off_losses))
@@ -416,7 +419,7 @@ def _remove_noisy_end(
     if not fit.is_significant:
         return selection, piece
     (exponent,), (noise_ratio,) = fit.exponents, fit.ratios
-    # The band ends at the wave number at which the noise equals the accepted deviation from the power law.
+    # The band ends where noise exceeds the accepted deviation of the density from a power law.
     max_log_q = math.log(q[selection][-1]) + min(0.0, math.log(_RELATIVE_MODEL_ERROR / noise_ratio) / exponent)
     end = int(np.searchsorted(np.log(q), max_log_q, side="right"))
     if end - selection.start < MIN_BAND_HARMONICS or max_log_q - math.log(q[selection.start]) < _MIN_BAND_WIDTH:

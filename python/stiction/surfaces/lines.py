@@ -16,16 +16,16 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, is_within_wavelength_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 
-# Maximum number of lines whose Hurst exponents are fitted.
-# Neighbouring lines are correlated, so additional lines add little information.
+# Maximum number of lines of a map whose Hurst exponents are fitted.
+# More lines add little information, because neighbouring lines are correlated.
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
-MAX_POWER_LAW_MISFIT = 1.5  # largest accepted rms factor between a spectrum and its fitted power law
-# Largest factor between the limits of two wavelength bands that count as equal.
+MAX_POWER_LAW_MISFIT = 1.5  # largest accepted rms factor between a spectral density and the fitted power law
+# Largest ratio of the limits of two wavelength bands that count as the same band.
 _MAX_EQUAL_BAND_RATIO = 1.5
-# Variance of ln(density) in a bin due to deviations from a power law, in addition to the statistical variance.
+# Variance of ln(density) in a bin due to deviations from a power law, without the statistical variance.
 _LOG_MODEL_VARIANCE = 0.04
-_MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formula
+_MIN_LINE_POINTS = 7  # minimum number of points of a line for the seven-point slope formula
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -142,7 +142,8 @@ def line_roughness(
             fitted_lines.append(unlevelled_line)
     free_fits = [fit for line in fitted_lines if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
     if band is not None and not free_fits and (rough_lines := [line for line in fitted_lines if not line.is_flat]):
-        estimate_hurst_exponent(rough_lines[0], band=band)  # raise the error that explains why the fit of a line failed
+        # repeat the fit of one line to raise the error that explains why it failed
+        estimate_hurst_exponent(rough_lines[0], band=band)
     band_fits = free_fits
     if band is None and 2 * len(free_fits) >= len(fitted_lines):
         band_ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in free_fits], axis=0)
