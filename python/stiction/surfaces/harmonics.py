@@ -8,24 +8,24 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Minimum distance between harmonics, in bins.
-# Between closer harmonics, too few bins remain to assess the spectrum.
+# Minimum distance between the harmonics of a texture, in bins.
+# Between closer harmonics, too few bins are left to estimate the density of the remaining spectrum.
 MIN_HARMONIC_DISTANCE = 10
-# Lowest position of a first harmonic, in bins.
-# The limit is above 2, because a Hann window spreads a spectral line to two bins on each side.
+# Lowest bin of the first harmonic of a texture.
+# In lower bins, a peak may be the mean or a tilt, which a Hann window spreads over two bins.
 _MIN_FIRST_HARMONIC_BIN = 2.5
-_MAX_COMPARED_HARMONICS = 8  # maximum number of harmonics that are compared with the spectrum between the harmonics
-# Minimum number of significant harmonics above the first harmonic.
-# A texture also requires that at least a third of the compared harmonics are significant.
+_MAX_COMPARED_HARMONICS = 8  # maximum number of harmonics whose density is compared with the density between harmonics
+# Minimum number of significant harmonics, in addition to the first harmonic, of a spectrum with a texture.
+# At least a third of the compared harmonics must also be significant.
 _MIN_SIGNIFICANT_HARMONICS = 2
-_MAX_TESTED_PEAKS = 6  # maximum number of peaks that are tested as the first harmonic
-# Minimum ratio of the density of a harmonic to the density between harmonics.
-# By chance, about one bin in 1000 has ten times the density between harmonics.
+_MAX_TESTED_PEAKS = 6  # maximum number of spectral peaks that are tested as the first harmonic of a texture
+# A harmonic is significant if its density exceeds the density between harmonics by this factor.
+# By chance, about one bin in 1000 has ten times the density of its neighbours.
 _MIN_HARMONIC_RATIO = 10.0
-_PEAK_HALF_WIDTH = 2.5  # half width of the peak of a harmonic in a Hann-windowed spectrum, in bins
-_STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
-# Quantile of the spectral density that estimates the background in a window as wide as the harmonic distance.
-# The quantile is low, so that the peaks of harmonics, also of aliased harmonics, lie above it.
+_PEAK_HALF_WIDTH = 2.5  # half width of the peak of a harmonic after a Hann window, in bins
+_STEPS_PER_BIN = 16  # number of positions per bin at which the first harmonic is searched for
+# Quantile of the densities between two harmonics that estimates the spectrum without harmonics.
+# A low quantile leaves out the peaks of harmonics, including aliased harmonics.
 _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
@@ -46,7 +46,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
     is_rising, is_falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, is_rising] & np.r_[is_falling, True])
     peaks = peaks[(peaks > _MIN_FIRST_HARMONIC_BIN) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= nyquist_bin)]
-    # Test peaks in order of their contribution to the slope variance, which is largest for first harmonics.
+    # Test first the peaks that contribute most to the slope variance: the first harmonic usually contributes most.
     peak_order = np.argsort(-padded_density[peaks] * np.square(peaks))[:_MAX_TESTED_PEAKS]
     best_score, best_harmonics = 0.0, (math.nan, math.nan)
     for peak in peaks[peak_order].tolist():
