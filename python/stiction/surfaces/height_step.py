@@ -7,18 +7,18 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# Difference of two second differences that count as equal, as a fraction of the height range.
-# The tolerance exceeds the round-off of levelling and of single-precision heights.
+# Largest difference of equal second differences of the heights, as a fraction of the height range.
+# The difference is larger than the round-off of levelling and of single-precision heights.
 _TOLERANCE_RATIO = 1e-6
-_MIN_REPETITIONS = 5  # minimum number of equal second differences that may be due to rounding
-_MIN_REPEATED_FRACTION = 0.5  # minimum fraction of second differences that are repeated
-# Minimum fraction of second differences that are multiples of the step, and the tolerance in steps.
+_MIN_REPETITIONS = 5  # minimum number of equal second differences of the heights that may be due to rounding
+_MIN_REPEATED_FRACTION = 0.5  # fraction of the second differences that must be repeated if the heights are rounded
+# Rounded heights: minimum fraction of second differences that are multiples of the step, and the tolerance in steps.
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
-# Minimum fraction of multiples of the step among second differences that are not 0.
-# In a map that is clipped almost everywhere, nearly all second differences are 0, a multiple of any step.
+# Rounded heights: minimum fraction of multiples of the step among the second differences other than 0.
+# A difference of 0, as in a clipped map, is a multiple of any step, so it proves nothing.
 # If heights are not rounded, 10 % of the second differences are multiples of a step by chance.
 _MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5
-# Maximum ratio of the step to the height range. A scan with fewer than four levels may be flat with equal spikes.
+# Largest rounding step, as a fraction of the height range: rounded heights must have at least four levels.
 _MAX_STEP_RATIO = 1 / 3 + 1e-6
 
 
