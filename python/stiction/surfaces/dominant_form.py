@@ -17,7 +17,7 @@ distances.
 A profile is divided into at most ``MAX_BLOCKS ** 2`` blocks.
 """
 
-MIN_BLOCKS = 16  # minimum number of blocks along an axis; fewer blocks do not distinguish form from roughness
+MIN_BLOCKS = 16  # minimum number of blocks of averaged heights along each axis of a scan
 MIN_PARABOLA_DOMINANCE = 5.0
 """Minimum ratio of the mean square height of the fitted parabola to the mean square height of the fitted cubic and
 quartic terms.
@@ -29,9 +29,10 @@ parabola is the form of the part, roughness contributes little to the higher ter
 MIN_STEP_SHARPNESS = 0.8
 """Smallest fraction of the height of a step that must lie within a few blocks. Smooth forms have a smaller fraction."""
 
-_STEP_ANGLE_COUNT = 72  # number of tested directions across a step: 0°, 2.5°, ... 177.5°
-_STEP_MARGIN = 0.02  # minimum fraction of the points on either side of a step
-_STEP_BAND_BLOCKS = (0.75, 3.75)  # range of distances from a step in which the heights on its two sides are compared
+_STEP_ANGLE_COUNT = 72  # number of directions (0°, 2.5°, ... 177.5°) in which a map is searched for a height step
+_STEP_MARGIN = 0.02  # minimum fraction of the points of a scan on each side of a height step
+# range of distances (blocks) from a height step within which heights on both sides are compared
+_STEP_BAND_BLOCKS = (0.75, 3.75)
 
 
 class DominantStep(NamedTuple):
@@ -55,7 +56,8 @@ def measure_parabola_fraction(body: Surface) -> float:
     x, y = coordinates
     powers = [(i, degree - i) for degree in range(5) for i in range(degree + 1)]
     design = np.stack([x**i * y**j for i, j in powers], axis=1)
-    # Columns 0 to 2 of the orthogonal basis describe the plane, 3 to 5 the parabola, the rest the higher terms.
+    # In the orthogonal basis, columns 0 to 2 describe a plane, 3 to 5 a parabola, and the others cubic and quartic
+    # terms.
     basis, _ = np.linalg.qr(design)
     energies = np.square(basis.T @ heights) / heights.size
     parabola, higher_terms = energies[3:6].sum(), energies[6:].sum()
@@ -80,7 +82,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
         order = np.argsort(distance_across, kind="stable")
-        # Project the heights onto every possible step. The square norms exclude the mean and the tilt of the step.
+        # For every possible edge of a step, project the heights onto a step function without its mean and tilt.
         projections = np.cumsum(heights[order])[candidates]
         square_norms = (sizes - np.square(np.cumsum(trend_basis[order], axis=0)).sum(axis=1))[candidates]
         gains = np.square(projections) / square_norms
@@ -96,7 +98,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
         return None
     if (above.mean() - below.mean()) / best_height < MIN_STEP_SHARPNESS:
         return None
-    # Exclude blocks that the step divides, because their mean heights lie between the heights of the two sides.
+    # Exclude the blocks on the edge of the step, which average heights from both of its sides.
     is_undivided = np.abs(distances) > nearest_distance
     design = np.stack([np.ones_like(heights), *coordinates, distances > 0], axis=1)[is_undivided]
     *_, height = np.linalg.lstsq(design, heights[is_undivided], rcond=None)[0]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# Minimum height of a hill or dale that is not merged with a neighbour, relative to the maximum height (Wolf pruning).
+# Wolf pruning merges hills or dales that are lower than this fraction of the maximum height with a neighbour.
 PRUNING_FRACTION = 0.05
 NUM_AVERAGED_FEATURES = 5  # number of peaks or pits over which the five-point parameters are averaged
 

@@ -15,9 +15,10 @@ from stiction._repr import format_with_unit
 RoundForm = Literal["circle", "sphere", "cylinder"]
 PointCoordinates = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
 _FormModel = Callable[[Floats, PointCoordinates], Floats]
-# Lower limit of the squared cosine of the slope angle, which keeps heights beyond the equator of a form finite.
+# smallest squared cosine of the slope angle; it prevents the square root of a negative number beyond the equator
 _MIN_COSINE_SQUARED = 1e-6
-_FIT_TOLERANCE = 1e-12  # the fit has converged if the relative change is below this limit
+# relative change of the residuals and of the fitted parameters below which the fit has converged
+_FIT_TOLERANCE = 1e-12
 
 
 def fit_round_form(
@@ -107,7 +108,8 @@ def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights
     if form == "sphere":
         return np.array([height, xx + yy, slope_x, slope_y])
     curvatures, directions = np.linalg.eigh([[2 * xx, xy], [xy, 2 * yy]])
-    axis_direction = directions[:, int(np.argmin(np.abs(curvatures)))]  # the axis of a cylinder is straight
+    # a cylinder has the smallest curvature along its axis
+    axis_direction = directions[:, int(np.argmin(np.abs(curvatures)))]
     angle = math.atan2(axis_direction[1], axis_direction[0])
     slope_along_axis = slope_x * axis_direction[0] + slope_y * axis_direction[1]
     slope = slope_y * axis_direction[0] - slope_x * axis_direction[1]

@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Minimum height of a hill that counts, as a fraction of Rp, and minimum depth of a dale, as a fraction of Rv.
+# A hill counts if it is higher than this fraction of Rp, and a dale if it is deeper than this fraction of Rv.
 DISCRIMINATION_FRACTION = 0.1
 
 
