@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-# Maximum difference between the steps of a uniform grid, relative to the mean step.
+# largest difference of a grid step from the mean step, as a fraction of the mean step, in a uniform grid
 SPACING_TOLERANCE = 1e-6
 
 

@@ -18,17 +18,17 @@ from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_sha
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
 MIN_POINTS_PER_WAVELENGTH = (
-    # Shortest wavelength that is used from a scan, in points.
-    # Averaging over a pixel transmits 95 % of the power of a wavelength of eight points.
+    # Shortest wavelength, in points, that a joined spectrum takes from a scan.
+    # At eight points, averaging over a pixel removes 5 % of the power.
     8
 )
 MAX_WAVELENGTH_TO_SIDE = (
     1 / 3
-    # Longest wavelength that is used from a scan, divided by the shortest side of the scan.
-    # The spectrum at wavelengths above a third of the side of a scan depends on the window function.
+    # Longest wavelength that a joined spectrum takes from a scan, as a fraction of the shortest side.
+    # At longer wavelengths, the spectrum depends on the window function.
 )
-# Number of wave vectors per independent value.
-# Opposite wave vectors have equal values, and the window correlates the values of neighbouring wave vectors.
+# Number of wave vectors per independent spectral density.
+# Opposite wave vectors have equal densities, and the window correlates neighbouring wave vectors.
 _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
 
@@ -111,7 +111,7 @@ class JoinedSpectrum(TextReprMixin):
             is_compared = is_shared & np.isfinite(ratio)
             weight = self.contribution[scan_index, is_compared]
             if is_compared.any() and (weight < 1).any():
-                # Remove the contribution of the scan itself from the combined density before the comparison.
+                # Compare the scan only with the other scans: remove its contribution from the joined density.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)
@@ -144,7 +144,7 @@ class JoinedSpectrum(TextReprMixin):
         result = []
         for power, factor in ((2, 1.0), (4, 0.25)):
             variance_terms = factor * self.wave_number ** (power + 2) * self.density * step / (2 * math.pi)
-            # Count only half of the last bin, because the integral ends at the centre of the bin.
+            # Count only half of the last bin, because the cumulative variance ends at the centre of the bin.
             result.append(np.sqrt(variance_terms.cumsum() - variance_terms / 2))
         return ScaleDependentRoughness(
             wavelength=make_read_only(2 * math.pi / self.wave_number), gradient=make_read_only(result[0]),
@@ -277,7 +277,7 @@ def joined_spectrum(
             np.log(q[is_occupied]),
             np.log(weighted_density.sum(axis=0)[is_occupied] / total_count[is_occupied]),
         )
-    )  # across gaps between scans, interpolate log density linearly in log wave number
+    )  # in gaps between the wavelengths of two scans, interpolate ln(density) linearly in ln(wave number)
     with np.errstate(divide="ignore", invalid="ignore"):
         return JoinedSpectrum(
             wave_number=make_read_only(q), density=make_read_only(density), count=make_read_only(total_count),
@@ -340,7 +340,7 @@ def _average_in_bins(
     for bin_index in np.unique(index).tolist():
         is_in_bin = index == bin_index
         bin_centre = 10 ** ((bin_index + 0.5) / per_decade)
-        # Average q³ C, which is nearly constant within a bin, because the spectrum C decreases within a bin.
+        # Average q³ C(q): the density C decreases strongly within a bin, while q³ C is nearly constant.
         mean_density = float(
             np.average(density[is_in_bin] * (q[is_in_bin] / bin_centre) ** 3, weights=wave_vector_counts[is_in_bin])
         )
