@@ -13,9 +13,10 @@ import numpy as np
 
 from stiction._checks import Floats
 
-SAMPLING_INTERVAL = 1270.0  # sampling interval (µm) for which the relation between Z2 and JRC was fitted
-MAX_SAMPLING_INTERVAL_DEVIATION = 0.2  # maximum relative deviation from `SAMPLING_INTERVAL` for which a JRC is given
-MIN_Z2, MAX_Z2 = 0.1, 0.42  # range of Z2 for which the relation between Z2 and JRC was fitted
+SAMPLING_INTERVAL = 1270.0  # sampling interval (µm) at which the published relation between Z2 and JRC was fitted
+# largest relative deviation from `SAMPLING_INTERVAL` at which a joint roughness coefficient is computed
+MAX_SAMPLING_INTERVAL_DEVIATION = 0.2
+MIN_Z2, MAX_Z2 = 0.1, 0.42  # range of Z2 in which the published relation between Z2 and JRC was fitted
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
     motion = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
     spacing = np.array(face.spacings)
     largest_index = np.array(face.heights.shape) - 1
-    # On a face that is too short, scale the offset along both axes by the same factor, which preserves the direction.
+    # On a short face, shorten the offset without changing its direction.
     offsets = SAMPLING_INTERVAL * motion / spacing
     offsets *= min(1.0, float(np.min(largest_index / np.maximum(np.abs(offsets), 1e-9))))
     steps = np.rint(offsets).astype(int)

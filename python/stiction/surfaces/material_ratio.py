@@ -11,10 +11,11 @@ from stiction._checks import Floats, float_array
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, as_body
 
-CORE_FRACTION = 0.4  # width of the core, as a range of material ratios
-# Material ratios that separate peaks, core and valleys: the defaults of ISO 25178-3.
+CORE_FRACTION = 0.4  # width of the core of a material ratio curve: 40 % of the points
+# Material ratios at which ISO 25178-3 by default separates peaks, core and valleys.
 PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO = 0.1, 0.8
-EXTREME_PEAK_MATERIAL_RATIOS = 0.025, 0.5  # material ratios of the extreme peak height: the defaults of ISO 25178-3
+# material ratios (ISO 25178-3 defaults) whose height difference is the extreme peak height
+EXTREME_PEAK_MATERIAL_RATIOS = 0.025, 0.5
 
 
 def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:

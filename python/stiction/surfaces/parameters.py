@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from stiction._repr import TextReprMixin, format_number_and_unit, table_html
 
-NOT_LEVELLED_VALUE = "no"  # value of `levelled` if heights are not levelled
+NOT_LEVELLED_VALUE = "no"  # text in the field `levelled` for heights that are not levelled
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,7 @@ class ParameterSet(TextReprMixin):
 
     def __getattr__(self, name: str) -> float:
         """Return the value of a parameter by name."""
-        # An object that is being copied does not have `values` yet.
+        # While an object is copied, its `values` do not exist yet.
         values: Mapping[str, float] = self.__dict__.get("values", {})
         if name in values:
             return values[name]

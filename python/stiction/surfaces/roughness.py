@@ -24,9 +24,10 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 
 DerivativeFormula = Literal["seven-point", "neighbours"]
 SEVEN_POINT_WEIGHTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
-DECAY_AUTOCORRELATION = 0.2  # autocorrelation that defines the decay lengths: the default of ISO 25178-3
-_NUM_DIRECTIONS = 720  # number of directions along which the autocorrelation is evaluated
-_NUM_SECTORS = 90  # number of angular sectors (two degrees wide) over which the spectral power is summed
+# autocorrelation at which ISO 25178-3 by default reads the autocorrelation lengths Sal and Str
+DECAY_AUTOCORRELATION = 0.2
+_NUM_DIRECTIONS = 720  # number of directions in which the autocorrelation length is searched for
+_NUM_SECTORS = 90  # number of sectors of two degrees over which the spectral power is summed
 
 
 def describe_levelling(history: tuple[str, ...]) -> str:
@@ -115,7 +116,7 @@ def roughness_parameters(
 def height_and_slope_parameters(z: Floats, spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
     """Compute height and slope parameters about the mean line. The names omit the profile letter (P, R or W)."""
     scale = float(np.abs(z).max()) or 1.0
-    scaled_heights = z / scale  # scale the heights, so that the fourth power does not overflow or underflow
+    scaled_heights = z / scale  # without scaling, the fourth power of the heights could overflow or underflow
     rms = float(np.sqrt(np.mean(scaled_heights**2)))
     differences = (
         np.correlate(scaled_heights, SEVEN_POINT_WEIGHTS, mode="valid") / 60
@@ -217,7 +218,7 @@ def surface_parameters(
     z = surface.heights
     deviation = z - z.mean()
     scale = float(np.abs(deviation).max())
-    deviation /= scale  # scale the heights, so that the fourth power does not overflow or underflow
+    deviation /= scale  # without scaling, the fourth power of the deviation could overflow or underflow
     values = {
         **_height_parameters(deviation, scale),
         **_material_ratio_parameters(deviation, scale),
@@ -327,7 +328,7 @@ def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> floa
     """Return the area of the triangles between points divided by the projected area, minus 1."""
     area_sum = 0.0
     corner_heights = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
-    # Each triangle of a grid cell has one side along x and one side along y, which determine its slopes.
+    # A cell of four points has four triangles, each with one side along x and one along y that determine its slope.
     for step_x in (corner_heights[1] - corner_heights[0], corner_heights[3] - corner_heights[2]):
         for step_y in (corner_heights[2] - corner_heights[0], corner_heights[3] - corner_heights[1]):
             squared_gradient = np.square(step_x / spacing[1]) + np.square(step_y / spacing[0])
@@ -344,7 +345,7 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
     """
     correlation = autocorrelation(deviation)
     max_shift = [points // 2 for points in deviation.shape]
-    # Half of the directions are enough, because opposite directions have equal autocorrelations.
+    # Half of the directions are enough, because the autocorrelation is equal in opposite directions.
     angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
     # Search in steps of half the smaller grid spacing, up to half the side length along each axis.
     points_per_length = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))

@@ -26,8 +26,8 @@ from stiction.surfaces.roughness import (
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat_body
 
-DEFAULT_SECTION_COUNT = 5  # default number of section lengths in an evaluation length
-_RDC_MATERIAL_RATIOS = 0.2, 0.8  # material ratios whose height difference is Rdc
+DEFAULT_SECTION_COUNT = 5  # default number of sections in an evaluation length
+_RDC_MATERIAL_RATIOS = 0.2, 0.8  # material ratios at which the heights are taken whose difference is Rdc
 
 
 class SettingClass(NamedTuple):
@@ -51,7 +51,7 @@ SETTING_CLASSES = (
 )
 """Setting classes of ISO 21920-3. Limits of Ra and, for periodic profiles, of RSm (as in ISO 4288) select a class."""
 
-_INITIAL_SETTING_CLASS_INDEX = 2  # index of the class at which the search starts
+_INITIAL_SETTING_CLASS_INDEX = 2  # index of the setting class from which the search for a consistent class starts
 
 
 class SectionLengthError(ValueError):
@@ -257,7 +257,7 @@ def _compute_with_setting_class(
                 f"{_format_length(lengths[matching_class])}; {remedy}"
             )
         index = next_class
-    if matching_class != index:  # two setting classes require each other, so neither is consistent
+    if matching_class != index:  # no class is consistent, because two classes require each other
         index = max(index, max(visited_classes & {index - 1, index, index + 1}))
     elif index - 1 in possible_classes and find_matching_setting_class(index - 1) == index - 1:
         index -= 1
