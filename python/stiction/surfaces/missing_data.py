@@ -22,31 +22,34 @@ MIN_OUTLIER_DEVIATIONS = 6.0
 
 The robust standard deviation is 1.4826 times the median absolute deviation.
 """
-_MIN_OUTLIER_RATIO = MIN_OUTLIER_DEVIATIONS * 1.4826  # smallest deviation of an outlier, in median deviations
-MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; a larger group is a feature of the surface
+# smallest deviation of an outlier from its neighbours, in median absolute deviations
+_MIN_OUTLIER_RATIO = MIN_OUTLIER_DEVIATIONS * 1.4826
+MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; more adjacent points are a feature of the surface
 
-# Median deviation of rounding errors from their neighbours, as a fraction of the step to which heights are rounded.
-# Independent rounding errors have 0.25 for deviations from means, and 0.21 to 0.33 for deviations from lines.
+# Median deviation of a rounded height from its neighbours due to rounding, as a fraction of the rounding step.
+# Independent rounding errors deviate by 0.25 from means of neighbours, and by 0.21 to 0.33 from lines through them.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
-# Round-off of heights from which a form was subtracted, as a fraction of the height range.
+# Round-off of heights after a form was subtracted, as a fraction of the height range.
 _ROUND_OFF_RATIO = 1e-10
-# Maximum fraction of deviations that may be due to rounding or round-off in a scan without flat regions.
+# If more of the deviations are at most one rounding step, the scan has flat regions.
 _MAX_FLAT_FRACTION = 0.25
-_MIN_ROUGH_FRACTION = 0.02  # minimum fraction of rough points whose deviations are also used in clipped regions
+# minimum fraction of rough points above which flat regions count as clipped and get the deviations of rough points
+_MIN_ROUGH_FRACTION = 0.02
 
-_WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles (1) and for maps (2)
-# Minimum number of estimates of a height from neighbouring points.
-# Of three estimates, one may be affected by another outlier.
+_WINDOW_WIDTHS = {1: 31, 2: 7}  # width (points) of the window for local medians, for profiles (1) and for maps (2)
+# Minimum number of neighbour means from which the height of a point is estimated.
+# With three means, the median is correct even if an outlier affects one mean.
 _MIN_NEIGHBOUR_ESTIMATES = 3
-# Maximum number of lines that may pass near an outlier by chance.
-# Each point is compared with at least five lines through two neighbouring points.
+# Maximum number of lines through two neighbours that may pass near an outlier of a map by chance.
+# Each point is compared with at least five lines.
 _MAX_COINCIDENT_LINES = 2
 _MAX_OUTLIER_PASSES = 8
-# Steps from a point to its neighbours, by the number of axes.
+# Steps from a point to its neighbours, for profiles (1) and for maps (2).
 _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
-_MAX_STRIP_POINTS = 16_384  # maximum number of points of a map whose deviations are computed at a time
-_MAX_WINDOWS = 100_000  # maximum number of neighbourhoods whose medians are computed at a time
-# Minimum number of edge points, or of rough points beside flat regions, for a separate estimate of their scatter.
+# maximum number of points of a map whose deviations from neighbours are computed in one strip of rows
+_MAX_STRIP_POINTS = 16_384
+_MAX_WINDOWS = 100_000  # maximum number of windows whose medians are computed together
+# Minimum number of points at edges, or of rough points beside flat regions, for their own median deviation.
 _MIN_EDGE_POINTS = 20
 
 
@@ -144,7 +147,8 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.of_scan for typical in typical_deviations])
-        # Check neighbourhoods only at outliers of the whole scan, because a neighbourhood cannot lower the deviation.
+        # Local medians can only raise the typical deviation, so only outliers relative to the whole scan are
+        # candidates.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)
@@ -210,7 +214,7 @@ def _find_typical_deviations(
     is_known, width = is_measured & np.isfinite(distances), _WINDOW_WIDTHS[distances.ndim]
     is_rough = near_rough_region = np.zeros(distances.shape, np.bool_)
     round_off = _ROUND_OFF_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
-    resolution = 1.01 * max(step, round_off)  # limit above a deviation of one rounding step
+    resolution = 1.01 * max(step, round_off)  # deviations above this limit (µm) exceed one rounding step
     if is_known.any() and np.quantile(distances[is_known], _MAX_FLAT_FRACTION) <= resolution:
         is_rough = is_known & (median_filter(np.where(is_known, distances, 0.0), size=width) > resolution)
         near_rough_region = maximum_filter(is_rough, size=width)
@@ -267,7 +271,8 @@ def _deviations_in_strip(
         [2 * shifted_heights(step, sign) - shifted_heights(step, 2 * sign) for step in neighbour_steps]
         for sign in (1, -1)
     ]
-    # Extrapolate each height from both sides in profiles, and from eight directions in maps.
+    # Extrapolate each height along lines from its neighbours: in profiles from both sides, in maps from eight
+    # directions.
     extrapolated_heights = (
         [_finite_median(extrapolation[:3], 1) for extrapolation in extrapolations]
         if heights.ndim == 1
