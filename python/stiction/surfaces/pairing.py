@@ -30,14 +30,12 @@ from stiction.surfaces.profile import LineOrientation, Profile, Side, select_fro
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-# Default number of pairs of lines.
-# With 128 pairs of lines, an interval can be estimated in one or two seconds.
+# Default number of pairs of lines: in one or two seconds, they give an interval of the result.
 DEFAULT_NUM_LINE_PAIRS = 128
-# Ratio of the length of a map to its largest shift.
-# After a shift by a quarter of the length, two maps overlap in three quarters of their length.
+# Largest shift of one map over the other: a quarter of its length, so that three quarters overlap.
 MAX_SHIFT_DIVISOR = 4
-MIN_PIECE_SIDE_POINTS = 16  # minimum number of rows and of columns in a piece of a map
-MAX_SURROGATE_SIDE_POINTS = 512  # maximum number of rows and of columns of an areal surrogate
+MIN_PIECE_SIDE_POINTS = 16  # minimum number of rows and of columns of a piece that is cut from a map
+MAX_SURROGATE_SIDE_POINTS = 512  # maximum number of rows and of columns of a surrogate map
 SurrogateBodies = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN_RATIO = (5**0.5 - 1) / 2
@@ -72,7 +70,7 @@ class LinePairs:
     surrogates: SurrogateBodies = "none"
     seed: int = 2016
     has_several_pairs: bool = False
-    count: int | None = None  # number of equally spaced pairs, or None for a sequence of unlimited length
+    count: int | None = None  # number of equally spaced pairs of lines, or None for an unlimited sequence of pairs
 
     def max_pair_count(self) -> int | None:
         """Return the number of different pairs, or None if the number is unlimited."""
@@ -135,7 +133,7 @@ class LinePairs:
         start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * line_count // self.count) % line_count
-        # Use a step close to the golden ratio times the width that has no common divisor with the width.
+        # Choose a step near the golden ratio times the number of lines, without a divisor in common with this number.
         step = max(1, round(line_count * _GOLDEN_RATIO))
         while math.gcd(step, line_count) > 1:
             step += 1
@@ -265,11 +263,11 @@ class MapPairs:
     image.
     """
 
-    upper: Surface  # map after flipping; its heights are measured upwards
+    upper: Surface  # flipped map of the upper body, whose heights are measured upwards
     lower: Surface
-    level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
-    seed: int = 2016  # seed of the surrogates
-    # Shifts (x, y) of the upper map in µm, which replace the default sequence of shifts.
+    level: SurfaceTrend = "plane"  # trend that is subtracted from each piece of a map
+    seed: int = 2016  # seed of the random phases of surrogates
+    # Shifts (x, y) of the upper map (µm) that replace the default shifts.
     shifts: tuple[tuple[float, float], ...] | None = None
 
     @cached_property
@@ -436,7 +434,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
     upper: Profile  # levelled and flipped profile of the upper body
     lower: Profile
-    level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
+    level: SurfaceTrend = "plane"  # trend that is subtracted from each surrogate map
     seed: int = 2016
 
     @cached_property
@@ -486,15 +484,16 @@ class SpectralSurfacePairs(SquarePiecePairs):
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
 
-    # Spectrum of the upper body, which flipping does not change, because the phases are random.
+    # Spectrum of the upper body. Flipping the body would not change its spectrum.
     upper: JoinedSpectrum
     lower: JoinedSpectrum
-    level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
+    level: SurfaceTrend = "plane"  # trend that is subtracted from each generated surface
     seed: int = 2016
-    cut_off: tuple[float, float] = (0.0, 0.0)  # cutoff wavelengths (µm) of the upper and lower body, or 0
+    # cutoff wavelengths (µm) of the upper and the lower body; 0 means unfiltered
+    cut_off: tuple[float, float] = (0.0, 0.0)
     finest_spacing: float = (
-        # Shortest cutoff of a study (µm), which determines the grid for all cutoffs.
-        # The common grid gives each member the same surfaces at all cutoffs.
+        # Shortest cutoff (µm) of a study. It determines the grid, so that a member has the same surfaces at all
+        # cutoffs.
         0.0
     )
 

@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
-Side = Literal["lower", "upper"]  # name of one body of a pair
-# Axis along which the lines of a surface are oriented: "x" for rows, "y" for columns.
+Side = Literal["lower", "upper"]  # one of the two bodies of a pair
+# Orientation of lines in a surface: "x" for rows, "y" for columns.
 LineOrientation = Literal["x", "y"]
-MAX_POINTS = 100_000_000  # maximum number of points of a generated body; its heights take 0.8 GB
-# Limits of the spacing (µm), within which powers of slopes and curvatures do not overflow.
+MAX_POINTS = 100_000_000  # maximum number of points of a generated body, whose heights take 0.8 GB
+# Spacings (µm) between these limits give slopes and curvatures whose powers do not overflow.
 MIN_ACCEPTED_SPACING, MAX_ACCEPTED_SPACING = 1e-30, 1e30
-MIN_POINTS = 4  # minimum number of points, for a natural cubic spline with two interior points
+MIN_POINTS = 4  # minimum number of points of a profile for a natural cubic spline with two interior points
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,7 +49,7 @@ class Body(PlotReprMixin):
         if not MIN_ACCEPTED_SPACING <= np.min(spacing) <= np.max(spacing) <= MAX_ACCEPTED_SPACING:
             allowed = f"from {MIN_ACCEPTED_SPACING:g} to {MAX_ACCEPTED_SPACING:g} µm"
             raise ValueError(f"spacing must be {allowed}, got {short_repr(spacing)}")
-        # Copy the array, because other objects may modify it.
+        # Copy the heights, because the caller may modify the array.
         if heights.flags.writeable or not heights.flags.owndata:
             heights = make_read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
@@ -59,7 +59,7 @@ class Body(PlotReprMixin):
         if self.missing is not None:
             try:
                 missing = np.array(self.missing)
-            except ValueError:  # raised if the rows of a nested list have different lengths
+            except ValueError:  # raised for a nested list whose rows have different lengths
                 missing = np.array(None)
             if missing.dtype != np.bool_ or missing.shape != heights.shape or missing.all():
                 mask_text = "True at every point" if missing.all() else f"{missing.dtype} {missing.shape}"
@@ -68,7 +68,7 @@ class Body(PlotReprMixin):
             object.__setattr__(self, "missing", make_read_only(missing) if missing.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Unpickle objects with the constructor, which makes the heights read-only again.
+        # Unpickle a body with its constructor, which makes the heights read-only again.
         return partial(type(self), spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
 
     @property

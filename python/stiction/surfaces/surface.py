@@ -15,12 +15,12 @@ from stiction.surfaces.profile import MAX_POINTS, Body, Profile, select_from_mas
 
 AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitudeMeasure = Literal["height", "Sa", "Sq"]
-BodyLike = Any  # a Profile, a Surface, or an array of heights
+BodyLike = Any  # type of a function argument that can be a Profile, a Surface, or an array of heights
 
-# Names in the C++ core for the amplitude measures that do not depend on the order of the points.
+# Names in the C++ core of the amplitude parameters for which the order of the points does not matter.
 _CORE_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Minimum height of a body (µm). Fourth powers of smaller heights would underflow.
-# The maximum height is the inverse of the minimum. Fourth powers of larger heights would overflow.
+# Smallest height of a body (µm), below which fourth powers underflow.
+# The largest height is its inverse, above which fourth powers overflow.
 _MIN_HEIGHT = 1e-50
 
 
@@ -90,7 +90,7 @@ class Surface(Body):
 
     def _extract_profile(self, index: Any, axis: int, step: str) -> Profile:
         mask = select_from_mask(self.missing, index)
-        # The interpolated heights of a line are used if the line has no measured points.
+        # Use the interpolated heights of a line in which no point was measured.
         mask = None if mask is None or mask.all() else mask
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
