@@ -18,11 +18,12 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-GridAlignment = Literal["start", "middle"]  # part of the longer body that is kept: the start or the middle
-# Tolerance for positions on a grid, as a fraction of the spacing.
-# Despite round-off, the position 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
+GridAlignment = Literal["start", "middle"]  # whether a longer body is shortened to its start or to its middle
+# Distance from a grid point, as a fraction of the spacing, at which a position counts as that point.
+# It allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
 GRID_POSITION_TOLERANCE = 1e-9
-LEVELLING_ROUND_OFF = 1e-14  # round-off of a subtracted straight line, relative to the largest height
+# round-off of heights from which a straight line was subtracted, relative to the largest height
+LEVELLING_ROUND_OFF = 1e-14
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
 _DEGREE_ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
 
@@ -39,7 +40,7 @@ FLIPPED_HISTORY_ENTRY = "flipped"
 _FLIP_HISTORY_ENTRIES = FLIPPED_HISTORY_ENTRY, "turned over"
 """Entries that record a flip. The second entry is in files that earlier versions wrote."""
 
-# Distance from the end of a spline, in points, at which the effect of the end condition is negligible.
+# Distance (points) from the end of a spline beyond which the end condition hardly affects the heights.
 _SPLINE_MARGIN_POINTS = 32
 _ALIGNMENT_TEXTS = {"start": "first", "middle": "middle"}
 _NEIGHBOUR_ROUNDING_FUNCTIONS = (np.floor, np.ceil)
@@ -401,7 +402,7 @@ def _resample_along_axis(
     if heights is None:
         return None
     last_index = heights.shape[axis] - 1
-    # Compute the position of the first new point, in units of the old spacing.
+    # Position of the first new point, in units of the old spacing.
     ratio = spacing / actual
     start = max(0.0, (last_index - (points - 1) * ratio) / 2) if align == "middle" else 0.0
     if actual == spacing:
@@ -409,7 +410,7 @@ def _resample_along_axis(
         return heights[selected_slice] if axis == 0 else heights[:, selected_slice]
     from scipy.interpolate import CubicSpline
 
-    # Round-off must not move a position beyond the last point.
+    # Prevent round-off from moving a position beyond the last point.
     positions = np.minimum(start + np.arange(points) * ratio, last_index)
     if heights.dtype == np.bool_:
         return _resample_missing_mask(heights, positions, axis)
@@ -488,11 +489,11 @@ def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple
     from scipy.interpolate import RectBivariateSpline
 
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
-    # Compute the positions that the new points had before the rotation about the middle.
+    # For each point of the rotated map, compute the position in the original map.
     source_row = ((rows - 1) * dy / 2 - x * math.sin(angle) + y * math.cos(angle)) / dy
     source_column = ((columns - 1) * dx / 2 + x * math.cos(angle) + y * math.sin(angle)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)
-    # Round-off may move positions beyond the sides.
+    # Prevent round-off from moving positions beyond the sides of the map.
     source_row, source_column = np.clip(source_row, 0, rows - 1), np.clip(source_column, 0, columns - 1)
     heights, missing = spline.ev(source_row, source_column), None
     if surface.missing is not None:
@@ -509,7 +510,8 @@ def inscribed_rectangle(height: float, width: float, angle: float) -> tuple[floa
     """Return the height and width of the largest axis-parallel rectangle within a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer_side, shorter_side = max(height, width), min(height, width)
-    if shorter_side <= 2 * sine * cosine * longer_side:  # two corners of the rectangle lie on the longer sides
+    # two corners of the inscribed rectangle lie on the longer sides of the rotated map
+    if shorter_side <= 2 * sine * cosine * longer_side:
         half_shorter = shorter_side / 2
         width_across, length_along = half_shorter / cosine, half_shorter / sine
         return (length_along, width_across) if height >= width else (width_across, length_along)

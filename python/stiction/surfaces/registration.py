@@ -18,17 +18,22 @@ from stiction.surfaces.preparation import inscribed_rectangle, interpolate_rotat
 from stiction.surfaces.profile import Profile, combine_missing_masks, select_from_mask
 from stiction.surfaces.surface import Surface
 
-MAX_ROTATION = 3.0  # largest rotation (degrees) of the search
-ROTATION_STEP = 0.5  # step (degrees) of the search on coarse maps
-GRID_TOLERANCE = 0.02  # largest distance (points) over which a position is moved to a grid position
-MAX_SECOND_FIT_RATIO = 0.7  # maximum ratio of the correlations at any other shift and at the best shift
-MIN_OVERLAP_FRACTION = 0.5  # minimum overlap along each axis, relative to the shorter face
-_MIN_COARSE_POINTS = {1: 64, 2: 16}  # minimum number of points along each axis for a comparison, by dimension
-_MAX_COARSE_POINTS = {1: 2048, 2: 128}  # maximum number of points along each axis in the search, by dimension
-_MAX_REFINEMENTS = 20  # maximum number of Gauss-Newton steps
-_STEP_SCALES = (1.0, 0.5, 0.25)  # fractions of a Gauss-Newton step to try until the gap decreases
-_CONVERGED_MOVE = 1e-4  # largest move of a corner (points) at which the refinement ends
-_PEAK_WIDTH_FRACTION = 0.05  # half width of a correlation peak, as a fraction of the length
+MAX_ROTATION = 3.0  # largest rotation (degrees) at which the match of two faces is searched for
+ROTATION_STEP = 0.5  # step (degrees) of the rotation in the search on coarse maps
+GRID_TOLERANCE = 0.02  # positions within this distance (points) of a grid point are moved to it
+# largest correlation of two faces at any other shift, relative to the correlation at the best shift
+MAX_SECOND_FIT_RATIO = 0.7
+MIN_OVERLAP_FRACTION = 0.5  # minimum overlap of two faces along each axis, relative to the length of the shorter face
+# minimum number of points along each axis for a comparison of coarse profiles (1) or maps (2)
+_MIN_COARSE_POINTS = {1: 64, 2: 16}
+# maximum number of points along each axis of the coarse profiles (1) or maps (2) in the search
+_MAX_COARSE_POINTS = {1: 2048, 2: 128}
+_MAX_REFINEMENTS = 20  # maximum number of Gauss-Newton steps in the registration of two faces
+# fractions of a Gauss-Newton step that are tried until the gap between the faces decreases
+_STEP_SCALES = (1.0, 0.5, 0.25)
+# the registration has converged if no corner of a face moves by more than this distance (points)
+_CONVERGED_MOVE = 1e-4
+_PEAK_WIDTH_FRACTION = 0.05  # half width of the correlation peak of two faces, as a fraction of their length
 
 
 @dataclass(frozen=True)
