@@ -24,18 +24,18 @@ from stiction.surfaces.surface import Surface, as_body
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Largest fraction of the mean square slope that may be due to noise, for an error of h' below 5 %.
+# Largest fraction of the mean square slope that may be noise, so that h' is wrong by at most 5 %.
 MAX_NOISE_FRACTION = 0.1
-MIN_HEIGHT_RANGE = 1e-70  # minimum height range of a scan, µm; powers of smaller ranges would underflow
-MIN_CORRELATION = 0.5  # minimum correlation of two scans that are assumed to show the same area
-# Widths (points) of the Gaussian filters in successive stages of the alignment.
+MIN_HEIGHT_RANGE = 1e-70  # minimum height range of a scan (µm), below which powers of heights would underflow
+MIN_CORRELATION = 0.5  # minimum correlation of two scans of the same area
+# Widths (points) of the Gaussian filters with which two scans are aligned, in this order.
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
-_NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
-# Number of points per independent value of white noise after a Gaussian filter that is one point wide.
+_NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps with each Gaussian filter in the alignment of two scans
+# Distance (points) of independent heights in white noise after a Gaussian filter with a width of one point.
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
-_OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation needs
-_NUM_TRIAL_CUTOFFS = 400  # number of cutoffs that are tried
-# A shift counts as an integer if its distance (points) from the nearest integer is below this limit.
+_OVERLAP_MARGIN = 3  # number of points around the overlap of two scans that spline interpolation needs
+_NUM_TRIAL_CUTOFFS = 400  # number of cutoffs that are compared in the search for the best cutoff
+# A shift of a scan counts as a whole number of points if it differs from one by at most this number of points.
 _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 
@@ -283,8 +283,8 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
             columns = np.stack([function.ravel() for function in basis], axis=1)
             correction, residual = np.linalg.lstsq(columns, (smoothed_first[overlap] - second_heights).ravel())[:2]
             shift = shift + np.clip(correction[: second_heights.ndim], -2 - smoothing_width, 2 + smoothing_width)
-        # The variance of the shift depends on the slopes of both scans, and on the residual.
-        # The Gaussian filter correlates the residuals of neighbouring points.
+        # The variance of the shift depends on the slopes of both scans and on their difference after alignment.
+        # The Gaussian filter correlates this difference at neighbouring points.
         slope_covariances = [
             float((first_slope * slope).mean())
             for first_slope, slope in zip(_slopes_along_axes(smoothed_first[overlap]), slopes, strict=True)
@@ -308,7 +308,7 @@ def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Flo
     from scipy.ndimage import map_coordinates
 
     overlap, positions = _slice_overlap(a.shape, b.shape, shift)
-    if _is_integer_shift(shift):  # an integer shift needs no interpolation
+    if _is_integer_shift(shift):  # a shift by a whole number of points needs no interpolation
         return a[overlap], b[np.ix_(*(np.round(axis_positions).astype(np.intp) for axis_positions in positions))]
     return a[overlap], map_coordinates(b, np.meshgrid(*positions, indexing="ij"), order=5)
 
