@@ -21,52 +21,52 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, ROUND_OFF_FACTOR, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
-# Constant c of `instrument_limit`: a tip of radius R resolves surfaces with an rms curvature below c/R.
+# Factor c of `instrument_limit`: a tip of radius R follows a surface only if its rms curvature is below c/R.
 TIP_CURVATURE_FACTOR = 0.1
-_ROUGHNESS_BINS_PER_DECADE = 48  # number of wave number bins per decade for slope and curvature
+# number of wave number bins per decade in which rms slope and rms curvature are computed
+_ROUGHNESS_BINS_PER_DECADE = 48
 _NOISE_BINS_PER_OCTAVE = 8  # number of wave number bins per octave in the search for instrument noise
-_WINDOW_OCTAVES = (1.0, 2.0)  # widths, in octaves, of the windows in which a spectral exponent is fitted
-# Minimum difference between a measured exponent and the exponent for H = 0, in standard deviations.
-# A self-affine surface with H = 0 is the roughest possible.
+_WINDOW_OCTAVES = (1.0, 2.0)  # widths (octaves) of the windows in which the exponent of a spectrum is fitted
+# A spectrum that falls more slowly than for a Hurst exponent of 0 contains noise.
+# The difference of the exponents must be at least this number of standard deviations.
 _MIN_EXPONENT_DEVIATIONS = 3.0
-# Largest wavelength, in points, at which a hump in the spectrum is attributed to the instrument.
-# A hump at a wavelength above 24 points is attributed to the surface.
+# A hump in the spectrum is attributed to the instrument up to this wavelength (points), and to the surface above.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
-# Minimum ratio of the spectral density at reliable wavelengths to the lowest density.
+# Reliable wavelengths have at least four times the lowest spectral density.
 _MIN_TRUSTED_DENSITY_RATIO = 4.0
-# A spectrum counts as rising if a density exceeds this multiple of the lowest density at longer wavelengths.
-# The spectrum of a surface never rises to three times its lowest density at longer wavelengths.
+# A spectrum counts as rising if a density is more than three times the lowest density at longer wavelengths.
+# Spectra of surfaces never rise so much.
 _MIN_RISE_DENSITY_RATIO = 3.0
-# Largest fraction of the mean square slope that may come from wavelengths not attributed to the surface.
-# If the fraction is exceeded, the result must not be reported.
+# Largest fraction of the mean square slope that may be due to noise.
+# If noise contributes more, the result must not be reported.
 MAX_UNATTRIBUTED_FRACTION = 0.1
-# Ratio of a cutoff to the wavelength that the filter is meant to remove.
-# A Gaussian filter transmits 8 % of the amplitude of a wavelength that is 1.9 times shorter than the cutoff.
+# Ratio of a filter's cutoff to the wavelength that the filter must remove.
+# At 1.9, a Gaussian filter transmits 8 % of the amplitude.
 CUTOFF_WAVELENGTH_RATIO = 1.9
-_MIN_SLOPE_FRACTION = 1e-4  # minimum fraction of the mean square slope that exceeds round-off
-# Smallest exponent of a rough surface in the octave of the shortest wavelengths, even with aliasing.
+_MIN_SLOPE_FRACTION = 1e-4  # smallest fraction of the mean square slope that is not due to round-off
+# Smallest exponent of the spectrum of a rough surface in the shortest octave, which aliasing makes flatter.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
-# Smallest exponent of a spectrum with the harmonics of a texture, unless noise exceeds the harmonics.
-# Noise was suspected in 8 of 1080 generated turned profiles (feeds of 15 to 500 points), and in 22 without the limit.
-# Noise that was added to turned profiles was found equally often with and without the limit.
+# Smallest exponent of a spectrum with texture harmonics that counts as free of noise.
+# Of 1080 generated turned profiles (feeds of 15 to 500 points), 8 seem to contain noise, and 22 without this limit.
+# Added noise is detected equally often with and without this limit.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
-# Minimum fraction of the mean square second difference that rounding explains if heights count as quantised.
+# Heights count as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
-# Upper limit of the exponent of a flat spectrum, and of the rms deviation of its log density.
+# Largest exponent of a flat spectrum, and largest rms deviation of ln(density) from a straight line.
 _MAX_FLAT_EXPONENT = 0.35
-# Largest exponent of a noise floor if the fitted range also contains a part of the spectrum of the surface.
+# Largest exponent of a noise floor in a range that also contains wavelengths of the surface.
 _MAX_FLOOR_EXPONENT = 0.7
-# Wavelengths shorter than this fraction of the wavelength limit consist only of noise.
+# Wavelengths below this fraction of the noise limit contain only noise.
 _NOISE_WAVELENGTH_RATIO = 0.7
-# Reasons for a wavelength limit that always refer to the instrument and never to the surface.
+# Origins of noise that are always attributed to the instrument.
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
-_MAX_EQUAL_NOISE_RATIO = 2.0  # maximum ratio of two noise densities along different axes that count as equal
-# Minimum ratio of the density of a spectrum that may hide noise to the density of the noise.
-# The ratio of both densities may be below 1 because of scatter.
+_MAX_EQUAL_NOISE_RATIO = 2.0  # noise densities along x and y within this ratio count as equal
+# A spectrum can hide noise if its density is at least this multiple of the noise density.
+# The multiple is below 1 because of scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
-# Minimum number of lines with independent noise at which noise may be hidden along the other axis.
+# Noise of one axis can be hidden along the other axis only if at least this many lines have independent noise.
 _MIN_INDEPENDENT_LINES = 8.0
-# Shortest wavelength of extrapolated spectra, relative to the shortest wavelength of the scan.
+# Shortest wavelength of extrapolated spectra, divided by the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _NUM_BISECTION_STEPS = 60
 
@@ -197,7 +197,7 @@ def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) 
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
-    # Use an expression of (end^x - start^x) / x that remains valid for x = 0.
+    # Integrate with expm1, so that the result is also valid if the exponent is 0.
     integral = start**exponent * (np.expm1(exponent * ratio) / exponent if exponent != 0 else ratio)
     return np.asarray(estimate.prefactor / (estimate.dimensions * math.pi) * integral)
 
@@ -441,7 +441,7 @@ def instrument_limit(
         _find_spectrum_disturbance(*disturbance, periodic=periodic, textured=texture) for disturbance in spectra
     ]
     total_mean_square_slope = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
-    # Along an axis without roughness, the spectrum contains only round-off.
+    # Ignore noise along an axis without roughness, where the spectrum contains only round-off.
     noise_wavelengths = [
         disturbance.wavelength_limit
         if disturbance.mean_square_slope > _MIN_SLOPE_FRACTION * total_mean_square_slope
@@ -461,7 +461,7 @@ def instrument_limit(
     )
     if len(spectra) == 2 and any(limit > 0 for limit in noise_wavelengths):
         is_common, hidden_mean_square_slope = _compare_noise_along_axes(spectra, noise_wavelengths)
-        # If the noise differs between the axes, report the axis with the larger contribution.
+        # If the noise differs between x and y, report the axis with more noise in the mean square slope.
         noisier_axis = int(np.nanargmax(noise_wavelengths if is_common else noise_mean_square_slopes))
         is_floor = [disturbance.noise_kind in INSTRUMENT_REASONS for disturbance in disturbances]
         noise_wavelength = float(np.nanmin(noise_wavelengths)) if is_common else noise_wavelengths[noisier_axis]
@@ -481,7 +481,7 @@ def instrument_limit(
         noise_kind = "quantisation"
     noise_wavelength = round_up_wavelength(noise_wavelength) if noise_wavelength > 0 else noise_wavelength
     limits = {"pixels": 2 * spacing, noise_kind: noise_wavelength, "tip": math.nan}
-    # Scale-dependent roughness is not needed if only the pixels set the limit.
+    # If only the spacing limits the wavelengths, no scale-dependent roughness is needed.
     roughness = None
     if radius is not None or noise_wavelength > 0:
         roughness = scale_dependent_roughness(body, periodic=periodic)
@@ -527,7 +527,7 @@ def cutoff_for_slope_fraction(roughness: ScaleDependentRoughness, fraction: floa
         log_lower, log_upper = (
             (log_middle, log_upper) if transmitted_fraction > 1 - fraction else (log_lower, log_middle)
         )
-    # Round the cutoff to two digits, so that repeated scans can have the same cutoff.
+    # Round the cutoff to two digits, so that repeated scans usually get the same cutoff.
     return max(lower, float(f"{math.exp(log_upper):.1e}"))
 
 
@@ -616,12 +616,12 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
 class _SpectrumDisturbance(NamedTuple):
     """Disturbance of a line spectrum: the wavelengths not attributed to the surface, and the texture period."""
 
-    # Upper limit of the wavelengths not attributed to the surface, µm; NaN if there are no such wavelengths.
+    # Upper limit of the wavelengths that noise affects, µm; NaN without noise.
     wavelength_limit: float
     noise_kind: str
-    # Mean square slope of the lines at wavelengths that are not attributed to the surface or its texture.
+    # Contribution of the noise to the mean square slope of the lines.
     mean_square_slope: float
-    period: float  # period of a texture, µm; NaN if there is no texture
+    period: float  # wavelength of a periodic texture, µm; NaN without a texture
 
 
 def _find_spectrum_disturbance(
@@ -633,7 +633,7 @@ def _find_spectrum_disturbance(
     if first_harmonic > 0:
         if harmonic_distance < MIN_HARMONIC_DISTANCE:
             return _SpectrumDisturbance(math.nan, "noise floor", 0.0, period)
-        # Exclude the first harmonic, because cusps of unequal depth cause a hump near it.
+        # Search for noise above the first harmonic, because cusps of unequal depth cause a hump near it.
         above_first_harmonic = slice(int(first_harmonic), None)
         density_with_harmonics = density[above_first_harmonic]
         density, q, count = (
@@ -648,7 +648,7 @@ def _find_spectrum_disturbance(
         return _SpectrumDisturbance(math.nan, kind, 0.0, period)
     is_unattributed = q * wavelength_limit > 2 * math.pi
     mean_square_slope = float((np.square(q) * density)[is_unattributed].sum() * (q[1] - q[0]) / math.pi)
-    # The density of a noise floor at the end of the spectrum is its density at all wave numbers.
+    # A noise floor has the same density at all wave numbers as at the end of the spectrum.
     if kind in INSTRUMENT_REASONS:
         floor_density = float(density[q * math.sqrt(2) > q[-1]].mean())
         mean_square_slope = min(mean_square_slope, floor_density * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
@@ -686,7 +686,7 @@ def _find_noise_wavelength(
     The limit is NaN if there is no noise.
     """
     no_noise = math.nan, "noise floor"
-    # Exclude the first two harmonics, into which the window spreads longer wavelengths.
+    # Exclude the first two harmonics, to which the Hann window adds power from longer wavelengths.
     if not periodic:
         q, density, count = q[2:], density[2:], count[2:]
     if q.size < _NOISE_BINS_PER_OCTAVE:
@@ -810,6 +810,6 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance: Floats) -> in
 def _is_quantised(body: Profile | Surface) -> bool:
     """Return True if the heights of a body were rounded to so large a step that rounding explains the noise."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
-    # Rounding to a step s has the variance s²/12.
-    # Second differences of white noise have six times the variance of the noise.
+    # Rounding to a step s adds noise with the variance s²/12.
+    # The mean square second difference of white noise is six times its variance.
     return body.height_step**2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference

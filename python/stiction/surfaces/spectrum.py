@@ -23,9 +23,9 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-ROUND_OFF_FACTOR = 1 + 1e-9  # factor that allows for round-off in ratios of lengths
-_PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks
-_PEAK_WINDOW_BINS = 6  # number of bins on each side of a bin from which the median level around the bin is computed
+ROUND_OFF_FACTOR = 1 + 1e-9  # factor that allows for round-off when two lengths are compared
+_PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks of a spectrum
+_PEAK_WINDOW_BINS = 6  # number of bins on each side of a peak from which the median spectral density is computed
 
 HANN_VARIANCE_FACTOR = 35 / 18
 """Factor by which a Hann window w increases the variance of sums over harmonics: mean(w⁴) / mean(w²)²."""
@@ -93,8 +93,8 @@ class PowerSpectrum(PlotReprMixin):
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
     """Return the geometric mean wave number, the mean density and the number of harmonics for each bin in log q."""
-    # The wave numbers of the harmonics are multiples of the first wave number.
-    # The summand 1e-9 prevents round-off from moving a harmonic at an exact decade to another bin.
+    # Wave numbers are multiples of the first.
+    # Adding 1e-9 keeps a harmonic at an exact decade in its bin, despite round-off.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     total_count = np.bincount(index, count).astype(np.float64)
     mean_wave_number = np.exp(np.bincount(index, count * np.log(q)) / total_count)
@@ -400,7 +400,7 @@ class SurfaceSpectrum(TextReprMixin):
             float(-wave_numbers[0]) if wave_numbers.size % 2 == 0 else float(wave_numbers[-1])
             for wave_numbers in (q_y[:, 0], q_x)
         )
-        # Use only one of two opposite wave vectors, because they describe the same wave.
+        # Use only one of two opposite wave vectors, because both describe the same sine wave.
         is_counted = ((q_y > 0) | ((q_y == 0) & (q_x > 0))) & (q < limit * (1 - 1e-9))
         order = np.argsort(q[is_counted], kind="stable")
         angle = np.degrees(
