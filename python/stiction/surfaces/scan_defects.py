@@ -36,14 +36,14 @@ MIN_SPIKE_TO_FLANK_RATIO = 2.0
 
 The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and ground profiles.
 """
-_NUM_FLANK_POINTS = 4  # number of points on each side of a spike within which its height is measured
-# Minimum ratio of the largest step between two points to the height of a wide spike.
-# The step is 0.4 times the height for a Gaussian groove whose depth falls to 1/e over two points.
+_NUM_FLANK_POINTS = 4  # number of points on each side of a spike from which its height is measured
+# Minimum height difference of two adjacent points of a wide spike, as a fraction of the spike's height.
+# In a Gaussian groove that is two points wide (1/e of its depth), the fraction is 0.4.
 _MIN_STEP_RATIO = 0.7
-_MIN_DEEP_SPIKE_RATIO = 2.0  # minimum height of a wide spike or a dip of a profile, as a multiple of the rms height
+# minimum height of a wide spike, and minimum depth of a dip, as a multiple of a profile's rms height
+_MIN_DEEP_SPIKE_RATIO = 2.0
 
-# Smallest ratio of the height range without outliers to the height range with outliers.
-# A scan with a smaller ratio of the height ranges is flat except for outliers.
+# A scan is flat except for outliers if its height range without outliers is below this fraction of the whole range.
 MIN_ROUGHNESS_RATIO = 1e-6
 
 MIN_LAY_RATIO = 2.0
@@ -51,10 +51,10 @@ MIN_LAY_RATIO = 2.0
 
 The ratio is at most 1.2 for isotropic maps with 64 x 64 points.
 """
-MAX_LAY_RATIO = 1000.0  # largest reported ratio of the rms slopes across and along a lay
-# Number of strips along each axis whose rms slopes are compared.
+MAX_LAY_RATIO = 1000.0  # largest reported ratio of the rms slopes across and along the lay of a map
+# Number of strips along each axis of a scan whose rms slopes are compared.
 _NUM_STRIPS = 8
-# Minimum number of points per strip; the drift of a smaller scan is not assessed.
+# Minimum number of points per strip; in smaller scans, no drift of the roughness is searched for.
 _MIN_STRIP_POINTS = 4
 MAX_DRIFT = math.log(4.0)
 """Upper limit of a reported drift of ln(rms slope), which a linear fit overestimates if the roughness changes abruptly.
@@ -66,7 +66,7 @@ MIN_DRIFT_DEVIATIONS = 2.5
 In 400 Gaussian maps with 64 x 64 and 128 x 128 points, 2.6 % had a drift above this limit along one of the two axes.
 """
 
-# Fraction of the mean square slope that noise or a tip limit must affect to be reported.
+# Noise or a tip limit is reported if it affects more than this fraction of the mean square slope.
 MAX_NOISE_SLOPE_FRACTION = 0.01
 
 
@@ -202,13 +202,13 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
     if min(heights.shape) <= _NUM_STRIPS * _MIN_STRIP_POINTS:
         return 0.0
     differences = [np.diff(heights, axis=axis) / body.spacings[axis] for axis in range(heights.ndim)]
-    if heights.ndim == 2:  # compute both derivatives at the centres of the grid cells
+    if heights.ndim == 2:  # compute the derivatives along x and y at the centres of the grid cells
         differences = [
             (differences[0][:, 1:] + differences[0][:, :-1]) / 2, (differences[1][1:] + differences[1][:-1]) / 2
         ]  # fmt: skip
     gradients = [difference - difference.mean() for difference in differences]
     power = np.sum([np.square(np.abs(rfftn(gradient))) for gradient in gradients], axis=0)
-    # Except at both ends, each value also represents its complex conjugate.
+    # Except for the first and the last column, a coefficient also represents its complex conjugate.
     num_columns = gradients[0].shape[-1]
     weights = np.full(power.shape[-1], 2.0)
     weights[0] = 1.0
@@ -265,10 +265,10 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     """
     from scipy.ndimage import maximum_filter, median_filter
 
-    rounding_error = body.height_step / math.sqrt(12)  # rms error of rounded heights
+    rounding_error = body.height_step / math.sqrt(12)  # rms error of a height due to rounding
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
-        # The second difference is large beside wider spikes, and unknown at both ends.
+        # Beside a spike wider than one point, the second difference is also large. At both ends, it is unknown.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
     else:
@@ -278,7 +278,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
             np.abs(heights - np.median(heights)),
         )
         threshold, rounding_distance = MIN_SPIKE_HEIGHT_RATIO, rounding_error
-    # More than half of the distances between rounded heights may be 0.
+    # More than half of the rounded heights may equal the heights with which they are compared.
     usual_distance = max(float(np.median(typical_distances)) / 0.6745, rounding_distance)
     return np.asarray(distances > threshold * usual_distance)
 
@@ -304,7 +304,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
 
     for (group,) in find_objects(label(outliers)[0]):
         width = group.stop - group.start
-        # Several adjacent outliers at an end of the profile may be one side of a groove or of a ridge.
+        # Skip a group of outliers at an end of the profile, because it may be one side of a groove or a ridge.
         if width > 1 and (group.start == 0 or group.stop == outliers.size):
             continue
         deviation = max((profile.heights - remaining_heights)[group].tolist(), key=abs)
