@@ -256,7 +256,7 @@ def self_affine_surface(
         min((size - 1) // 2, int(extent / shortest * ROUND_OFF_FACTOR))
         for size, extent in ((columns, extent_x), (rows, extent_y))
     ]
-    # In the order 0, 1, -1, 2, -2, the random numbers of a wave vector do not depend on the grid.
+    # The order 0, 1, -1, 2, -2 makes the random number of a wave vector independent of the grid.
     order = np.arange(1, 2 * max_orders[1] + 2)
     j = np.where(order % 2 == 0, order // 2, -(order // 2))
     transform = np.zeros((rows, columns // 2 + 1), dtype=np.complex128)
@@ -266,7 +266,7 @@ def self_affine_surface(
         relative_wave_number = longest * np.hypot(i / extent_x, j / extent_y)
         is_included = relative_wave_number * shortest <= longest * ROUND_OFF_FACTOR
         if i == 0:
-            is_included &= j > 0  # the coefficients with j < 0 are complex conjugates of other coefficients
+            is_included &= j > 0  # coefficients with j < 0 are complex conjugates
         count = int(np.flatnonzero(is_included)[-1]) + 1 if is_included.any() else 0
         if count == 0:
             continue

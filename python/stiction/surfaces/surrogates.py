@@ -12,12 +12,12 @@ from stiction.surfaces.profile import Profile, Side, reject_missing_points
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat_body
 
-_RINGS_PER_DECADE = 12  # number of rings of wave number per decade; empty rings are merged with their neighbours
-# Weight of the smoothness penalty, as a number of harmonics. The penalty dominates in rings with one or two harmonics.
+_RINGS_PER_DECADE = 12  # number of rings per decade of wave number; an empty ring is merged with the next ring
+# Weight of the smoothness penalty, as a number of harmonics: the penalty dominates in rings with fewer harmonics.
 _SMOOTHNESS_PENALTY = 2.0
-_ROUND_OFF_FRACTION = 1e-14  # largest density that counts as round-off, relative to the maximum of the spectrum
+_ROUND_OFF_FRACTION = 1e-14  # densities below this fraction of the largest density count as round-off
 _MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten are usually enough
-# The fit has converged if one iteration changes the logarithm of each density by less than this limit.
+# The fit has converged if an iteration changes each ln(density) by less than this number.
 _CONVERGENCE_TOLERANCE = 1e-6
 # Default maximum number of rows and of columns of a surrogate.
 # The half-space solution of a map of 512 × 512 points takes some tenths of a second.
@@ -93,9 +93,8 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # The mirror image extends the profile without a jump, and halves the distance between harmonics.
-        # Every second harmonic of the extended profile is a harmonic of the original profile.
-        # The power of each harmonic in between is split equally between its two neighbours.
+        # Append the mirror image of the profile, which removes the jump at its end and adds a harmonic between any two.
+        # The power of each added harmonic is divided equally between its two neighbours.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])
         harmonic_indices = 2 * np.arange(points // 2 + 1)
@@ -120,7 +119,7 @@ def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side,
     amplitude = np.sqrt(ifftshift(surface_spectrum(surface, periodic=periodic).density))
     rows, columns = amplitude.shape
     phases = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=columns)
-    # Opposite wave vectors have opposite phases. Coefficients that are their own conjugates are real.
+    # Opposite wave vectors get opposite phases, so that the heights are real.
     opposite_phases = np.roll(phases[::-1, ::-1], (1, 1), axis=(0, 1))
     heights = ifft2(amplitude * np.exp(1j * (phases - opposite_phases))).real
     is_real = np.zeros((rows, columns), dtype=bool)
@@ -237,7 +236,7 @@ def isotropic_surface(
     edges, density, _ = _fit_ring_densities(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
-    ring_index = np.searchsorted(edges, q, side="right")  # index 0 means a wavelength longer than the profile
+    ring_index = np.searchsorted(edges, q, side="right")  # index 0 is for wavelengths longer than the profile
     power = np.concatenate([[0.0], density, density[-1:]])[ring_index] * (rows * columns / profile.spacing**2)
     history_entry = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
     heights, spacings = gaussian_heights(power, seed, repetition, side), (profile.spacing, profile.spacing)
@@ -251,7 +250,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     rows, columns = power.shape
     random_values = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, uniform_numbers = random_values[:, :columns], random_values[:, columns:] / (2 * math.pi)
-    # The real part combines opposite wave vectors, and has half of their power.
+    # The real part contains half the power of two opposite wave vectors.
     coefficients = np.sqrt(-2 * power * np.log1p(-uniform_numbers)) * np.exp(1j * phases)
     return np.asarray(ifft2(coefficients, overwrite_x=True).real)
 
@@ -262,7 +261,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     reject_flat_body(profile)
     reject_missing_points(profile, "an isotropic surrogate")
     spectrum = power_spectrum(profile, periodic=periodic)
-    # Each harmonic represents a range of wave numbers that extends by half a step to both sides.
+    # Each harmonic represents wave numbers within half a step on both sides of it.
     wave_number, resolution, nyquist_wave_number = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing
     bins = np.floor(_RINGS_PER_DECADE * np.log10(wave_number / wave_number[0]) + 1e-9)
     first_harmonics = np.flatnonzero(np.diff(bins, prepend=-1))
@@ -272,9 +271,9 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     count = np.bincount(bin_index, spectrum.count).astype(np.float64)
     measured_density = np.bincount(bin_index, spectrum.count * spectrum.density) / count
     measured_density = np.maximum(measured_density, _ROUND_OFF_FRACTION * measured_density.max())
-    # Include the corners of the grid in rings beyond the Nyquist wave number of both axes.
+    # Add rings for the corners of the grid, where both wave numbers reach the Nyquist wave number.
     edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
-    # Compute the spectrum of a section through a surface with one ring of unit density, averaged in each bin.
+    # Compute the mean spectral density of a line in each bin, for a surface with unit density in one ring.
     transverse_wave_number = np.minimum(
         np.sqrt(np.maximum(edges**2 - wave_number[:, np.newaxis] ** 2, 0)), nyquist_wave_number
     )
@@ -287,7 +286,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     density[-1] = density[-2]
     density = _fit_densities(response, measured_density, count, density)
     predicted_density = response @ density
-    # Scale the densities so that the mean square slope of the profile is reproduced exactly.
+    # Scale the densities so that the surrogate has exactly the mean square slope of the profile.
     slope_weights = np.bincount(bin_index, spectrum.count * wave_number**2)
     density *= float(slope_weights @ measured_density / (slope_weights @ predicted_density))
     return edges, density, np.append(count, 0.0)

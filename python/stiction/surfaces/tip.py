@@ -13,7 +13,7 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
-# Largest distance at which the tip touches the surface, as a fraction of the height of the scan.
+# Points at which the tip is at most this distance above the surface count as touched, as a fraction of the height.
 _TIP_CONTACT_TOLERANCE = 1e-9
 
 
