@@ -9,15 +9,15 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import MAX_DECLARED_NUMBER, FormatError
 
-EXACT_POSITION_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a uniform grid, in grid steps
-# Largest deviation of a point from the grid, in grid steps, in addition to the rounding error of its position.
+EXACT_POSITION_TOLERANCE = 1e-3  # positions within this distance of a uniform grid, in grid steps, count as exact
+# Largest distance of a point from a grid node, in grid steps, beyond the rounding error of the printed position.
 MAX_GRID_OFFSET = 0.05
-MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per listed point
-MIN_STEP_OF_ROUNDED_POSITIONS = 2.0  # minimum step of rounded positions, in units of the last printed digit
-# Largest scatter of rounded positions about a grid, in units of the last printed digit.
-# Rounding causes a scatter of at most 1 digit. The margin of 0.2 allows for the error of the fitted step.
+MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per point in a list of points
+MIN_STEP_OF_ROUNDED_POSITIONS = 2.0  # minimum grid step of rounded positions, in units of the last printed digit
+# Largest distance between rounded positions and a grid, in units of the last printed digit.
+# Rounding causes a scatter of 1 digit, and the error of the fitted step adds 0.2.
 MAX_SCATTER_DIGITS = 1.2
-MIN_GRID_GAP_RATIO = 4.0  # minimum ratio of the gaps between grid points to the gaps that are due to rounding
+MIN_GRID_GAP_RATIO = 4.0  # minimum ratio of the smallest gap between grid points to the largest gap caused by rounding
 
 
 def to_grid(
@@ -90,7 +90,7 @@ def _find_step_and_node_indices(
     last_node = int(nodes.max())
     step = float(positions.max() - positions.min()) / last_node
     deviations = np.abs(positions - positions.min() - nodes * step)
-    # Fit the step to all positions, because measured end positions are as uncertain as other positions.
+    # Fit the step to all positions: the first and the last position have measurement errors too.
     if deviations.max() > EXACT_POSITION_TOLERANCE * step:
         step, first = (float(item) for item in np.polyfit(nodes, positions, 1))
         deviations = np.abs(positions - first - nodes * step)
@@ -131,7 +131,7 @@ def estimate_step(positions: Floats) -> float | None:
     gaps = np.diff(distinct_positions)
     if not gaps.size:
         return None
-    # A gap between positions is a rounding error, a grid step, or a multiple of a grid step at missing nodes.
+    # A gap between sorted positions is a rounding error, a grid step, or a multiple of it if nodes are missing.
     ordered_gaps = np.sort(gaps)
     ratios = ordered_gaps[1:] / ordered_gaps[:-1]
     if ratios.size and ratios.max() > MIN_GRID_GAP_RATIO:

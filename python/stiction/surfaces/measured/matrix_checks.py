@@ -15,22 +15,26 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FileCaveat, FormatError
 
-MIN_GRID_POINTS = 9  # minimum number of points of a grid whose coordinates are two columns of a table
-MAX_NODES_PER_GRID_POINT = 2  # maximum number of nodes per point of a grid whose coordinates are two columns
-MAX_POINT_COLUMNS = 12  # maximum number of columns of a list of points with colours, intensities and normals
-MIN_POINT_ROWS = 12  # minimum number of rows in which the columns of a list of points are compared
-MAX_STATISTIC_LINES = 6  # maximum number of outer rows or columns that contain statistics of a matrix
-# Largest deviation of a statistic from its computed value, relative to the standard deviation of the heights.
-# Printed statistics deviate less from computed statistics, and measured heights deviate more.
+MIN_GRID_POINTS = 9  # minimum number of points in a list of points with grid coordinates in two columns
+# maximum number of grid nodes per point in a list of points with grid coordinates in two columns
+MAX_NODES_PER_GRID_POINT = 2
+# maximum number of columns in a list of points, such as coordinates, colours, intensity and normal
+MAX_POINT_COLUMNS = 12
+MIN_POINT_ROWS = 12  # minimum number of rows of a table that may be a list of points
+MAX_STATISTIC_LINES = 6  # maximum number of rows or columns of statistics, such as means, at a side of a matrix
+# Largest deviation of a printed statistic from the computed statistic, in standard deviations of the heights.
+# Rounding of a printed statistic causes smaller deviations, and a row of measured heights deviates more.
 MAX_STATISTIC_DEVIATION = 2e-3
-MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per line of a profile that is written in lines
-MIN_WRAPPED_LINES = 3  # minimum number of lines of a profile that is written in lines
-# A caveat is issued up to this ratio of the likelihoods of a map and of a profile that is written in lines.
-# If a profile was written in lines, heights change between two lines no more than within a line.
-# In a map, heights are assumed to change between two lines as much as between neighbours in a column.
+MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per text line of a profile that is written in several lines
+MIN_WRAPPED_LINES = 3  # minimum number of text lines of a profile that is written in several lines
+# If a matrix is at most 100 times as likely as a profile written in several text lines, it has a caveat.
+# In such a profile, heights differ from the end of a line to the next line as much as within a line.
+# In a matrix, they differ as much as neighbours in a column.
 MAX_LIKELIHOOD_RATIO = 100.0
-MAX_DEVIATION_IN_LINES = 8.0  # number of median deviations beyond which heights of a wrapped profile are ignored
-MIN_COLUMN_DIFFERENCE = 2.0  # minimum ratio of the mean square differences of neighbours in a column and in a line
+# heights farther than this from the median, in median deviations, are ignored in the search for a wrapped profile
+MAX_DEVIATION_IN_LINES = 8.0
+# minimum ratio of the mean square height differences of neighbours in a column and in a line of a wrapped profile
+MIN_COLUMN_DIFFERENCE = 2.0
 
 _STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
     ("means", np.mean), ("standard deviations", np.std),
@@ -73,7 +77,7 @@ def reject_coordinates_above_heights(column: Floats) -> None:
     if column.size % 3 or column.size < 3 * MIN_GRID_POINTS:
         return
     points = column.reshape(3, -1).T
-    # In a list of grid points, one of the first two coordinates changes in equal steps, and the other is constant.
+    # In a list of grid points, x or y changes in equal steps while the other coordinate is constant.
     first_steps, second_steps = np.diff(points[:3, :2], axis=0)
     if np.allclose(first_steps, second_steps, rtol=0.01, atol=0.0) and find_grid_columns(points) == (0, 1):
         raise FormatError("lists all x, then all y and all z; write x, y and z in columns, one point per line")
@@ -100,7 +104,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
     rows, count = values.shape
     if count < 3 or rows < MIN_GRID_POINTS:
         return None
-    positions: dict[int, tuple[int, Any]] = {}  # number of positions in a column, and their indices
+    positions: dict[int, tuple[int, Any]] = {}  # number of different positions in each column, and their indices
     for place in range(min(count, MAX_POINT_COLUMNS) if count <= MAX_POINT_COLUMNS else 2):
         if np.isfinite(values[:, place]).all():
             distinct, index = np.unique(values[:, place], return_inverse=True)
@@ -145,7 +149,7 @@ def _find_statistics(values: Floats) -> str | None:
     for axis, kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered in (("last", lines), ("first", lines[::-1])):
-            # Compare a few columns first, because the full comparison with statistics is rarely needed.
+            # Compare a few columns with their statistics first, because most matrices contain no statistics.
             sample = np.linspace(0, lines.shape[1] - 1, min(8, lines.shape[1])).astype(int)
             for count in range(1, min(MAX_STATISTIC_LINES, lines.shape[0] - 4) + 1):
                 name = _find_statistic_name(ordered[:, sample], count)
@@ -160,7 +164,7 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
     if not np.isfinite(lines).all():
         return None
     tolerance = MAX_STATISTIC_DEVIATION * float(heights.std())
-    # Lines that are all equal, or that have equal heights, agree with their own statistics.
+    # Lines of equal numbers always agree with their own statistics, so they prove nothing.
     if min(float(np.median(np.ptp(heights, axis=0))), float(np.ptp(last))) <= 50 * tolerance:
         return None
     for name, statistic in _STATISTICS:
@@ -180,7 +184,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
     finite_values = values[np.isfinite(values)]
     if finite_values.size < values.size / 2:
         return ()
-    # Ignore outliers and codes for missing points, which would dominate the differences.
+    # Ignore outliers and codes for missing points, which would dominate the mean square differences.
     deviations = np.abs(values - np.median(finite_values))
     limit = MAX_DEVIATION_IN_LINES * np.median(deviations[np.isfinite(values)])
     heights = np.where(deviations <= limit, values, np.nan)

@@ -16,41 +16,46 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# Minimum number of points with a code for missing points at the largest or smallest height.
+# An extreme height counts as a code for missing points if it occurs at least twice, or if it is a usual code.
 MIN_MISSING_CODE_REPEATS = 2
-# Minimum distance of a code for missing points from all other heights, relative to the range of the other heights.
+# Minimum distance of a code for missing points from the other heights, relative to the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
-# Relative minimum distance from other heights of a code that repeats in the file, and of a usual code such as 9999.
+# As `MIN_MISSING_CODE_DISTANCE`, for codes in a file that occur repeatedly, and for usual codes such as 9999.
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
     + [-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1]
 )
-# Minimum number of other heights in a scan whose repeated height counts as a code for missing points.
+# A scan is searched for codes for missing points only if it has at least this many different heights.
 MIN_DISTINCT_HEIGHTS = 5
-MAX_MISSING_CODES = 4  # maximum number of codes for missing points at either end of the heights
-# minimum distance of a code for missing points from the median height, in median deviations
+MAX_MISSING_CODES = 4  # maximum number of different codes for missing points below or above all heights of a scan
+# minimum distance of a code for missing points from the median height, in median absolute deviations
 MIN_CODE_DEVIATION = 3.0
-MAX_SAMPLED_HEIGHTS = 65_536  # maximum number of heights from which medians and frequencies are estimated
-MIN_COMPARED_HEIGHTS = 20  # minimum number of different heights of a scan whose frequencies are compared
-NUM_NEIGHBOURS = 12  # number of next lower and next higher heights with which a frequency is compared
-# A height counts as repeated if its frequency is at least ratio · m + deviations · sqrt(m).
-# The frequency of repeated heights is compared with the median frequency m of similar heights.
+# maximum number of heights of a scan from which the median and the frequency of each height are estimated
+MAX_SAMPLED_HEIGHTS = 65_536
+# minimum number of different heights of a scan that is searched for heights of unusual frequency
+MIN_COMPARED_HEIGHTS = 20
+# number of lower heights, and of higher heights, with whose frequencies the frequency of a height is compared
+NUM_NEIGHBOURS = 12
+# A height is unusually frequent if it occurs MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
+# The symbol m stands for the median frequency of similar heights.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
-MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4  # range of the fraction of points that have a repeated height
-# Zeros count as repeated if their number is at least 2 m + ZERO_COUNT_DEVIATIONS sqrt(2 m) + MIN_ZEROS.
-# The number of zeros is compared with m, the largest mean frequency of NUM_NEAREST_HEIGHTS heights beside 0.
+# fraction of the points that must have the same height for a caveat about an unusually frequent height
+MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
+# Zeros are unusually frequent if their number is at least 2 m + ZERO_COUNT_DEVIATIONS · sqrt(2 m) + MIN_ZEROS.
+# The symbol m stands for the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
 ZERO_COUNT_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
-# Maximum fraction of rows that equal the row before; a map with more equal rows is probably an extended profile.
+# Rows that equal the row before have a caveat up to this fraction of all rows.
+# If more rows equal the row before, the map is probably an extended profile.
 MAX_REPEATED_ROWS = 0.9
-# Minimum length of a reported run of equal heights in a profile.
-# Maximum probability that a reported run of equal heights is due to rounding.
+# A run of equal heights in a profile has a caveat if it has at least 8 points.
+# The probability that rounding causes a run of equal heights must also be at most 1e-4.
 MIN_EQUAL_RUN, MAX_RUN_PROBABILITY = 8, 1e-4
-# Heights contradict a declared range if their range is at least 10 times larger.
-# A range that is smaller by a power of 1000 (within 10 %) indicates a wrong unit.
+# A header that declares a height range is contradicted by a range at least 10 times larger.
+# A height range that is smaller than declared by a power of 1000 (within 10 %) indicates a wrong unit.
 MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
-MIN_CHECKED_POINTS = 20  # minimum number of checked points; smaller arrays are assumed to be examples
-# Minimum spacing (one ångström), maximum spacing (one centimetre) and maximum extent (one metre), in µm.
+MIN_CHECKED_POINTS = 20  # minimum number of points of a scan whose heights are checked; smaller arrays may be examples
+# Smallest plausible spacing (1 Å), largest plausible spacing (1 cm) and largest plausible extent (1 m), in µm.
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
 
 
@@ -59,11 +64,11 @@ class ScannedHeights:
     """Heights (µm, NaN at missing points) and spacing, with the conversion factor and the source of the numbers."""
 
     heights: Floats
-    spacing: tuple[float, ...]  # spacing (µm) along y and x, or along x
+    spacing: tuple[float, ...]  # spacing of a scan (µm) along y and x, or of a profile along x
     factor: float = 1.0  # conversion factor from the numbers in the file to µm
-    from_file: bool = True  # False for bodies in memory, whose heights may be computed
+    from_file: bool = True  # False for a body in memory, whose heights may be computed
     declared_range: float | None = None  # range of the heights in the header of the file, µm
-    from_text: bool = True  # True if the numbers were read from text; integers in text may be counts instead of heights
+    from_text: bool = True  # True for numbers read from text; whole numbers in text may be counts
 
     @cached_property
     def non_missing_heights(self) -> Floats:
@@ -96,7 +101,7 @@ def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
         return ()
     findings = [(check, text) for check in PLAUSIBILITY_CHECKS[:1] for text in check.find(scan)]
     codes = [float(text.partition("|")[2]) * scan.factor for _, text in findings]
-    if codes:  # exclude possible codes for missing points from the other checks
+    if codes:  # ignore possible codes for missing points in the other plausibility checks
         is_code = np.isclose(scan.heights[..., np.newaxis], codes, rtol=1e-9, atol=0.0).any(axis=-1)
         scan = replace(scan, heights=np.where(is_code, np.nan, scan.heights))
     findings += [(check, text) for check in PLAUSIBILITY_CHECKS[1:] for text in check.find(scan)]
@@ -130,7 +135,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     heights, extremes = scan.non_missing_heights, scan.extremes
     if heights.size < 2 * MIN_DISTINCT_HEIGHTS:
         return []
-    # Only heights far from the median can be codes for missing points, unless most heights are equal.
+    # A code for missing points must be far from the median height, unless most heights are equal.
     sample = heights[:: max(1, heights.size // MAX_SAMPLED_HEIGHTS)]
     median = float(np.median(sample))
     limit = MIN_CODE_DEVIATION * float(np.median(np.abs(sample - median)))
@@ -146,7 +151,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - limit) | (heights > median + limit)
-    # A gap next to a code is at least as wide between the sampled heights as between all heights.
+    # A gap beside a code is at least as wide in a sample of the heights as in all heights.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []
@@ -164,7 +169,8 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         itertools.product(range(min(MAX_MISSING_CODES, len(low)) + 1), range(min(MAX_MISSING_CODES, len(high)) + 1)),
         key=sum,
     )[1:]
-    candidates = []  # possible codes with their distances, and the range of the other heights
+    # possible codes for missing points, their distances from the other heights, and the range of the other heights
+    candidates = []
     for num_low, num_high in choices:
         remaining_values = values[num_low : values.size - num_high]
         ends = [low[:num_low], high[len(high) - num_high :]]
@@ -240,7 +246,7 @@ def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str |
         return None
     first, end = max(0, place - NUM_NEIGHBOURS), place + NUM_NEIGHBOURS + 1
     near_counts, distances = counts[first:end], np.abs(values[first:end])
-    step = float(np.diff(values[first:end]).min())  # resolution of the numbers in the file
+    step = float(np.diff(values[first:end]).min())  # smallest difference between heights in the file
     usual = max(
         float(near_counts[(distances > 0) & (distances < (num + 0.5) * step)].sum()) / (2 * num)
         for num in NUM_NEAREST_HEIGHTS
@@ -258,10 +264,10 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
     if not scan.from_file:
         return
     if scan.heights.ndim == 1:
-        ends = np.flatnonzero(np.diff(scan.heights) != 0)  # last points of the runs of equal heights
+        ends = np.flatnonzero(np.diff(scan.heights) != 0)  # index of the last point of each run of equal heights
         runs = np.diff(ends, prepend=-1, append=scan.heights.size - 1)
         longest_run = int(runs.max())
-        # Compute the fraction of points that equal the point before them, without the longest run.
+        # Without the longest run, compute the fraction of points whose height equals the height before.
         fraction = (scan.heights.size - runs.size - (longest_run - 1)) / scan.heights.size
         if MIN_EQUAL_RUN <= longest_run < scan.heights.size / 2 and (
             scan.heights.size * fraction ** (longest_run - 1) < MAX_RUN_PROBABILITY
