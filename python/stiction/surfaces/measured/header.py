@@ -21,7 +21,7 @@ from stiction.surfaces.measured.spacing_lines import (
 )
 from stiction.surfaces.measured.split import Dialect
 
-COMMENT_CHARACTERS = "#%!/ "  # characters at the start of comment lines in various programs
+COMMENT_CHARACTERS = "#%!/ "  # characters at which comment lines start in various programs
 
 _FACTOR_PATTERN = (
     r"(?:[x×*·]\s?)?(?:1/10+|10\s?\^?[-+][0-9]{1,2}|[0-9.,]*e[-+]?[0-9]{1,2}|10+|0[.,]0*1)[\s_]*[x×*·]?[\s_]*"
@@ -97,18 +97,21 @@ _NO_UNIT_WORDS = ("", "-", "--", "1", "metric", "si", "none", "n/a", "default", 
 
 _POWER_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-−+])[0-9]{1,2}|1?e[-−+][0-9]{1,2})"
 _DIGIT_PATTERN = r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|levels?|gr[ae]y[ _-]?(?:levels?|values?))"
-_NOT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"  # a factor of 1 has no effect
+_NOT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"  # excludes a factor of 1, which leaves the heights unchanged
 _UNAPPLIED_FACTOR_PATTERN = re.compile(
-    rf"\W*{_NOT_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"  # "1.0e-03 *" above a matrix
+    # matches the factor "1.0e-03 *" above a matrix
+    rf"\W*{_NOT_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"
     rf"\W*{_POWER_PATTERN}\W*|"
     r".*(?<![0-9])(?<![0-9] )(?:[×*·]\s*(?:10|1e)|x\s*(?:10\s*\^|10\s*[-−+][0-9]|1e[-+−]?[0-9]|10{3,6}\b)).*|"
-    r".*\b(?:z|heights?)\s+x\s?(?!1(?:[.,]0*)?(?![0-9.,e]))[.,]?[0-9].*|"  # matches "z x0.1 (um)"
+    # matches a height factor such as "z x0.1 (um)"
+    r".*\b(?:z|heights?)\s+x\s?(?!1(?:[.,]0*)?(?![0-9.,e]))[.,]?[0-9].*|"
     r".*\b(?:multiplied|multiply|divided|divide|scaled|normali[sz]ed|multipliziert|dividiert|skaliert|normiert)\s+"
     rf"(?:(?:by|mit|durch|um)\b{_NOT_ONE_PATTERN}|(?:to|auf)\b(?!\s*1\s*:\s*1\W*$)).*|"
     rf".*\b(?:z|heights?|data|values?|numbers?)\W+(?:are\s+)?times\s+{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}\b.*|"
     rf"\W*(?:times\s+{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}|z\s*[/*×·]\s*10+)\W*|"
     r"\W*(?:z|heights?|höhen?)\b.*[0-9]\s*[nuµpm]?m\s*(?:/|per\b|pro\b)\s*(?!s\b|sec|min)[^\W\d_]+.*|"
-    r"(?!\W*(?:z|heights?|data|values?)\s+(?:are\s+)?in\s+1(?:[.,]0*)?\s)"  # "heights in 1 µm" declares a unit
+    # excludes "heights in 1 µm", which is a unit and not a factor
+    r"(?!\W*(?:z|heights?|data|values?)\s+(?:are\s+)?in\s+1(?:[.,]0*)?\s)"
     rf"\W*(?:(?:z|heights?|data|values?|numbers?)\W+)?(?:are\s+)?(?:in|units? of)\s+{DECIMAL_PATTERN}\s*[nuµpm]?m\W*|"
     rf"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|conversion|calibration|unit|multiplication|amplitude|"
     rf"add[ _]offset\W*{DECIMAL_PATTERN})[\s_-]*)*"
@@ -117,7 +120,8 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
     r"überhöhung|倍率|係数|系数|比例|множитель|коэффициент)(?![^\W\d_]).{0,20}?"
     rf"{SEPARATOR_PATTERN}{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}.*|"
     r"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|unit|decimal)[\s_-]*)*exponent(?![^\W\d_]).{0,20}?"
-    rf"{SEPARATOR_PATTERN}(?![-+]?0(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"  # an exponent of 0 has no effect
+    # excludes an exponent of 0, which leaves the heights unchanged
+    rf"{SEPARATOR_PATTERN}(?![-+]?0(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"
     rf"\W*(?:(?:z|heights?|data|values?|vertical)[\s_-]*)*scale{SEPARATOR_PATTERN}"
     rf"{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}\W*|"
     rf".*(?:\b(?:[nuµp]?m|heights?|volts?|V)|[0-9][nuµp]m)\s*(?:/|per)\s*(?:{_DIGIT_PATTERN}|div|[nuµm]m)\b.*|"
@@ -164,7 +168,7 @@ _HEIGHT_RANGE_PATTERN = re.compile(
     rf"\s*(?:[\[(]({UNIT_PATTERN})[\])])?{SEPARATOR_PATTERN}({DECIMAL_PATTERN})\s*({UNIT_PATTERN})?\W*",
     re.IGNORECASE,
 )
-MAX_UNIT_LENGTH = 12  # maximum number of characters of an unknown unit
+MAX_UNIT_LENGTH = 12  # maximum number of characters of a word that may be an unknown unit
 _HISTORY_PREFIX = "# history: "
 
 NON_LENGTH_UNIT_PATTERN = re.compile(
@@ -286,7 +290,7 @@ class ColumnHeadings:
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
-    height_unit: str | None = None  # unit of the heights, if a line mentions heights but no other quantity
+    height_unit: str | None = None  # unit of the heights, if a header line mentions heights and no other quantity
 
 
 _INCH_MARK_PATTERN = re.compile(r'([(\[])\s*"{1,2}\s*([)\]])|(?<=[^\W\d]/)"{1,2}(?=[,;\t]|$)')
@@ -394,7 +398,8 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
     With `has_size`, the header declares the size of a map, and "Height 10 um" is a part of this size.
     """
     plain_units = dict(_list_plain_units(lines))
-    if len({parse_length_unit(unit) or unit for unit in plain_units}) > 1:  # one unit per quantity or column
+    # several units: one for each quantity or column
+    if len({parse_length_unit(unit) or unit for unit in plain_units}) > 1:
         return " and ".join(plain_units), next(iter(plain_units.values()))
     for line in lines:
         if (match := _HEIGHT_UNIT_PATTERN.fullmatch(line)) and is_unit(match[1]):
@@ -536,7 +541,7 @@ def parse_column_headings(header: Sequence[str], width: int, dialect: Dialect) -
         return ColumnHeadings()
     names, has_unit_line = _parse_column_names(lines, width, dialect)
     if len(lines) > 2 and not has_unit_line and not _names_axes(names):
-        # A line of objects, or of kinds of values, may follow the line of units.
+        # Below the line of units, a table may have a line with the types of its columns.
         names_above, has_unit_line = _parse_column_names(lines[:-1], width, dialect)
         if has_unit_line and _names_axes(names_above):
             lines, names = lines[:-1], names_above
@@ -556,23 +561,24 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
         *(uncommented_line.split(separator) for separator in "\t;,|"),
         re.split(r"\s{2,}", uncommented_line.strip()),
     ]
-    cells_with_units = re.split(r"(?<=[)\]])\s+", uncommented_line.strip())  # for example "x (mm)" and "z (um)"
+    # separates names at units in brackets, as in "x (mm)" and "z (um)"
+    cells_with_units = re.split(r"(?<=[)\]])\s+", uncommented_line.strip())
     if all(is_unit(unit_in_column_name(cell) or "") for cell in cells_with_units):
         candidates.append(cells_with_units)
     words = uncommented_line.split()
     if dialect.separator is None and len(words) == 2 * width and any(map(parse_length_unit, words[1::2])):
         return [
             f"{name} [{unit}]" for name, unit in zip(words[::2], words[1::2], strict=True)
-        ]  # for example from "DISTANCE mm DEPTH um"
+        ]  # pairs of names and units, as in "DISTANCE mm DEPTH um"
     for number, cells in enumerate(candidates):
         cells = [cell.strip(" \"'") for cell in cells]
         while len(cells) > width and not cells[-1]:
             cells.pop()
         if len(cells) > width > 1 and number == 0 and dialect.separator is not None and any(map(_has_unit, cells)):
-            return cells[:width]  # the table lacks the last columns that its header lists
+            return cells[:width]  # ignore names at the end of the header for which the table has no columns
         if len(cells) == width:
             return cells
-        if len(cells) == width - 1 and line[:1] in "\t;, ":  # the heading of the column of row numbers may be missing
+        if len(cells) == width - 1 and line[:1] in "\t;, ":  # the header may have no name for the column of row numbers
             return ["", *cells]
     return None
 
@@ -615,7 +621,7 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
     if name_line is None:
         return (None,) * width
     cells = split_column_names(name_line, width, dialect) if width > 1 else None
-    if _has_number_outside_brackets(name_line):  # in column names, a number must be part of a unit, as in "z in 1e-9 m"
+    if _has_number_outside_brackets(name_line):  # a number in a column name must belong to a unit, as in "z in 1e-9 m"
         is_names = cells is not None and all(
             _UNIT_AFTER_NAME_PATTERN.fullmatch(cell)
             or _find_scaled_unit(cell)
@@ -625,7 +631,7 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
         )
         return tuple(map(unit_in_column_name, cells)) if cells is not None and is_names else (None,) * width
     if cells is not None and any(unit_in_column_name(cell) for cell in cells):
-        # If one name ends with a known unit, as in "x mm", the ends of the other names, as in "z V", are units too.
+        # If one column name ends with a known unit, as in "x mm", the other names end with units too, as in "z V".
         last_words = [_split_name(cell)[-1] for cell in cells]
         are_last_words = any(map(parse_length_unit, last_words))
         return tuple(
@@ -634,7 +640,8 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
             or (_find_unknown_unit(cell) if are_last_words else None)
             for cell, word in zip(cells, last_words, strict=True)
         )
-    if cells is not None and len(set(map(_find_unknown_unit, cells))) == 1:  # as in "x foo; z foo"
+    # all columns have the same unknown unit, as in "x foo; z foo"
+    if cells is not None and len(set(map(_find_unknown_unit, cells))) == 1:
         return tuple(map(_find_unknown_unit, cells))
     units = _find_units(name_line)
     name = _BRACKETED_WORD_PATTERN.sub(" ", name_line)
@@ -656,7 +663,7 @@ def unit_in_column_name(cell: str) -> str | None:
     """
     bracketed_texts = _BRACKETED_WORD_PATTERN.findall(cell)
     last = bracketed_texts[-1].strip() if bracketed_texts else cell.strip(" \"'")
-    # With a capital letter, a word such as "Pixel" is the name of a column of point numbers and not a unit.
+    # A capitalised word such as "Pixel" names a column of point numbers, and is not a unit.
     is_point_number = not bracketed_texts and last.casefold() in _WORDS_LIKE_UNITS and not last.islower()
     if not is_point_number and NON_LENGTH_UNIT_PATTERN.fullmatch(last):
         return last
@@ -665,9 +672,11 @@ def unit_in_column_name(cell: str) -> str | None:
     after_name = None if bracketed_texts else _UNIT_AFTER_NAME_PATTERN.fullmatch(last)
     if after_name is not None and is_unit(after_name[1]):
         return parse_length_unit(after_name[1]) or after_name[1]
-    if "/" in (word := _split_name(last)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):  # as in "z_nm/nm"
+    # a name and a unit that a slash separates, as in "z_nm/nm"
+    if "/" in (word := _split_name(last)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):
         return word
-    if not bracketed_texts and (match := re.search(r"(?:^|[\s_/])(1/[^\W\d_]+)$", last)):  # as in "k/1/um"
+    # a reciprocal unit, as in "k/1/um"
+    if not bracketed_texts and (match := re.search(r"(?:^|[\s_/])(1/[^\W\d_]+)$", last)):
         return match[1]
     unit = parse_length_unit((last if bracketed_texts else _split_name(last)[-1].rpartition("/")[2]).strip(" \"'.:"))
     if unit is not None:
@@ -680,7 +689,8 @@ def unit_in_column_name(cell: str) -> str | None:
     elif not bracketed_texts:
         return None
     known_units = {unit for word in re.split(r"[\s,;]+", last) if (unit := parse_length_unit(word)) is not None}
-    if len(known_units) == 1 and not re.search(r"[0-9/*^×]|\b(?:of|per|pro)\b", last):  # "µm RMS", "nm, filtered"
+    # a unit with a remark, as in "µm RMS" or "nm, filtered"
+    if len(known_units) == 1 and not re.search(r"[0-9/*^×]|\b(?:of|per|pro)\b", last):
         return known_units.pop()
     return None if not known_units and _REMARK_PATTERN.fullmatch(last) else last
 

@@ -43,8 +43,8 @@ The spacing then has a relative error of at most 1/1000.
 """
 
 _SPACING_RANGE = (1e-6, 1e6)
-_MAX_LENGTH = 1e9  # maximum length or height (µm); larger numbers have a wrong unit or mark missing points
-MISSING_CODE_TOLERANCE = 1e-6  # relative tolerance for codes for missing points that are stored in single precision
+_MAX_LENGTH = 1e9  # largest accepted length or height (µm); a larger number has a wrong unit or marks a missing point
+MISSING_CODE_TOLERANCE = 1e-6  # relative rounding error of codes for missing points that are stored in single precision
 _Length = TypeVar("_Length", float, Floats)
 
 
@@ -59,11 +59,11 @@ class ReadOptions:
     channel: NameOrIndex | None
     columns: tuple[NameOrIndex, ...] | None
     outliers: OutlierTreatment
-    crop: tuple[float, ...] | None  # first and last x and, for a surface, first and last y, µm
-    codes: tuple[float, ...] = ()  # numbers that mark missing points, as written in the file
+    crop: tuple[float, ...] | None  # region to read: first and last x and, for a surface, first and last y, µm
+    codes: tuple[float, ...] = ()  # numbers that mark missing points, in the unit of the file
     words: tuple[str, ...] = ()  # words that mark missing points
-    accept: tuple[str, ...] = ()  # names of accepted caveats
-    # True if `unit` is a single unit, which then also applies to lengths without a unit in the file
+    accept: tuple[str, ...] = ()  # names of the caveats about a file that the caller accepts
+    # True if `unit` is one unit for heights and for lengths without a unit in the file
     one_unit: bool = False
 
 
@@ -149,8 +149,8 @@ class InterpretedScan(Generic[_Body]):
     """Profile or surface read from a file, with the original unit, the number of missing points, and caveats."""
 
     body: _Body
-    unit: str  # unit of the heights in the file
-    missing: int  # number of missing points in the file
+    unit: str  # unit of the heights in a file
+    missing: int  # number of missing points in a file
     caveats: tuple[FileCaveat, ...] = ()
 
 
@@ -212,7 +212,7 @@ def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
         declared, tolerance = _declared_spacing(raw) or (
             dx,
             0.0,
-        )  # the declared spacing may apply to rows or to columns
+        )  # the file does not specify whether the spacing applies to rows or to columns
         if min(abs(declared - dy), abs(declared - dx)) > tolerance:
             raise FormatError(f"declares a spacing of {declared:g} µm, but {dy:g} µm and {dx:g} µm are given")
         _reject_contradicting_spacing(raw, (dy, dx))
@@ -249,7 +249,7 @@ def _make_profile_or_surface(
         codes = [item for item in remaining_caveats if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, codes)])) from None
     history = (f"read from {name}", *raw.history, *steps, *crop_and_fill_steps)
-    heights = make_read_only(heights) if heights.base is None else heights  # a read-only array is not copied
+    heights = make_read_only(heights) if heights.base is None else heights  # a body does not copy read-only heights
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
     return InterpretedScan(body, unit, num_missing, remaining_caveats)
 
@@ -303,7 +303,7 @@ def _choose_position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
 
 def _to_micrometres(values: _Length, unit: str) -> _Length:
     factor = LENGTH_UNITS[unit]
-    # Divide by an integer if possible, so that 100 nm is converted to exactly 0.1 µm.
+    # For a factor such as 1e-3, divide by 1000, so that 100 nm is converted to exactly 0.1 µm.
     return values / round(1 / factor) if factor < 1 else values * factor
 
 
@@ -486,7 +486,7 @@ def _profile_spacing(
         direction = -1.0 if mean_spacing < 0 else 1.0
         if given is not None:
             if _find_worst_unexplained_deviation(x, direction * given, digit, MAX_STEP_UNEVENNESS * given) is not None:
-                # A given spacing takes precedence over the measured spacing.
+                # A spacing given by the caller takes precedence over the mean spacing of the positions.
                 _reject_uneven_positions(x, mean_spacing, digit)
                 numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
@@ -521,7 +521,7 @@ def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[Fil
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     ends = {"first": float(raw.heights[0])}
-    if raw.source.column in ("", "column 0"):  # only a column without a name can have the spacing below its heights
+    if raw.source.column in ("", "column 0"):  # in an unnamed column of heights, the last number may be the spacing
         ends["last"] = float(raw.heights[-1])
     for place, number in ends.items():
         if any(math.isclose(number * factor, given, rel_tol=1e-9) for factor in LENGTH_UNITS.values()):
@@ -567,8 +567,8 @@ def _find_worst_position_deviation(x: Floats, spacing: float, digit: Floats, sla
     """Return the index and the deviation of the worst point of a grid, or None if rounding explains all deviations."""
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
-    # Rounding displaces the first and the last point by up to half a digit each.
-    # Truncation changes the distance between the first and the last point by less than one digit.
+    # Rounded positions change the distance of the first and last point by up to one digit.
+    # Truncated positions change it by less than one digit.
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
     excess = np.abs(deviations) - tolerance - slack - round_off

@@ -46,7 +46,7 @@ _SPACING_PATTERN = re.compile(
 _UNQUALIFIED_NAME_PATTERN = re.compile(r"(?:scan[\s_-]*)?(?:step|pitch|interval|abstand)", re.IGNORECASE)
 """Pattern of names that may also denote lengths of a specimen or of a path, such as the pitch of a grating."""
 
-MIN_SPECIMEN_DISTANCE = 100.0  # minimum "sample spacing" (µm) that may be a distance between specimens
+MIN_SPECIMEN_DISTANCE = 100.0  # a "sample spacing" above this limit (µm) may be the distance between specimens
 
 _POINTS_REMARK_PATTERN = re.compile(
     r"\W*(?:nominal|mean|average|fast|along|in|lateral|horizontal|sampl\w*|points?|pixels?|px|x|axis|direction|\W)*",
@@ -108,11 +108,12 @@ _SIZE_PATTERNS = tuple(
 class SpacingDeclarations:
     """Spacings and size of a scan that a header declares."""
 
-    spacing: DeclaredLength | None = None  # spacing of a profile, or along one axis of a map
-    spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # spacings of the rows and of the columns of a map
-    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of a map
-    row_spacing: DeclaredLength | None = None  # spacing of the rows of a map
-    bare_spacing: tuple[float, ...] | None = None  # spacing without a unit, (Δx,) or (Δy, Δx)
+    spacing: DeclaredLength | None = None  # declared spacing of a profile, or of a map along one axis
+    # declared spacings of the rows and of the columns of a map
+    spacings: tuple[DeclaredLength, DeclaredLength] | None = None
+    size: tuple[DeclaredLength, DeclaredLength] | None = None  # declared height and width of a map
+    row_spacing: DeclaredLength | None = None  # declared spacing of the rows of a map
+    bare_spacing: tuple[float, ...] | None = None  # declared spacing (Δx,) or (Δy, Δx) without a unit
     unclear: UnclearSpacing | None = None
 
 
@@ -178,17 +179,18 @@ def _parse_spacing_line(
     is_resolution, is_pixel = noun.casefold() == "resolution", "pixel" in (qualifier + noun).casefold()
     match = _LENGTHS_PATTERN.fullmatch(text.strip())
     if bracket is not None and parse_length_unit(bracket) is None and not _POINTS_REMARK_PATTERN.fullmatch(bracket):
-        return UnclearSpacing(line.strip())  # for example "Scan spacing (slow axis): 0.3 um"
+        # the axis of the spacing is unknown, as in "Scan spacing (slow axis): 0.3 um"
+        return UnclearSpacing(line.strip())
     if match is None:
         has_length = (start := re.match(_LENGTH_PATTERN, text, re.IGNORECASE)) and _unit_or_none(start[2] or bracket)
         return UnclearSpacing(line.strip()) if has_length and not is_resolution else None
     items = [match.groups()[:4], match.groups()[4:]][: 2 if match[5] else 1]
     if any("," in item[0] and text.count(",") > len(items) * 2 - 1 for item in items):
-        return UnclearSpacing(line.strip())  # the comma separates two cells or is a decimal comma
+        return UnclearSpacing(line.strip())  # the comma may separate two spacings, or may be a decimal mark
     if any(item[2] and not re.fullmatch(f"{_POINT_WORDS}|lines?|rows?|columns?", item[2], re.I) for item in items):
-        return None  # the length may be the resolution of heights in nm per bit
+        return None  # the length may be a height resolution in nm per bit
     if is_resolution and not any(item[2] for item in items):
-        return None  # the line declares the resolution of an instrument
+        return None  # the line declares the resolution of the instrument, not the spacing
     units = [item[1] or items[-1][1] or bracket for item in items]
     lengths = [parse_length(item[0], unit, line=line) for item, unit in zip(items, units, strict=True)]
     parsed_lengths = [length for length in lengths if length is not None]
@@ -252,7 +254,7 @@ def _parse_bare_number(number: str) -> float | None:
     """Parse a spacing without a unit. Return None if no scan can have this spacing."""
     try:
         return parse_positive_number(number, "as spacing")
-    except FormatError:  # headers often contain unused entries
+    except FormatError:  # ignore an invalid length, because headers often contain unused lengths
         return None
 
 
@@ -262,7 +264,7 @@ def parse_length(digits: str, unit: str | None, *, line: str) -> DeclaredLength 
         return None
     try:
         length = parse_number(digits, f"in its header line {line[:80]!r}")
-    except FormatError:  # headers often contain unused entries, so an error is raised only when the length is used
+    except FormatError:  # report an invalid length only when it is used, because headers often contain unused lengths
         return DeclaredLength(math.nan, 0.0, str(parse_length_unit(unit)), line)
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
     digit = float(f"1e{int(exponent or 0) - len(mantissa.partition('.')[2])}")
