@@ -34,11 +34,12 @@ not in words.
 """
 
 MAX_FILE_BYTES = 2_000_000_000
-# Maximum size of a text file in bytes. Parsing takes ten times as much memory as the text.
+# Largest size of a text file, in bytes: parsing needs ten times as much memory as the text.
 MAX_TEXT_BYTES = 300_000_000
 MAX_POINTS_PER_BYTE = 100  # maximum number of points of a compressed map per byte of its file
 MAX_POINTS_OF_SMALL_MAP = 1_000_000  # maximum number of points of a map that may be larger than its file
-MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH = 1e-6, 1e9  # range of the spacings and sizes that a header can declare, µm
+# smallest and largest spacing or size that a header can declare, µm
+MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH = 1e-6, 1e9
 MIN_DECLARED_NUMBER, MAX_DECLARED_NUMBER = 1e-30, 1e30
 """Range of the factors and lengths that a header can declare, in any unit."""
 
@@ -48,7 +49,7 @@ _LEADING_NUMBER_PATTERN = re.compile(
 """Pattern of a decimal number that a unit may follow. A hexadecimal or incomplete number does not match."""
 
 _ARCHIVE_CHUNK_SIZE = 1 << 16
-# Compression methods of archive members that can be read in pieces of limited size.
+# ZIP compression methods that can be read in pieces of limited size
 _COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -106,7 +107,7 @@ class DeclaredLength:
     length: float
     digit: float
     unit: str
-    line: str = ""  # header line that declares the length
+    line: str = ""  # header line that declares a length
 
     def to_micrometres(self) -> float:
         """Return the length in µm. Raises `FormatError` if no spacing or size of a scan can have this length."""
@@ -130,7 +131,7 @@ class UnclearSpacing:
     """Header line that may declare a spacing. A single length in the line is used as the spacing, with a caveat."""
 
     line: str
-    lengths: tuple[float, ...] = ()  # one length (µm) in the line, or one for each axis in unknown order
+    lengths: tuple[float, ...] = ()  # lengths in a header line (µm): one, or one for each axis in unknown order
 
 
 @dataclass(frozen=True)
@@ -138,11 +139,11 @@ class HeightProvenance:
     """Provenance of the heights in a file: layout, column, encoding, separators and line numbers."""
 
     layout: str = ""
-    column: str = ""  # column, channel or block that contains the heights
+    column: str = ""  # column, channel or block of a file that contains the heights
     encoding: str = ""
     separator: str = ""
     decimal_mark: str = ""
-    lines: tuple[int, int] | None = None  # numbers of the first and the last line of the data, counted from 1
+    lines: tuple[int, int] | None = None  # first and last line of the heights in a text file, counted from 1
     lines_above: int = 0
     lines_below: int = 0
 
@@ -154,23 +155,24 @@ PlaceValueFunction = Callable[[], Floats]
 class RawHeights:
     """Numbers read from a file before conversion, with their units if known. Missing heights are NaN."""
 
-    heights: Floats  # heights in the unit of the file, with shape (n,) or (rows, columns)
+    heights: Floats  # heights in the unit of the file, with the shape (n,) or (rows, columns)
     unit: str | None = None
-    positions: Floats | None = None  # (n,) positions of a profile
-    # function that returns the place value of the last printed digit of each position, with shape (n,)
+    positions: Floats | None = None  # positions of the n points of a profile
+    # function that returns the place value of the last printed digit of each position
     digits: PlaceValueFunction | None = None
     position_unit: str | None = None  # unit of the positions or, without positions, of the spacing
-    spacing: tuple[float, ...] | None = None  # spacing (Δx,) or (Δy, Δx) if there are no positions
-    stated: DeclaredLength | None = None  # spacing that the file declares
-    stated_spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # declared spacings of rows and columns
-    size: tuple[DeclaredLength, DeclaredLength] | None = None  # declared height and width of a map
-    history: tuple[str, ...] = ()  # descriptions of the selections made when the file was read
+    spacing: tuple[float, ...] | None = None  # spacing (Δx,) or (Δy, Δx) of heights without positions
+    stated: DeclaredLength | None = None  # grid spacing that a file declares
+    # spacing of rows and spacing of columns that a file declares
+    stated_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
+    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of a map that a file declares
+    history: tuple[str, ...] = ()  # choices made when a file was read, such as the selected column
     source: HeightProvenance = HeightProvenance()
-    codes: tuple[float, ...] = ()  # values that the file declares as missing points
-    factor: float | None = None  # declared factor that converts the numbers to `unit`
-    bare_spacing: tuple[float, ...] | None = None  # declared spacing without a unit
+    codes: tuple[float, ...] = ()  # numbers that mark missing points according to the file
+    factor: float | None = None  # declared factor that converts the numbers in a file to `unit`
+    bare_spacing: tuple[float, ...] | None = None  # grid spacing that a file declares without a unit
     unclear_spacing: UnclearSpacing | None = None
-    height_range: DeclaredLength | None = None  # declared difference between the highest and the lowest height
+    height_range: DeclaredLength | None = None  # declared distance from the lowest to the highest height
     caveats: tuple[FileCaveat, ...] = ()
 
 
@@ -178,35 +180,35 @@ class RawHeights:
 class WordColumn:
     """Column of words beside columns of numbers, for example a column of flags."""
 
-    place: int  # column number
-    words: str  # the most frequent words and their counts
-    rarest: str  # the least frequent word
-    missing: NDArray[np.bool_]  # (rows,) mask of the rows whose word marks a missing point
-    units: tuple[str, ...] = ()  # units of length in the column, if all words are such units
+    place: int  # index of a column of words
+    words: str  # most frequent words in a column, with their counts
+    rarest: str  # least frequent word in a column
+    missing: NDArray[np.bool_]  # mask of the rows in which a word marks a missing point
+    units: tuple[str, ...] = ()  # different units of length in a column, if all its words are units
 
 
 @dataclass(frozen=True)
 class ColumnTable:
     """Numbers in columns. One or two columns form a profile; all columns together may form a map."""
 
-    values: Floats  # (rows, columns) numbers of the table, with NaN at missing values
-    names: tuple[str, ...] = ()  # column names; empty if there are none
+    values: Floats  # numbers of a table with the shape (rows, columns), and NaN at missing numbers
+    names: tuple[str, ...] = ()  # names of the columns of a table, or empty
     units: tuple[str | None, ...] = ()
     # function that returns the place value of the last printed digit of each number in a column
     digits: Callable[[int], Floats] | None = None
-    # function that returns the place value of the last printed digit of each number in a row, with shape (columns,)
+    # function that returns the place value of the last printed digit of each number in a row
     row_digits: Callable[[int], Floats] | None = None
     declared: HeaderDeclarations = field(default_factory=lambda: HeaderDeclarations())
-    history: tuple[str, ...] = ()  # processing steps applied before the heights were written
-    # True for a NumPy array, in which two columns contain positions and heights only if the first has equal steps.
+    history: tuple[str, ...] = ()  # processing steps listed in a file, applied to the heights before they were written
+    # True for a NumPy array. Two of its columns are positions and heights only if the first has equal steps.
     area: bool = False
     source: HeightProvenance = HeightProvenance()
-    places: tuple[int, ...] | None = None  # column numbers in the file, if some columns were skipped
-    # Number of rows and first line number (from 1) of each block of rows, if empty lines separate blocks in a text.
+    places: tuple[int, ...] | None = None  # column numbers in a file, if a table has only some of its columns
+    # Number of rows and first line (from 1) of each block of rows, if empty lines separate the blocks of a text.
     block_lengths: tuple[int, ...] = ()
     block_lines: tuple[int, ...] = ()
     caveats: tuple[FileCaveat, ...] = ()
-    word_columns: tuple[WordColumn, ...] = ()  # columns of words, whose values are NaN
+    word_columns: tuple[WordColumn, ...] = ()  # columns of words in a table of numbers, whose numbers are NaN
 
     def last_digit_value_function(self, column: int) -> PlaceValueFunction | None:
         """Return a function that computes the place value of the last digit of each number in a column."""
@@ -218,23 +220,24 @@ class ColumnTable:
 class HeaderDeclarations:
     """Declarations in the header of a table."""
 
-    spacing: DeclaredLength | None = None  # spacing of a profile, or along one axis of a map
-    spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # spacings of the rows and of the columns of a map
-    row_spacing: DeclaredLength | None = None  # spacing of the rows of a map
-    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of a map
-    height_range: DeclaredLength | None = None  # difference between the highest and the lowest height
-    bare_spacing: tuple[float, ...] | None = None  # spacing without a unit, (Δx,) or (Δy, Δx)
+    spacing: DeclaredLength | None = None  # declared spacing of a profile, or of a map along one axis
+    # declared spacings of the rows and of the columns of a map
+    spacings: tuple[DeclaredLength, DeclaredLength] | None = None
+    row_spacing: DeclaredLength | None = None  # declared spacing of the rows of a map
+    size: tuple[DeclaredLength, DeclaredLength] | None = None  # declared height and width of a map
+    height_range: DeclaredLength | None = None  # declared distance from the lowest to the highest height
+    bare_spacing: tuple[float, ...] | None = None  # declared spacing (Δx,) or (Δy, Δx) without a unit
     unclear_spacing: UnclearSpacing | None = None
-    unit: str | None = None  # unit of the heights; not necessarily a unit of length
-    position_unit: str | None = None  # unit of the positions; not necessarily a unit of length
-    factor: float | None = None  # factor that converts the numbers to `unit`
-    codes: tuple[float, ...] = ()  # values that mark missing points
-    counts: tuple[float, ...] = ()  # integers that are either codes for missing points or counts of missing points
-    scale: str = ""  # line that declares a factor or a height range that is not applied
-    points: int | None = None  # number of points of a profile
-    tip_radius: DeclaredLength | None = None  # radius of the stylus tip
-    line: str = ""  # line that declares the unit or the factor
-    slope_line: str = ""  # line that declares the numbers of a profile to be slopes
+    unit: str | None = None  # declared unit of the heights, which may not be a length
+    position_unit: str | None = None  # declared unit of the positions, which may not be a length
+    factor: float | None = None  # declared factor that converts numbers to `unit`
+    codes: tuple[float, ...] = ()  # numbers that mark missing points according to a header
+    counts: tuple[float, ...] = ()  # integers in a header that are codes for missing points or counts of missing points
+    scale: str = ""  # header line with a factor or a height range that is not applied
+    points: int | None = None  # declared number of points of a profile
+    tip_radius: DeclaredLength | None = None  # declared radius of the stylus tip
+    line: str = ""  # header line that declares the unit or the factor of the heights
+    slope_line: str = ""  # header line which declares that the numbers of a profile are slopes
 
 
 @dataclass(frozen=True)
@@ -242,11 +245,12 @@ class HeightChannels:
     """Several named sets of heights in one file."""
 
     names: tuple[str, ...]
-    read: Callable[[int], RawHeights | ColumnTable]  # function that returns the content of a channel by index
-    default: int | None  # index of the default channel, or None if the caller must choose
+    # function that returns the heights or the table of a channel, given its index
+    read: Callable[[int], RawHeights | ColumnTable]
+    default: int | None  # index of the channel that is read by default, or None if the caller must choose a channel
 
 
-ReaderResult = RawHeights | ColumnTable | HeightChannels  # result of a reader
+ReaderResult = RawHeights | ColumnTable | HeightChannels  # type of the content that a file reader returns
 
 
 _COMPOSITE_UNIT_PATTERN = re.compile(
@@ -270,7 +274,7 @@ def parse_length_unit(text: str) -> str | None:
         numerator, _, denominator = power.partition("/")
         value = float(numerator) / float(denominator or 1) / float(match[3] or 1) * LENGTH_UNITS[match[2]]
         return next((unit for unit in ("m", "mm", "um", "nm", "pm") if math.isclose(LENGTH_UNITS[unit], value)), None)
-    # Normalisation converts ligatures such as ㎛ to separate characters.
+    # Normalisation replaces a unit sign such as ㎛ with separate characters.
     plain_text = unicodedata.normalize("NFKC", text)
     if plain_text in LENGTH_UNITS:
         return plain_text
