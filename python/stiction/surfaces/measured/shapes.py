@@ -48,18 +48,17 @@ deviations.
 """
 
 MIN_MATRIX_COLUMNS = 4  # minimum number of columns of a height matrix in a text file
-MAX_TABLE_GRID_POINTS = 100_000_000  # maximum number of points of a map
-MAX_LISTED_NAMES = 12  # maximum number of names in a message
+MAX_TABLE_GRID_POINTS = 100_000_000  # maximum number of grid points of a map that is built from a table
+MAX_LISTED_NAMES = 12  # maximum number of column names that a message lists
 MAX_SELECTED_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
-MIN_JITTERED_POSITIONS = 8  # minimum number of slightly uneven positions that count as measured
-MAX_JITTER = 0.5  # largest range of the steps between measured positions, relative to the mean step
-# Minimum correlation between heights and point index of a surface that counts as tilted.
+MIN_JITTERED_POSITIONS = 8  # minimum number of slightly uneven positions that count as measured positions
+MAX_JITTER = 0.5  # largest difference between steps of measured positions, relative to the mean step
+# A surface counts as tilted if heights and point index have at least this correlation in every line.
 MIN_TILT_CORRELATION = 0.98
-# Minimum number of following numbers with equal decimals for a check of the first number.
-# The first number of a column is suspicious if it has fewer decimals than the numbers below it.
+# Minimum number of following numbers with equal decimals that make a first number with fewer decimals suspicious.
 MIN_COMPARED_NUMBERS = 20
 # Smallest step of positions, in units of the last printed digit.
-# Coarsely rounded heights may also have equal steps if the steps are smaller than three digits.
+# Below three digits, coarsely rounded heights may have equal steps by chance.
 MIN_STEP_DIGITS = 3.0
 NameOrIndex = str | int
 
@@ -73,9 +72,10 @@ _NUMBERING_NAME_PATTERN = re.compile(
 )
 _VALID_NAME_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
-# Column names that do not show whether 1 marks valid or invalid points.
+# Matches names of columns of flags, which do not show whether 1 means valid or invalid.
 _FLAG_NAME_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
-_NUMBERED_UNIT_PATTERN = re.compile(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")  # matches "10 nm", but not "1 nm"
+# matches a multiple of a unit, such as "10 nm" but not "1 nm"
+_NUMBERED_UNIT_PATTERN = re.compile(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")
 _RAW_HEIGHTS_PATTERN = re.compile(r"\W*(?:z|heights?|höhe\w*|profile?|topography)(?:[ _-]?a\w+)?[\W_]*raw\W*", re.I)
 _X_COLUMN_PATTERN, _Y_COLUMN_PATTERN = (
     re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy"
@@ -123,7 +123,8 @@ def _find_column_or_channel_index(
     """Return the index of a column or a channel, given its name or its number in the file."""
     text = str(selected).strip()
     normalisers: list[Callable[[str], str]] = [lambda name: name, lambda name: name.casefold()]
-    if "(" not in text or is_unit(unit_in_column_name(text) or ""):  # "Height (trace)" ends with a remark
+    # "Height (trace)" ends with a remark, not with a unit
+    if "(" not in text or is_unit(unit_in_column_name(text) or ""):
         normalisers.append(_name_without_unit)
     for normaliser in normalisers:
         matches = [index for index, name in enumerate(names) if normaliser(name.strip()) == normaliser(text) and text]
@@ -184,7 +185,7 @@ def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[NameOrIn
 def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **attributes: Any) -> RawHeights:
     """Return the heights of a table together with all declarations in its header."""
     declared = table.declared
-    # A count that exceeds the number of heights cannot be the number of missing points.
+    # A declared integer that exceeds the number of heights is not a count of missing points.
     counts = tuple(count for count in declared.counts if count > heights.size)
     caveats: tuple[FileCaveat, ...] = ()
     if declared.scale:
@@ -277,7 +278,7 @@ def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = Fa
             f"has positions in a column named {printable_text(name)!r}, but {quantity} is not a length; choose "
             f"only the heights (--columns {_column_numbers(table)[places[-1]]}) and give their spacing (--spacing)"
         )
-    # Remove the rows below the end of the shorter of two adjacent tables in the file.
+    # Remove empty rows below the shorter of two tables that stand side by side in a file.
     is_empty = np.isnan(positions) & np.isnan(heights)
     end = heights.size - int(np.argmin(is_empty[::-1])) if not is_empty.all() else heights.size
     digits = table.last_digit_value_function(places[0])
@@ -325,12 +326,13 @@ def _reject_positions_above_heights(column: Floats) -> None:
 def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
     """Remove the first number of a height column if it is the count of the numbers that follow."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
-        for leading_number_count in range(place + 1, 4):  # count of numbers at the start that are not heights
+        # number of leading numbers that may be counts or sizes instead of heights
+        for leading_number_count in range(place + 1, 4):
             if heights[place] != heights.size - leading_number_count:
                 continue
             if leading_number_count == 1:
                 return heights[1:], (f"first number removed, {heights[0]:.0f}, which is the count of the others",)
-            # A whole number among whole heights is a count only if it is directly above the heights.
+            # Among whole heights, a whole number counts as a number of points only directly above the heights.
             if leading_number_count == place + 1 or (heights[leading_number_count:] % 1 != 0).any():
                 raise FormatError(
                     f"begins with {leading_number_count} numbers, of which one, {heights[place]:.0f}, counts the "
@@ -352,7 +354,7 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
         or table.row_digits is None
     ):
         return ()
-    for num_trailing in (1, 2, 3):  # a spacing or a size may stand beside the count
+    for num_trailing in (1, 2, 3):  # the header may contain a spacing or a size beside the number of points
         heights, trailing_numbers = table.values[:-num_trailing, 0], table.values[-num_trailing:, 0]
         if heights.size in trailing_numbers and (heights % 1 != 0).any():
             where = "the last number" if num_trailing == 1 else f"one of the last {num_trailing} numbers"
@@ -556,7 +558,7 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
         if first not in (0.0, 1.0) or not np.array_equal(table.values[:, 0], first + np.arange(rows)):
             return table, ()
         if table.names[0].strip() and table.names[0].strip().casefold() not in ("index", "unnamed: 0") and columns == 2:
-            return table, ()  # keep the row numbers as positions, with a caveat
+            return table, ()  # use the row numbers as positions, with a caveat
         return _select_table_columns(table, range(1, columns)), ("the first column, which numbers the rows, removed",)
     is_numbered = rows > 2 and columns > 2 and not table.names and np.isnan(table.values[0, 0])
     first = table.values[1, 0] if is_numbered else np.nan
@@ -639,8 +641,7 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     steps = np.diff(first[1:])
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Measured positions have unequal steps.
-    # On a tilted surface, whose heights may also have unequal steps, the heights rise in every line.
+    # Measured positions have unequal steps. So do heights of a tilted surface, but they rise in every line.
     return any(_correlation_with_index(other) < MIN_TILT_CORRELATION for other in other_lines)
 
 
@@ -726,7 +727,7 @@ def _is_xyz_table(table: ColumnTable) -> bool:
         return False
     count = x.size
     distinct_counts = [np.unique(value).size for value in (x, y)]
-    # On a grid, x and y have few different values, whereas all positions of a profile differ.
+    # In a list of grid points, x and y repeat. In columns of positions and heights, no position repeats.
     return (max(distinct_counts) < count and min(distinct_counts) > 1) or (
         bool(table.names) and max(distinct_counts) == count and min(distinct_counts) > 1
     )

@@ -26,13 +26,13 @@ from stiction.surfaces.measured.decode import (
 )
 from stiction.surfaces.measured.raw import FormatError
 
-_MAX_SAMPLE_LINES = 60  # maximum number of lines from which the separator and the decimal mark are detected
+_MAX_SAMPLE_LINES = 60  # maximum number of text lines from which the separator and the decimal mark are detected
 # Maximum number of characters from which the separator and the decimal mark are detected.
 _MAX_SAMPLE_CHARACTERS = 10_000
-_MIN_SAMPLED_LINE_LENGTH = 200  # minimum number of characters of a long line that are examined
-MAX_SAMPLED_ROWS = 20_000  # maximum number of rows from which the printed digits of a column are determined
-MAX_COUNT_LINE_CELLS = 2  # maximum number of cells in a line of counts or sizes that precedes the numbers
-_QUOTED_SEPARATOR = "\x1f"  # separator of cells, used after quotation marks have been removed
+_MIN_SAMPLED_LINE_LENGTH = 200  # number of characters of a long line from which the separator is detected
+MAX_SAMPLED_ROWS = 20_000  # maximum number of rows of a column from which the last printed digit is determined
+MAX_COUNT_LINE_CELLS = 2  # maximum number of cells in a line above a table that may contain counts or sizes
+_QUOTED_SEPARATOR = "\x1f"  # cell separator in a text whose quotation marks were removed
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
 LineNumbers = NDArray[np.int64]
@@ -56,7 +56,7 @@ class Dialect:
     separator: str | None
     point: str
     thousands: str = ""
-    pairs: bool = False  # True if the comma is both separator and decimal mark, so that two cells form one number
+    pairs: bool = False  # True if commas are both separators and decimal marks, so that two cells form one number
 
     def __str__(self) -> str:
         names = {"\t": "tab", None: "space", ";": "semicolon", ",": "comma", "|": "bar"}
@@ -104,12 +104,12 @@ class NumberBlock:
     """Matrix of numbers in a text, with the line numbers of its rows."""
 
     text: DecodedText
-    lines: LineNumbers  # line numbers of the rows, counted from 0
+    lines: LineNumbers  # line numbers of the table rows, counted from 0
     dialect: Dialect
-    values: Floats  # numbers in the rows, with shape (rows, columns)
-    # Number of the first line with fewer cells, for example below the end of the shorter of two profiles.
+    values: Floats  # numbers in a table, with the shape (rows, columns)
+    # First line with fewer cells, for example where the shorter of two profiles ends.
     short: int | None = None
-    omitted: tuple[int, ...] = ()  # line numbers of counts and sizes that precede the rows
+    omitted: tuple[int, ...] = ()  # line numbers of counts and sizes above the table rows
 
     def row_cells(self, line: int) -> list[str]:
         """Return the cells of a row."""
@@ -124,7 +124,7 @@ class NumberBlock:
         max_decimals = -1000
         count = self.lines.size
         sampled_lines = np.arange(count)
-        # Half of the sampled rows are the first rows. The other half are spread evenly over the remaining rows.
+        # Take half of the sampled rows from the start of a table, and spread the others over the rest.
         if count > MAX_SAMPLED_ROWS:
             half = MAX_SAMPLED_ROWS // 2
             sampled_lines = np.concatenate([sampled_lines[:half], np.linspace(half, count - 1, half).astype(np.int64)])
@@ -315,7 +315,7 @@ def parse_number_block(
     starts, row_widths = stiction._core.find_rows(blob, cell_separator.decode())
     usual_width = Counter(row_widths.tolist()).most_common(1)[0][0]
     if usual_width == 1 and row_widths.max() == 2 and (row_widths == 2).sum() > 1:
-        usual_width = 2  # the table has two columns, but most rows lack the height
+        usual_width = 2  # the table has two columns, but in most rows the height is missing
     if usual_width > MAX_CELLS_PER_LINE:
         raise FormatError(
             f"has lines of {usual_width} cells; at most {MAX_CELLS_PER_LINE} can be read; write one number per line, "
@@ -332,7 +332,7 @@ def parse_number_block(
         row_widths[num_skipped:],
         blob[starts[num_skipped] :] if num_skipped else blob,
     )
-    if (row_widths > usual_width).any():  # trailing separators may cause additional cells
+    if (row_widths > usual_width).any():  # separators at the end of a row cause additional cells
         rows = [
             row.rstrip(cell_separator) if n > usual_width else row
             for n, row in zip(row_widths, blob.splitlines(), strict=True)
@@ -356,7 +356,7 @@ def parse_number_block(
     values = _parse_cells(text, lines, usual_width, blob, cell_separator).reshape(-1, usual_width)
     end_widths = {len(dialect.split_line(text.line(int(row_index)))) for row_index in (*lines[:3], *lines[-3:])}
     while values.shape[1] > max(end_widths | {1}) and np.isnan(values[:, -1]).all():
-        values = values[:, :-1]  # remove the empty cell after the separator that ends every line
+        values = values[:, :-1]  # remove the empty cell after a separator at the end of every line
     first_short_line = int(lines[np.argmax(has_wrong_width)]) if usual_width != 2 and has_wrong_width.any() else None
     return NumberBlock(text, lines, dialect, values, first_short_line, omitted)
 
@@ -431,8 +431,8 @@ def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> t
 
 
 _MISSING_MARK_PATTERN = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
-_DASH_PAIR = int.from_bytes(b"--", "little")  # two dashes as an integer, the same in both byte orders
-_BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # pattern of a number that contains a blank
+_DASH_PAIR = int.from_bytes(b"--", "little")  # the bytes of "--" as an integer, equal in both byte orders
+_BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # matches a number with a blank between its digits
 
 
 def _has_adjacent_dashes(blob: bytes) -> bool:
@@ -474,7 +474,7 @@ def _parse_cells(text: DecodedText, lines: LineNumbers, width: int, rows: bytes,
                 f"{text.describe_line(int(lines[index // width]))} has {word!r} in cell {index % width + 1}, which is "
                 f"not a number; {describe_remedy_of_word(word)}"
             )
-        values[index] = float(cells[index])  # numbers outside the range of floating-point numbers become infinite or 0
+        values[index] = float(cells[index])  # a number outside the floating-point range becomes infinite or 0
     return values
 
 

@@ -36,22 +36,22 @@ from stiction.surfaces.measured.split import (
 )
 from stiction.surfaces.measured.word_columns import LocatedWordColumn, describe_words, replace_word_columns
 
-MAX_HISTORY_ENTRY_CHARACTERS = 1000  # maximum number of characters of a history entry in a header
+MAX_HISTORY_ENTRY_CHARACTERS = 1000  # maximum number of characters of each processing step that is read from a header
 
 
 MAX_HISTORY_STEPS = 1000
 
 
-# Maximum number of numeric lines above or below the data that are not part of the table.
-# The maximum number is `MAX_FOOTER_FRACTION` times the number of data lines, plus 2.
+# Lines of numbers above or below a table are ignored.
+# Their largest number is `MAX_FOOTER_FRACTION` times the number of lines of the table, plus 2.
 MAX_FOOTER_FRACTION = 0.1
 
 
-# Minimum number of numbers with equal decimals above the last number of a text, if the last may be cut off.
+# The last number of a text may be cut off only if at least 50 numbers above it have equal decimals.
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 
-# Minimum number of rows of a separate block above the data, because smaller blocks are sizes or counts.
+# A separate block of numbers above the data with fewer rows contains sizes or counts.
 MIN_BLOCK_ROWS = 2
 
 
@@ -70,7 +70,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
     first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
     dialect = detect_dialect(text, first, last)
     labels = _include_label_line(text, first, last, dialect)
-    if labels < first:  # a line of labels starts with a word and not with a number
+    if labels < first:  # a line of column labels starts with a word
         first, text = labels, replace(text, words=(*text.words, dialect.split_line(text.line(labels))[0]))
     _reject_unreadable_line(text, dialect, len(dialect.split_line(text.line(last))), runs)
     block = parse_number_block(text, first, last, dialect, ragged=True)
@@ -241,7 +241,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
             continue
         cells = dialect.split_line(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
-        # Above the data, a line of the form "name value" does not count as a row of numbers.
+        # A line "name number" above the data is not counted as a row of numbers.
         weighted_number_count = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
         if len(cells) != width or None not in kinds or _are_position_labels(cells, dialect):
             continue

@@ -13,11 +13,11 @@ from stiction._text import printable_text
 from stiction.surfaces.measured.decode import BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE, DecodedText
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_line_runs, split_cells
 
-# The comma is tried last, because it may be the decimal mark of cells that another character separates.
+# The comma is tried last as a cell separator, because it may be the decimal mark of cells with other separators.
 _CELL_SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL_PATTERN = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
-_MISSING_WORD_REPLACEMENT = "nan"  # text that replaces each word for a missing point
-_MAX_SEPARATOR_SEARCH_LINES = 400  # number of lines that are searched for possible separators
+_MISSING_WORD_REPLACEMENT = "nan"  # text that replaces each word which marks a missing point
+_MAX_SEPARATOR_SEARCH_LINES = 400  # maximum number of lines from which the cell separator is detected
 MIN_TABLE_ROWS = 4  # minimum number of rows of a table in which columns of words are searched for
 MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
 
@@ -28,7 +28,7 @@ class LocatedWordColumn:
 
     place: int
     counts: Mapping[str, int]
-    missing_lines: tuple[int, ...]  # line numbers, counted from 0
+    missing_lines: tuple[int, ...]  # line numbers (from 0) of missing points
 
 
 def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[LocatedWordColumn, ...]]:
@@ -42,7 +42,7 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[LocatedW
         separator: _find_word_table(text, lines[:_MAX_SEPARATOR_SEARCH_LINES], separator)
         for separator in _CELL_SEPARATORS
     }
-    # If several separators yield equally many columns of numbers, `max` chooses the first separator.
+    # Among separators with equally many columns of numbers, `max` returns the first.
     separator = max(samples, key=lambda key: len(samples[key].numeric))
     if not samples[separator].words:
         return text, ()
@@ -92,11 +92,11 @@ def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]
 class _WordTable:
     """Rows of a text with columns of words and of numbers, and the words that mark missing points."""
 
-    numeric: set[int] = field(default_factory=set)  # indices of the columns with numbers
+    numeric: set[int] = field(default_factory=set)  # indices of columns that contain numbers
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
-    words: dict[int, Counter[str]] = field(default_factory=dict)  # count of each word, by column
-    # line numbers in which a word marks a missing point, by column
+    words: dict[int, Counter[str]] = field(default_factory=dict)  # how often each word occurs, by column
+    # lines in which a word marks a missing point, by column
     missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
 
@@ -133,7 +133,7 @@ def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | N
         words = Counter({cell: count for cell, count in counts.items() if _is_word(cell, dialect, text, given_words)})
         if (
             words and not {cell.casefold() for cell in counts} <= given_words
-        ):  # columns that contain only words for missing points are ignored
+        ):  # ignore a column in which all words mark missing points
             table.words[index] = words
     return table
 
