@@ -16,12 +16,12 @@ from stiction.surfaces.measured.layouts import WORKBOOK_LAYOUTS
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, ColumnTable, FormatError, HeightChannels, read_member_chunks
 from stiction.surfaces.measured.sheet_table import _find_numeric_columns, parse_sheet
 
-# Maximum number of XML tags in a workbook. Each number takes four tags, so a workbook may contain 2.5 million heights.
+# Maximum number of XML tags in a workbook. A height takes four tags, so a workbook may have 2.5 million heights.
 MAX_WORKBOOK_TAGS = 10_000_000
-# Maximum number of XML tags in a row: eight tags for each column of the largest sheet.
-# The number of tags is limited because each row is stored in memory.
+# Maximum number of XML tags in a row of a sheet, which is stored in memory: eight tags for each possible column.
 MAX_TAGS_PER_ROW = 8 * 16_384
-_FORMULA_WITHOUT_VALUE = "unevaluated formula"  # word that replaces a formula without a stored value
+# text that replaces a formula whose result is not stored in the workbook
+_FORMULA_WITHOUT_VALUE = "unevaluated formula"
 _FORMULA_WITHOUT_VALUE_PATTERN = re.compile(
     rb"</(?:\w+:)?f>\s*(?:<(?:\w+:)?v\s*(?:/>|>\s*</(?:\w+:)?v>)\s*)?</(?:\w+:)?c>"
 )
@@ -32,7 +32,7 @@ _ROW_TAG_PATTERN = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
     """Return the sheets of a workbook as channels. `words` are additional words that mark missing points."""
     try:
-        with warnings.catch_warnings(action="ignore"):  # ignore warnings about the styles of workbooks
+        with warnings.catch_warnings(action="ignore"):  # ignore openpyxl's warnings about the styles of a workbook
             from openpyxl import load_workbook
     except ImportError:
         raise FormatError(
@@ -111,7 +111,7 @@ def _scan_archive(data: bytes) -> bool:
         remaining_bytes, tag_count = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
             end_of_chunk = b""
-            tags_in_row = -math.inf  # no limit applies before the first row; only sheets have rows
+            tags_in_row = -math.inf  # accept any number of tags before the first row, because only sheets have rows
             for chunk in read_member_chunks(archive, name, remaining_bytes):
                 remaining_bytes -= len(chunk)
                 tag_count += chunk.count(b"<")

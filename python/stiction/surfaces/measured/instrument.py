@@ -60,7 +60,8 @@ def is_reader_installed() -> bool:
 def read_instrument_file(path: Path) -> HeightChannels:
     """Read a file with SurfaceTopography, which supports about forty instrument formats."""
     try:
-        with warnings.catch_warnings(action="ignore"):  # ignore warnings about optional dependencies
+        # ignore SurfaceTopography's warnings about packages that are not installed
+        with warnings.catch_warnings(action="ignore"):
             import SurfaceTopography  # noqa: F401
     except ImportError:
         raise FormatError(
@@ -102,7 +103,7 @@ def _open_reader(path: Path) -> Iterator[Any]:
         raise
     except Exception as error:  # SurfaceTopography raises many classes of errors
         detail = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
-        # Do not quote `CannotDetectFileFormat`, because its text contains the errors of all readers.
+        # Leave out the text of `CannotDetectFileFormat`, which lists the errors of all readers of SurfaceTopography.
         if type(error).__name__ == "CannotDetectFileFormat":
             detail = ""
         raise FormatError(_UNKNOWN_FORMAT_MESSAGE.format(detail)) from None
@@ -115,12 +116,11 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable
         if points > MAX_POINTS:
             raise FormatError(f"contains {points} points; at most {MAX_POINTS} can be read")
         check_point_count(points, path.stat().st_size)
-        # The unit is a tuple if positions and values have different units, so the values are not lengths.
+        # A tuple of units means that positions and measured values have different units, so the values are not lengths.
         if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None
-        # SurfaceTopography requires sizes even if the file contains none.
-        # The spacing computed from placeholder sizes is not used.
+        # SurfaceTopography requires physical sizes. If the file has none, pass placeholders and ignore the spacing.
         size_arguments = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = HeightProvenance(f"{reader.format()} by SurfaceTopography", column=name)
         topography = channel.topography(**size_arguments)

@@ -18,7 +18,8 @@ from stiction.surfaces.profile import MAX_POINTS
 SPACING_FIELDS = ("spacing_y_um", "spacing_x_um")
 """Fields of the second array in a file of `write_surface`. A file of `write_profile` has only the last field."""
 
-_MAX_STORED_HISTORY_LENGTH = 1_000_000  # maximum number of characters of the history (the third array)
+# maximum number of characters of the history that an NPY file stores in its third array
+_MAX_STORED_HISTORY_LENGTH = 1_000_000
 
 
 def write_npy(file: Any, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> None:
@@ -83,7 +84,7 @@ def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
             is_version_1 = np.lib.format.read_magic(file) == (1, 0)
             header = np.lib.format.read_array_header_1_0 if is_version_1 else np.lib.format.read_array_header_2_0
             shape, fortran_order, kind = header(file)
-    except Exception as error:  # the parser of the header, a Python literal, can raise many classes of errors
+    except Exception as error:  # parsing a corrupt NPY header can raise many classes of errors
         reason = " ".join(str(error).split())[:80]
         raise FormatError(f"is a damaged .npy file, or contains Python objects instead of numbers ({reason})") from None
     if kind.hasobject or any(isinstance(count, bool) for count in shape):

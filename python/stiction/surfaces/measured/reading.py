@@ -65,8 +65,8 @@ _FILE_SIGNATURES = {
 }
 """First bytes of certain file types, with the usual file name extensions and a description of each type."""
 
-MAX_DESCRIPTION_BYTES = 100_000  # maximum size of a description of a file
-# In dabam files, formats 1 and 3 contain slopes, and formats 2 and 4 contain heights.
+MAX_DESCRIPTION_BYTES = 100_000  # maximum size, in bytes, of a text file that describes a data file
+# dabam files with format number 1 or 3 contain slopes, and with 2 or 4 heights.
 _DABAM_FORMAT_PATTERN = re.compile(rb'\A\s*\{.*"FILE_FORMAT"\s*:\s*([13])\s*[,}]', re.DOTALL)
 
 MissingValueCodes = str | float | Sequence[str | float]
@@ -379,7 +379,7 @@ def _read_body(
     """Read a profile or surface from a file, and issue the caveats about the file as warnings."""
     reading = _interpret_file(path, options, convert)
     for caveat in reading.caveats:
-        # With stack level 3, the warning points to the code that calls a public reader.
+        # With stack level 3, the warning refers to the line that calls a public function such as `read_profile`.
         warnings.warn(f"{printable_path(path)}: {caveat}", FormatWarning, stacklevel=3)
     return reading.body
 

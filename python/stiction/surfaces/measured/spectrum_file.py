@@ -20,14 +20,14 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C2D (um4)", "waves"
 """Columns of a spectrum file. Tables from other programs lack the last column."""
 
-# Prefixes of the names of the two columns of each scan.
+# Each scan has two columns in a spectrum file, whose names start with these texts.
 FRACTION_COLUMN_PREFIX, RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
 )
 _HASH_LINE_PATTERN = re.compile(r"^#.*\n?", re.MULTILINE)
-_NUM_HEADER_BYTES = 100_000  # number of bytes at the beginning of a file in which column names are searched for
-# Relative tolerance of the ratio of successive wave numbers, which are rounded in the file.
+_NUM_HEADER_BYTES = 100_000  # number of bytes at the start of a spectrum file that must contain the column names
+# Relative rounding error of the ratio of successive wave numbers in a spectrum file.
 _RATIO_TOLERANCE = 1e-3
 
 
@@ -104,7 +104,7 @@ def _parse_scan_name(text: str) -> str:
 
 def is_spectrum_file(path: Path) -> bool:
     """Return whether a file was written by `write_spectrum`, or has the same columns."""
-    if path.suffix.lower() != ".csv" or not path.is_file():  # skip pipes, because reading a pipe would block
+    if path.suffix.lower() != ".csv" or not path.is_file():  # reading a pipe would block, so only a file is read
         return False
     try:
         with path.open("rb") as file:
@@ -154,7 +154,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     path = parse_path("path", path)
     try:
         text = read_file_bytes(path, MAX_TEXT_BYTES).decode("utf-8-sig", "replace")
-        # Read the numbers as text, because pandas before version 3 would round them.
+        # Read the numbers of a spectrum file as text, because pandas before version 3 would round them.
         table = pandas.read_csv(io.StringIO(_HASH_LINE_PATTERN.sub("", text)), dtype=str)
     except OSError as error:
         raise FormatError(f"{printable_path(path)}: cannot be read: {error.strerror}") from None

@@ -34,10 +34,10 @@ _XML_NUMBER_PATTERN = re.compile(
 )
 """Pattern of numbers in XML Schema, which have ASCII digits and no underscores."""
 
-_MAX_MAIN_XML_BYTES = 4_000_000  # maximum size of main.xml in bytes, not counting the points that it lists
-_MAX_XML_ELEMENTS = 100_000  # maximum number of XML elements in main.xml, not counting the points that it lists
+_MAX_MAIN_XML_BYTES = 4_000_000  # maximum size of main.xml in bytes, without the points that it lists
+_MAX_XML_ELEMENTS = 100_000  # maximum number of XML elements in main.xml, without the points that it lists
 _MAX_BYTES_PER_POINT = 200
-_MAX_SPARE_MASK_BYTES = 64  # maximum number of bytes of the validity mask beyond the last point
+_MAX_SPARE_MASK_BYTES = 64  # maximum number of bytes after the last point of a validity mask
 _MAX_XML_DEPTH = 6
 
 
@@ -48,7 +48,7 @@ def read_x3p(data: bytes) -> RawHeights:
             return _read_archive(archive)
     except FormatError:
         raise
-    except Exception as error:  # zipfile and zlib raise many classes of errors
+    except Exception as error:  # zipfile and zlib raise many classes of errors for a corrupt archive
         raise FormatError(f"is a damaged X3P file ({type(error).__name__}: {str(error)[:80]})") from None
 
 
@@ -58,7 +58,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     ]
     if not main_xml_names:
         raise FormatError(f"is a zip archive without {_MAIN_XML_FILE}, so it is not an X3P file")
-    # Some programs store all members in a directory of the archive.
+    # Some programs store all files of an X3P archive in a subdirectory.
     directory = min(main_xml_names, key=len).removesuffix(_MAIN_XML_FILE)
     root = _MainXml(archive, directory)
     feature = _get_element_text(root, "Record1/FeatureType")
@@ -121,7 +121,7 @@ class _MainXml:
         self._element_path: list[str] = []
         self._words: list[str] = []
         self._element_count = 0
-        parser = expat.ParserCreate(namespace_separator="}")  # some programs add a namespace to all elements
+        parser = expat.ParserCreate(namespace_separator="}")  # some programs add an XML namespace to all elements
         parser.buffer_text = True
         parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = self._reject_document_type
         parser.StartElementHandler = self._handle_start_tag
@@ -179,7 +179,8 @@ class _StoredAxis:
         self.stored = _VALUE_TYPES[stored_type]
         self.increment = _parse_element_number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
-        if self.absolute and stored_type in ("F", "D"):  # floating-point lengths must not be multiplied by an increment
+        # the increment does not apply to lengths stored as floating-point numbers
+        if self.absolute and stored_type in ("F", "D"):
             if abs(self.increment) > 0 and self.increment != 1:
                 self.caveats = (
                     FileCaveat(
@@ -193,7 +194,7 @@ class _StoredAxis:
             self.increment = 1.0
         elif self.absolute and not abs(self.increment) > 0:
             raise FormatError(f"has integers for {name}, but no Increment as their factor")
-        elif name == "Z":  # a negative factor would turn the heights upside down
+        elif name == "Z":  # reject a negative height factor, which would turn the heights upside down
             self.increment = parse_positive_number(
                 _get_element_text(root, f"{path}/Increment"), f"for {path}/Increment"
             )
