@@ -32,53 +32,55 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# Number of plain steps between two extrapolated steps. Plain steps damp the modes that extrapolated steps overshoot.
+# Number of plain steps between two extrapolated steps, which damp the oscillations that extrapolation causes.
 NUM_UNACCELERATED_STEPS = 2
-MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, as a multiple of the length of the plain step
-# maximum number of times the contact problem is solved for one external load, including jumps
+MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, in lengths of the plain step
+# maximum number of contact solutions for one external load, including jumps between equilibria
 MAX_SOLVES_PER_LOAD = 2000
-MAX_SOLVES_PER_CONTACT_LOAD = 60  # maximum number of times the contact problem is solved for one contact load
-# Search for an equilibrium near a state: maximum number of contact solutions, number of steps for which the response to
-# the contact load is reused, relative change of the contact load for computing this response, and maximum relative
-# change of the contact load in one step
+MAX_SOLVES_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
+# Limits of the search for an equilibrium near another one:
+# number of contact solutions, steps between two computations of the response to the contact load,
+# and relative changes of the contact load: for the response, and at most in one step
 MAX_SOLVES_NEAR_STATE = 100
 NUM_STEPS_PER_RESPONSE = 15
 RESPONSE_LOAD_CHANGE = 0.005
 MAX_CONTACT_LOAD_CHANGE = 0.2
-MAX_INITIAL_RESIDUAL = 1e-3  # residual that determines the tolerance of the first contact solution near a state
-MAX_STALLED_SOLVES = 20  # maximum number of successive contact solutions without a reduction of the residual
-# maximum accepted relative residual of the attraction, as a multiple of the tolerance
+# residual of the attraction assumed before the first contact solution of the search near an equilibrium
+MAX_INITIAL_RESIDUAL = 1e-3
+# maximum number of successive contact solutions that do not reduce the residual of the attraction
+MAX_STALLED_SOLVES = 20
+# largest accepted relative residual of the attraction, as a multiple of the solver tolerance
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
 MIN_SOLUTION_TOLERANCE = (
-    1e-8  # minimum tolerance of a contact solution; with a smaller tolerance, round-off may prevent convergence
+    1e-8  # minimum tolerance of a contact solution, because round-off may prevent convergence to smaller tolerances
 )
-# tolerance of a contact solution, as a fraction of the residual of the previous solution
+# tolerance of a contact solution, as a fraction of the residual of the attraction before it
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
-# The same fraction for plain steps. Extrapolation amplifies errors of the contact solutions, plain steps do not.
+# The tolerance is coarser in plain steps, which do not amplify errors of the contact solution.
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3  # maximum tolerance of a contact solution
 # During separation, an increase of the attraction below this fraction of its maximum counts as numerical error.
 MAX_ATTRACTION_INCREASE = 1e-3
-# Bodies count as separate if the contact load is below this fraction of the attraction at first contact.
+# Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
-CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads during separation
-# The search for the minimum load ends if extrapolated steps separate the bodies under a load that is lower by the first
-# fraction, and plain steps under a load that is lower by the second fraction. Near the minimum, plain steps take two to
-# three times as many iterations at a fraction of 0.01 as at 0.05.
+CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads that are solved while the bodies separate
+# The search for the pull-off load ends if the bodies separate under a slightly lower load.
+# The load is lower by the first fraction for extrapolated steps, and by the second fraction for plain steps.
+# Near the pull-off load, plain steps need two to three times as many iterations at 0.01 as at 0.05.
 MINIMUM_LOAD_TOLERANCE = 0.01
 EXCLUDED_LOAD_MARGIN = 0.05
-# The search tries the load midway between the minimum load and a load under which the bodies separate, as long as they
-# differ by more than this fraction of the minimum load. Then it takes smaller steps from the minimum load.
+# The search for the pull-off load bisects between the lowest equilibrium load and a load without equilibrium.
+# If the two loads differ by less than this fraction, the search takes small steps from the lowest load instead.
 BISECTED_LOAD_MARGIN = 0.15
-# First step of the search for lower loads, relative to the lowest load that has been found.
+# First decrease of the load in the search for the pull-off load, relative to the lowest equilibrium load.
 FIRST_LOAD_DECREMENT = 0.05
-# An additional contact solution is computed only if the interpolated load is lower than the minimum load.
-# The relative difference must be at least this fraction.
+# A contact solution at an interpolated load is computed only if the load is lower than all equilibrium loads.
+# The relative difference of the loads must be at least this fraction.
 MIN_LOAD_IMPROVEMENT = 0.003
-# loads are interpolated only if the two contact loads differ by at least this fraction
+# two equilibrium loads are interpolated only if their contact loads differ by at least this fraction
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
-MAX_REFINEMENT_SOLVES = 6  # maximum number of additional contact solutions at interpolated loads
-MAX_TRIAL_LOADS = 24  # maximum number of external loads that are tried during separation
+MAX_REFINEMENT_SOLVES = 6  # maximum number of contact solutions at interpolated loads
+MAX_TRIAL_LOADS = 24  # maximum number of external loads that the search for the pull-off load tries
 
 
 class EquilibriumNotFoundError(NoSolutionError):
@@ -92,11 +94,11 @@ class _IterationState:
     attraction: Floats
     pressure: Floats | None = None
     contact_load: float = math.nan
-    # Decrease of the gap, and increase of the attraction, due to a relative change of the contact load by
-    # `RESPONSE_LOAD_CHANGE`
+    # Change of gap and attraction due to a relative increase of the contact load by `RESPONSE_LOAD_CHANGE`.
+    # The gap decreases, and the attraction increases.
     gap_response: Floats | None = None
     attraction_response: Floats | None = None
-    # Attraction after the plain step. It is stored as a fallback if the step is extrapolated.
+    # Attraction after the plain step, from which the iteration continues if the extrapolated step loses contact.
     plain_attraction: Floats | None = None
     residual: float = math.inf
     least_residual: float = math.inf
@@ -104,7 +106,7 @@ class _IterationState:
     stalled_count: int = 0
     number: int = 0
 
-    # State of the caller, which decides when the iteration ends.
+    # Progress of the search that uses the iteration, which decides when to stop.
     num_states: int = 0
     best_state: AdhesionState | None = None
     best_state_number: int = 0
@@ -157,7 +159,7 @@ class AdhesionSolver:
             tolerance,
             MAX_RESIDUAL_TO_TOLERANCE_RATIO * tolerance,
         )
-        # The string `uncertainty_reason` is empty if the minimum load is certain.
+        # Reason why the pull-off load is uncertain, or an empty string.
         self.range, self.uncertainty_reason = problem.adhesion_range, ""
         self.max_attraction = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
@@ -226,7 +228,7 @@ class AdhesionSolver:
                     return vars(state) | {"is_balanced": True}
                 if iteration.num_states == MAX_SOLVES_PER_LOAD:
                     raise EquilibriumNotFoundError("the computation of the attraction did not converge")
-                # ignore the first states; by chance, one of them may lie near an equilibrium
+                # ignore the first two steps, which may be near an equilibrium by chance
                 if residual < min(iteration.last_residual, iteration.best_residual) and iteration.num_states > 1:
                     iteration.best_state, iteration.best_residual = state, residual
                 iteration.last_residual = residual
@@ -332,7 +334,7 @@ class AdhesionSolver:
             state.residual = residual
             state.stalled_count = 0 if residual < state.least_residual else state.stalled_count + 1
             state.least_residual = min(state.least_residual, residual)
-            # the remaining residual may be caused by inexact contact solutions
+            # a finer tolerance of the contact solutions may remove the remaining residual
             if state.stalled_count > MAX_STALLED_SOLVES:
                 state.tolerance_ratio, state.stalled_count = state.tolerance_ratio / 10, 0
             next_attraction = np.clip(attraction + attraction_change, 0.0, self.max_attraction)
@@ -411,8 +413,9 @@ class AdhesionSolver:
         unsupported_load = -math.inf
         for _ in range(MAX_TRIAL_LOADS):
             least_load = state_of_lowest_load(states).load
-            # Between two states, the contact load is at least the contact load of the later state.
-            # Between two states, the attraction is at most the attraction of the earlier state.
+            # Between two equilibria, the contact load is at least the later one, and the attraction at most the earlier
+            # one.
+            # These bounds give a lower bound of the external load.
             load_bound = min(
                 [b.contact_load - a.mean_attraction for a, b in itertools.pairwise(states)]
                 + [-states[-1].mean_attraction]
@@ -451,7 +454,7 @@ class AdhesionSolver:
             else:
                 unsupported_load = load
                 if trial_state.load > load:
-                    continue  # no step was slower than the previous step
+                    continue  # every step was faster than the step before
                 try:
                     trial_state = self.find_equilibrium_near(trial_state, earlier_state=start)
                 except EquilibriumNotFoundError:
@@ -600,7 +603,7 @@ def solve_separation(
     start_values = float(pressure.mean()), contact_solution.load / total_area, contact_solution.approach
     start = AdhesionState(pressure.ravel(), np.asarray(contact_solution.attraction), *start_values)
     descending_states, least_load = [], start.load
-    # When the load decreases, the bodies pass only through states that carry less load than all earlier states.
+    # While the load decreases, the bodies pass only through equilibria with a lower load than all earlier ones.
     for state in solver.trace_separation(start)[1:]:
         if state.load < least_load:
             descending_states.append(state)
