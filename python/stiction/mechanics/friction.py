@@ -38,7 +38,7 @@ Status = Literal[
 The coefficient of a point with the status "bulk-shear" is a lower limit, because the softer body shears.
 """
 
-# The order of `STATUSES` must not change, because files store the index of a status.
+# Add statuses only at the end: files store the index of a status.
 STATUSES: tuple[Status, ...] = get_args(Status)
 STATUS_OK: Status = "ok"
 STATUS_SELF_LOCKED: Status = "self-locked"
@@ -50,7 +50,7 @@ STATUS_SEIZURE: Status = "seizure"
 STATUS_DOWNHILL: Status = "downhill"
 STATUS_BULK_SHEAR: Status = "bulk-shear"
 STATUSES_WITH_COEFFICIENT: tuple[Status, ...] = (STATUS_OK, STATUS_BULK_SHEAR)
-STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")  # data type of arrays of statuses
+STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")  # NumPy data type of an array of statuses
 _LOAD_CONTRIBUTIONS = ("elastic", "frictional", "adhesive")
 
 LOAD_SUM_NAMES = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _LOAD_CONTRIBUTIONS)
@@ -85,7 +85,7 @@ SMALLEST_TABULATED_MEAN, NUM_TABULATED_VALUES = 0.005, 256
 axis.
 """
 
-NUM_PRESSURE_STEPS = 3  # number of Newton steps that makes the yield pressure of slip lines exact to round-off
+NUM_PRESSURE_STEPS = 3  # number of Newton steps after which the yield pressure of slip lines is exact to round-off
 
 
 @dataclass(frozen=True)
@@ -191,11 +191,12 @@ class FrictionLaw:
         pressure = self.yield_pressure(hardness)
         plastic_coefficient = self.mu0 + self.tau0 / pressure
         if not self.uses_slip_lines:
-            is_carried = pressure > load / nominal_area  # False at seizure, where the pressure is NaN
+            # the pressure is NaN if the contact seizes, so the comparison is False
+            is_carried = pressure > load / nominal_area
             area_at_onset = np.where(is_carried, area(np.where(is_carried, pressure, hardness)), np.inf)
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
         area_at_onset = area(pressure)
-        # Junctions that cannot carry the load cover the nominal area.
+        # If contacts at the yield pressure cannot carry the load, they cover the nominal area.
         can_shear = self.is_stronger_than_body(hardness) | (pressure <= load / nominal_area)
         if not np.any(can_shear):
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
@@ -215,7 +216,7 @@ class FrictionLaw:
         mean_pressure = np.minimum(load / area, pressure)
         frictional, adhesive = self.contributions(mean_pressure, 1.0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            # At the limit pressure, the traction mu0 p + tau0 reaches the shear strength.
+            # At the limit pressure, the friction mu0 p + tau0 reaches the shear strength.
             limit_pressure = np.where(np.asarray(self.mu0) > 0, (strength - self.tau0) / np.asarray(self.mu0), np.inf)
             relative_limit = np.clip(limit_pressure / pressure, 0.0, 1.0)
             limited = frictional * _fraction_below(relative_limit, mean_pressure / pressure) + np.minimum(
@@ -258,7 +259,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
     slope = np.asarray(ratio * mu0 / PLANE_STRAIN_RATIO)
     margin = np.maximum(1 - ratio * tau0 / hardness - slope * (1 + np.pi / 2), 0.0)
     linear = slope * (1 + np.pi / 2) * np.sqrt(2.0)
-    with np.errstate(invalid="ignore"):  # 0/0 occurs if mu0 is 0 and tau0 equals the shear strength
+    with np.errstate(invalid="ignore"):  # if mu0 is 0 and tau0 equals the shear strength, the quotient is 0/0
         x = np.nan_to_num(2 * margin / (linear + np.sqrt(linear**2 + 8 * margin)))
         x = np.minimum(x, np.sqrt(0.5))
         for _ in range(NUM_PRESSURE_STEPS):
@@ -296,7 +297,7 @@ def _tabulate_fractions_below() -> Floats:
     from scipy.special import gamma, gammainc
 
     means = np.linspace(SMALLEST_TABULATED_MEAN, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
-    means = np.minimum(means, 0.9999)  # a mean of 1 has a rate of 0, whose logarithm is not finite
+    means = np.minimum(means, 0.9999)  # a mean of 1 would give the rate 0, whose logarithm is not finite
     shape = 1.5 - 0.65 * means
     low, high = np.full_like(means, -12.0), np.full_like(means, 12.0)
     for _ in range(60):
@@ -313,7 +314,7 @@ def _tabulate_fractions_below() -> Floats:
 def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
     """Solve for the pressure of p² + α (mu0 p + tau0)² = H²."""
     half_linear_coefficient = alpha * (mu0 * tau0)
-    # The difference of the two squares is zero or negative if the contact seizes.
+    # If the contact seizes, the difference of the two squares is zero or negative.
     constant_term = np.square(hardness) - alpha * tau0**2
     with np.errstate(invalid="ignore"):
         pressure = constant_term / (
@@ -513,7 +514,7 @@ class FrictionCurve(PlotReprMixin):
         if mu0 is None:
             return draw_contact_area(axes_or_new_axes(ax), self.normal_elastic, self.contact_area)
         coefficient = self.friction_coefficient(mu0=mu0, tau0=tau0)
-        direction = getattr(self, "direction", 0.0)  # curves of profiles have no `direction`
+        direction = getattr(self, "direction", 0.0)  # load curves of profiles have no attribute `direction`
         return draw_friction(
             axes_or_new_axes(ax), self.normal_elastic, coefficient, mu0=mu0, tau0=tau0, direction=direction
         )
@@ -522,7 +523,7 @@ class FrictionCurve(PlotReprMixin):
         strengths = validate_friction_parameter("tau0", tau0)
         warn_if_tau0_is_large(strengths, self.effective_modulus)
         parameters = np.broadcast_arrays(validate_friction_parameter("mu0", mu0), strengths)
-        # The array axes of mu0 and tau0 precede the array axes of the sums (steps, or directions and steps).
+        # In the array axes, mu0 and tau0 come first, and directions and steps of the load follow.
         index = (..., *([np.newaxis] * self.tangential_elastic.ndim))
         return FrictionLaw(parameters[0][index], parameters[1][index])
 
@@ -552,7 +553,7 @@ def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
-MAX_FRICTION_PARAMETER = 1e12  # largest accepted mu0 and tau0 (GPa); larger numbers may overflow
+MAX_FRICTION_PARAMETER = 1e12  # largest accepted mu0, and largest accepted tau0 in GPa; larger numbers may overflow
 
 
 def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
