@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution, HalfSpaceProblem, StepKind
     from stiction.mechanics.patches import PatchSums
 
-# Import the solver only when it is needed, because its import of SciPy takes longer than all other imports.
+# Import the solver only when it is needed: it imports SciPy, which takes longer than all other imports.
 
 BoundaryCondition = Literal["free", "periodic"]
 TiltMode = Literal["fixed", "free"]
@@ -61,8 +61,8 @@ TiltMode = Literal["fixed", "free"]
 DEFAULT_ADHESION_RANGE = 5e-4
 """Default decay length (µm) of the attraction between solids: one to two atomic distances."""
 
-# Minimum number of grid points in the process zone E* ρ²/w at an edge of a contact.
-# The result depends on the grid if the process zone has fewer than two points.
+# Minimum number of grid points in the process zone E* ρ²/w at the edge of an adhesive contact.
+# With fewer points, the adhesive contact solution depends on the grid.
 MIN_PROCESS_ZONE_POINTS = 2.0
 
 

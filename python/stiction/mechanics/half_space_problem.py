@@ -32,13 +32,13 @@ Kernels for so many points take 35 MB, and the arrays of the solver 46 MB per th
 quarter of the time of solving a contact with free boundaries.
 """
 
-# Edge displacement in a linear response to a tilt, as a fraction of the mean displacement due to the load.
+# Displacement of the edge by a trial tilt, as a fraction of the mean displacement due to the load.
 TILT_DISPLACEMENT_RATIO = 0.01
-# Relative tolerance of the solver for linear responses with a fixed set of contact points.
+# Relative tolerance of the solver for a linear response, in which the set of contact points is fixed.
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Upper bound on the pressure in linear responses to a mean pressure of 1, high enough even for coarse grids.
+# Largest pressure in a linear response to a mean pressure of 1, which no response reaches even on coarse grids.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
-MAX_CELL_ASPECT_RATIO = 1e6  # maximum ratio of the longer to the shorter side of a grid cell
+MAX_CELL_ASPECT_RATIO = 1e6  # maximum ratio of the longer side of a grid cell to its shorter side
 
 
 _grids_by_key: weakref.WeakValueDictionary[tuple[Any, ...], _core.HalfSpaceGrids] = weakref.WeakValueDictionary()
@@ -67,7 +67,7 @@ def _unpickle_grids(
     return get_half_space_grids(shape, spacing, effective_modulus, periodic=periodic)
 
 
-# Grids are pickled without kernels. A process that lacks the kernels computes them again.
+# Pickle grids without their kernels, which another process computes again.
 copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_grids[grids]))
 
 
@@ -90,11 +90,11 @@ class HalfSpaceProblem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
-    # Mask of the points at which a height of either surface is missing, so that the surfaces cannot touch.
+    # Points at which the height of either surface is missing. The surfaces cannot touch there.
     missing: NDArray[np.bool_] | None = None
-    # Slopes by which the upper surface is rotated about its centre: along y and x, or only along x for profiles.
+    # Slopes by which the upper surface is tilted about its centre: along y and x for maps, along x for profiles.
     tilt: Floats | float = 0.0
-    turns: bool = False  # True if the upper surface rotates until the resultant force acts at the centre
+    turns: bool = False  # True if the upper surface tilts until the resultant force acts at its centre
 
     @property
     def periodic(self) -> bool:
@@ -280,9 +280,9 @@ class ContactSolution:
             return np.nan
         if problem.periodic and problem.missing is None:
             return self._compute_stiffness(free_mask) / problem.area
-        # Both the approach and the mean displacement are per 1 GPa of nominal pressure.
-        # By reciprocity, the mean displacement is the mean of the displacements under a uniform pressure.
-        # The weights of this mean are the pressures (sum: 1 GPa).
+        # Approach and mean displacement due to a nominal pressure of 1 GPa.
+        # By reciprocity, the mean displacement is a mean of the displacements due to a uniform pressure.
+        # The weights of this mean are the contact pressures.
         pressures_of_unit_sum, approach_of_unit_sum = self._get_response(free_mask)
         approach = approach_of_unit_sum * problem.area / problem.cell_area
         mean_displacement = float((pressures_of_unit_sum * problem.uniform_pressure_displacement).sum())
@@ -290,7 +290,7 @@ class ContactSolution:
         return 1 / closure if closure > 0 else np.inf
 
 
-# Maximum ratio of the gap to the length, at which slopes are far too large for the model.
+# Largest ratio of the gap to the length of the surfaces; the model's small slopes are far exceeded.
 MAX_GAP_TO_LENGTH_RATIO = 1e6
 
 
@@ -302,7 +302,7 @@ def make_problem(
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(f"upper and lower must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}")
     spacing = upper.spacings
-    cell_area = math.prod(spacing)  # the product may overflow without a warning
+    cell_area = math.prod(spacing)  # the product of the spacings may overflow
     if not (np.finfo(np.float64).tiny <= cell_area < np.inf and max(spacing) <= MAX_CELL_ASPECT_RATIO * min(spacing)):
         raise ValueError(
             f"spacing must give grid cells of at least {np.finfo(np.float64).tiny:.0e} µm² with sides that differ by a "
@@ -384,12 +384,12 @@ def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
 class TiltResponse:
     """Responses of fixed contact points to a mean pressure of 1 GPa and to unit slopes of the upper surface."""
 
-    pressure: Floats  # pressure (GPa) due to the load
-    approach: float  # approach (µm) due to the load
-    moments: Floats  # (n,) moments (GPa µm) of the pressure due to the load
-    slope_pressures: list[Floats]  # change of the pressure (GPa) per unit slope along each axis, at constant load
+    pressure: Floats  # pressures (GPa) at the contact points due to a mean pressure of 1 GPa
+    approach: float  # approach (µm) due to a mean pressure of 1 GPa
+    moments: Floats  # moments (GPa µm) due to a mean pressure of 1 GPa, along n axes
+    slope_pressures: list[Floats]  # change of the pressures (GPa) per unit slope along each axis, at constant load
     moments_per_slope: (
-        Floats  # (n, n) change of the moments per unit slope; negative definite unless only one point is free
+        Floats  # change of the n moments per unit slope along n axes; negative definite unless only one point touches
     )
 
     @classmethod
@@ -450,8 +450,9 @@ class ContactSolver:
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Set a gap at missing points that never closes.
-            # The large gaps raise the standard deviation of all gaps, so the solver tolerance is rescaled.
+            # Give missing points a gap that never closes.
+            # The large gaps raise the standard deviation of the gap, to which the solver tolerance refers, so rescale
+            # it.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)

@@ -31,18 +31,19 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# Maximum distance of the resultant force from the centre along an axis, as a fraction of the side length.
+# Largest distance of the resultant force from the centre along an axis, as a fraction of the side length.
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
-MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of times the contact problem is solved per load
-# Maximum displacement of the edge in one step, as a multiple of the standard deviation of the gap.
+MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of contact solutions for one load of a tilting surface
+# Largest displacement of the edge by one change of the tilt, in standard deviations of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# Smallest change of the moment per unit slope for which the tilt is defined.
-# The change of the moment is divided by (mean pressure) · (side length)² / (standard deviation of the gap).
+# Smallest change of the moment per unit slope for which a tilt is computed.
+# The unit of the change is (mean pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
-# Tolerance of displacements in the search from the tilt of rigid surfaces, relative to the largest displacement.
+# Tolerance of displacements in the search that starts from rigid surfaces, relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6
-MAX_CUTTING_PLANES = 200  # maximum number of cutting planes for the tilt of rigid surfaces
-RIGID_TILT_TOLERANCE = 1e-12  # accepted error of the energy of rigid surfaces, relative to load and range of the gap
+MAX_CUTTING_PLANES = 200  # maximum number of cutting planes in the search for the tilt of rigid surfaces
+# accepted error of the energy of rigid surfaces, as a fraction of (load) · (range of the gap)
+RIGID_TILT_TOLERANCE = 1e-12
 
 
 def apply_tilt(problem: HalfSpaceProblem, slopes: Floats) -> HalfSpaceProblem:
@@ -89,7 +90,7 @@ def solve_with_balanced_tilt(
             slope_step *= min(
                 1.0, MAX_EDGE_DISPLACEMENT_STEP * gap_deviation / float(np.abs(slope_step * side_lengths / 2).max())
             )
-            # Halve a step that overshoots the maximum of the concave energy, where the moments change their sign.
+            # Halve a change of the tilt that goes far beyond the maximum of the energy, where the moments are reversed.
             while num_tried < MAX_TILT_SOLVES_PER_LOAD:
                 num_tried += 1
                 candidate = solve_contact_and_moments(
@@ -109,8 +110,8 @@ def solve_with_balanced_tilt(
         near = None if last is None else last.on_grid(last.values).ravel()
         contact_solution = search_balance(start, load, near, tolerance)
         if contact_solution is None:
-            # At low loads, the surfaces touch at few points, and the moments change abruptly with the slopes.
-            # At low loads, the search therefore starts from the tilt of rigid surfaces, with a finer tolerance.
+            # At low loads, the surfaces touch at few points, and the moments change abruptly with the tilt.
+            # Then the search starts from the tilt of rigid surfaces, with a finer tolerance.
             rigid_problem = apply_tilt(start, find_rigid_tilt(start, load / start.cell_area))
             touching = solve_contact_and_moments(rigid_problem, load, None, tolerance)[0]
             displacement = start.grids.displacement(touching.on_grid(touching.values), threads=solver_thread_count())
@@ -157,7 +158,7 @@ def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
         planes.append([*-moments, 1.0])
         offsets.append(energy - float(moments @ slopes))
         solution = linprog([*np.zeros(len(arms)), -1.0], A_ub=planes, b_ub=offsets, bounds=bounds)
-        # Solve for the vertex through the active planes, because the simplex solution has a coarse tolerance.
+        # The simplex solution has a coarse tolerance, so solve for the vertex at which its active planes intersect.
         vertex, active_planes = solution.x, np.argsort(solution.slack)[: len(arms) + 1]
         if len(planes) > len(arms) and np.linalg.matrix_rank(np.array(planes)[active_planes]) == len(arms) + 1:
             vertex = np.linalg.solve(np.array(planes)[active_planes], np.array(offsets)[active_planes])
