@@ -42,7 +42,7 @@ with an onset of sliding, of measured bodies, and of bodies that yield below the
 STIFFNESS_PER_AREA_UNIT = "MPa/mm"
 """Unit of all stiffnesses per area in datasets and files, which is usual for rock joints and machine joints."""
 
-STIFFNESS_PER_AREA_FACTOR = 1e6  # conversion factor from GPa/µm to `STIFFNESS_PER_AREA_UNIT`
+STIFFNESS_PER_AREA_FACTOR = 1e6  # factor that converts a stiffness per area from GPa/µm to `STIFFNESS_PER_AREA_UNIT`
 
 MAX_STORED_VALUE = 1e100
 """Largest magnitude of a finite stored value. Sums of products of two stored values do not overflow."""
@@ -56,34 +56,35 @@ class ResultQuantity:
     """Properties of a result quantity, a coordinate or a dimension."""
 
     unit: str
-    words: str  # phrase for axis labels and for the `long_name` of a variable
-    brief: str = ""  # phrase for tables if `words` is too long
-    symbol: str = ""  # symbol in TeX notation
+    words: str  # phrase for a quantity in axis labels and in the `long_name` of a variable
+    brief: str = ""  # shorter phrase for a quantity in tables, if `words` is too long
+    symbol: str = ""  # symbol of a quantity in TeX notation
     kind: QuantityKind
     along: tuple[QuantityAxis, ...] = ()
     dtype: type = float
-    # Quantity that is divided: by `denominator` (validity indicator) or by the area (stiffness per area).
+    # Quantity in the numerator of a ratio: of a validity indicator, or of a stiffness per area.
     numerator: str = ""
-    denominator: tuple[str, ...] = ()  # names of the quantities whose sum is the denominator of a validity indicator
-    sum_under_load: str = ""  # name of the same sum under load, for a sum at zero load
-    bounds: tuple[float, float] = (-math.inf, math.inf)  # range to which the limits of an interval are restricted
-    # Limits of the numbers that a result may store. Stored numbers may be infinite if a limit is infinite.
+    denominator: tuple[str, ...] = ()  # quantities whose sum is the denominator of a validity indicator
+    sum_under_load: str = ""  # for a sum at zero load: name of the corresponding sum under load
+    # range to which the limits of an interval of the quantity are restricted
+    bounds: tuple[float, float] = (-math.inf, math.inf)
+    # Range of the numbers that a result may store. A stored number may be infinite if a limit is infinite.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
-    interval_kind: EstimateKind = "mean"  # kind of the 95 % interval
+    interval_kind: EstimateKind = "mean"  # kind of the 95 % interval of the quantity
     percent: bool = False  # True if tables and reports show the quantity in percent
-    column_unit: str = ""  # unit in spreadsheets, if it differs from `unit`
+    column_unit: str = ""  # unit of the quantity in spreadsheets, if it differs from `unit`
     column_factor: float = 1.0
     # True if the quantity is roughly proportional to the load.
-    # The ratio of a proportional quantity to the load is interpolated linearly in the logarithm of the load.
+    # Then the quantity divided by the load is interpolated, linearly in the logarithm of the load.
     proportional: bool = False
-    proportional_with_adhesion: bool = True  # False if the quantity is not 0 for adhesive contacts without a load
-    weighted: bool = False  # True if the mean over an ensemble is weighted by the load
-    # Name of the quantity with the fraction of members for which only a lower bound is known.
+    proportional_with_adhesion: bool = True  # False if adhesion makes the quantity nonzero without a load
+    weighted: bool = False  # True if the mean of the quantity over an ensemble is weighted by the load
+    # Name of the quantity for the fraction of members in which only a lower bound is known.
     bound_fraction: str = ""
     stored: frozenset[QuantitySource] = frozenset()
-    is_optional: bool = False  # True if results of earlier versions lack the quantity, which is then NaN
+    is_optional: bool = False  # True if results of earlier versions do not contain the quantity, which is then NaN
     shown: frozenset[OutputView] = frozenset()
-    is_omitted_if_zero: bool = False  # True if reports omit the quantity when it is 0 everywhere
+    is_omitted_if_zero: bool = False  # True if reports leave out the quantity when it is 0 everywhere
 
     @property
     def table_label(self) -> str:
@@ -109,11 +110,12 @@ _STEP_AXIS: tuple[QuantityAxis, ...] = ("step",)
 _MOTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "direction")
 _FRICTION_AXES: tuple[QuantityAxis, ...] = (*_MOTION_AXES, "step", "mu0", "tau0")
 _MEAN_FRICTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "step", "mu0", "tau0")
-_FRACTION_ROUND_OFF = 1e-6  # amount by which round-off may raise a stored fraction above 1
+_FRACTION_ROUND_OFF = 1e-6  # largest amount by which round-off may raise a stored fraction above 1
 _STORED_FRACTION_RANGE = (0.0, 1.0 + _FRACTION_ROUND_OFF)
 _UNRESTRICTED_STORED_RANGE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
 _NOT_NEGATIVE = (0.0, MAX_STORED_VALUE)
-_STORED_STIFFNESS = (-MAX_STORED_VALUE, math.inf)  # a closed gap has an infinite stiffness
+# smallest and largest stored stiffness: a closed gap has an infinite stiffness
+_STORED_STIFFNESS = (-MAX_STORED_VALUE, math.inf)
 _FRACTION_QUANTITY_FIELDS: dict[str, Any] = {
     "unit": "1",
     "percent": True,
