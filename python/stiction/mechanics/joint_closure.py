@@ -13,7 +13,7 @@ import numpy as np
 from stiction._checks import Floats
 
 MAX_CLOSURE_EXTRAPOLATION = (
-    10.0  # largest accepted ratio of the fitted maximum closure V to the largest computed closure
+    10.0  # largest accepted maximum closure V of a fit, in multiples of the largest computed closure
 )
 
 

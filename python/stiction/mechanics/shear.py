@@ -49,21 +49,21 @@ MIN_OVERLAP_POINTS = 16
 MIN_STRIP_POINTS, MIN_STRIPS, MAX_STRIPS = 32, 4, 8
 """Minimum width of a strip in points, and limits of the number of strips into which faces are cut by default."""
 
-MIN_STRIP_AREA_FRACTION = 0.5  # smallest area of a strip, relative to the mean area of the strips
+MIN_STRIP_AREA_FRACTION = 0.5  # minimum area of a strip of a face, as a fraction of the mean area of the strips
 
 NORMAL_LOAD_TOLERANCE = 1e-4
 """Accepted deviation of the normal load from its target, as a fraction of the initial load."""
 
-MAX_LOAD_TRIALS = 40  # maximum number of contact solutions for one step
-MAX_LOAD_FACTOR = 4.0  # maximum factor between the elastic loads of two consecutive trials
-MAX_ELASTIC_LOAD_RATIO = 100.0  # the faces lock if the elastic load exceeds this multiple of the required normal load
-MIN_ELASTIC_LOAD_RATIO = 1e-4  # the faces are separated if the elastic load is below this fraction of the initial load
+MAX_LOAD_TRIALS = 40  # maximum number of contact solutions for one shear displacement
+MAX_LOAD_FACTOR = 4.0  # maximum ratio of the elastic loads of two consecutive contact solutions
+MAX_ELASTIC_LOAD_RATIO = 100.0  # faces lock if the elastic load exceeds this multiple of the required normal load
+MIN_ELASTIC_LOAD_RATIO = 1e-4  # faces are separated if the elastic load is below this fraction of the initial load
 
 MAX_ROUND_OFF_GAP = 1e-9
 """Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
 
-NUM_CLOSURE_LOADS = 8  # number of loads at which the closure is computed
-MAX_CLOSURE_LOAD_RATIO = 50.0  # ratio of the largest to the smallest load at which the closure is computed
+NUM_CLOSURE_LOADS = 8  # number of loads at which the closure of the joint is computed
+MAX_CLOSURE_LOAD_RATIO = 50.0  # largest load divided by the smallest load at which the closure of the joint is computed
 
 _STEP_NUMBER_NAMES = (
     *LOAD_SUM_NAMES, "contact_area", "overlap_area", "contact_count", "load_fraction_at_hardness",
@@ -312,7 +312,7 @@ class ShearBox:
         max_load = math.inf if self.hardness is None else self.hardness * overlap_area
         rows: list[StepResult] = []
         if self.stiffness and first is not None and not math.isfinite(float(first["height"])):
-            # The load follows from the dilation, which is unknown if the contact at the start has no height.
+            # If the contact at the start has no height, the dilation is unknown, and so is the load.
             missing_values = dict.fromkeys((*_STEP_NUMBER_NAMES, "elastic_load"), math.nan)
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
@@ -408,7 +408,7 @@ class ShearBox:
 
         columns = {name: np.array([float(row[name]) for row in rows]) for name in _STEP_NUMBER_NAMES}
         normal, tangential = (self.law.load(load, columns) for load in ("normal", "tangential"))
-        # Tangential loads within the solver tolerance are 0.
+        # A tangential load below the tolerance of the solver counts as 0.
         tangential = np.where(np.abs(tangential) > self.tolerance * normal, tangential, 0.0)
         coefficient, status = tangential / normal, np.array([str(row["status"]) for row in rows], STATUS_DTYPE)
         status[coefficient < 0] = STATUS_DOWNHILL
@@ -463,7 +463,7 @@ def _find_root(
 
     The function is evaluated last at this load.
     """
-    below, above = 0.0, max_load  # elastic loads that bracket the solution
+    below, above = 0.0, max_load  # elastic loads between which the solution lies
     trial, last = min(guess, 0.9 * max_load), None
     for _ in range(MAX_LOAD_TRIALS):
         excess, target = compare_load(trial)
@@ -476,7 +476,7 @@ def _find_root(
             return STATUS_NO_CONTACT
         if below > (1 - NORMAL_LOAD_TOLERANCE) * max_load:
             return STATUS_NOT_REACHED
-        # The first step assumes a normal load that is proportional to the elastic load.
+        # In the first step, assume that the normal load is proportional to the elastic load.
         slope = (excess + target) / trial if last is None else (excess - last[1]) / (trial - last[0])
         last = trial, excess
         step = trial - excess / slope if slope > 0 else (0.0 if excess > 0 else math.inf)
