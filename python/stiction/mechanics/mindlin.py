@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
     from stiction.mechanics.half_space_problem import ContactSolution
 
-# Maximum relative difference of traction bounds that count as uniform.
+# Traction bounds count as uniform if they differ by at most this fraction.
 UNIFORMITY_TOLERANCE = 1e-12
-NUM_QUADRATURE_NODES = 24  # number of Gauss-Legendre nodes for integrating a smooth function of an angle
+NUM_QUADRATURE_NODES = 24  # number of Gauss-Legendre nodes with which a smooth function of an angle is integrated
 
 
 def compliance_ratio(
@@ -66,7 +66,8 @@ def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
     from scipy.special import ellipkm1, elliprd
 
     squared_axis_ratio = (axes[:, 1] / axes[:, 0]) ** 2
-    # The mean squared cosine of the angle to the larger axis is (K - E)/(m K), where m = 1 - b²/a².
+    # The mean squared cosine of the angle to the larger axis is (K - E)/(m K).
+    # K and E are the complete elliptic integrals of m = 1 - b²/a².
     longitudinal_fraction = elliprd(0, squared_axis_ratio, 1) / 3 / ellipkm1(squared_axis_ratio)
     return np.asarray(longitudinal_fraction * np.sin(angle) ** 2 + (1 - longitudinal_fraction) * np.cos(angle) ** 2)
 
@@ -104,18 +105,18 @@ class AsperityTangentialProblem:
         self.normal_load = float(load.sum())
         self.sliding_load = float(law.force(load.sum(), area.sum()))
         self.stiffness = float(self.spring_stiffness.sum())
-        # Compute the displacement at which each contact slides completely.
+        # Displacement at which each contact slides completely.
         self.sliding_displacement = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring_stiffness
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
         """Return the state in which all contacts together support a tangential load."""
         from scipy.optimize import brentq
 
-        del near  # the solution is not iterative and needs no initial guess
+        del near  # no iteration is needed, so the initial guess is not used
         max_displacement = float(self.sliding_displacement.max())
         displacement = max_displacement
         if load < self.sliding_load:
-            # Because the load is a concave function of the displacement, its initial tangent gives a lower bound.
+            # The tangential load is a concave function of the displacement, so its initial tangent gives a lower bound.
             min_displacement = min(load / self.stiffness, max_displacement)
             displacement = brentq(
                 lambda value: self._tangential_loads(self._slip_depth(value)).sum() - load,
@@ -136,7 +137,7 @@ class AsperityTangentialProblem:
         """Return the energy (mN µm) dissipated by slip: Σ Q (δ - 2 Q/k) for springs of strength Q and stiffness k."""
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_QUADRATURE_NODES)
-        # Integrate over φ, where t = cos φ, from the edge (φ = 0) to the end of the slip zone.
+        # Substitute t = cos φ, and integrate over φ from the edge of the contact (φ = 0) to the end of the slip zone.
         end_angle = np.arcsin(depth)[:, np.newaxis]
         sine = np.sin(0.5 * end_angle * (nodes + 1))
         strength = self._spring_strengths(sine)
@@ -192,7 +193,7 @@ class HalfSpaceTangentialProblem:
             problem.has_finite_approach,
         )
         self.shape, self.size = problem.gap.shape, problem.gap.size
-        # On a profile, each traction acts on a line perpendicular to the motion.
+        # On a profile, each tangential traction acts on a line perpendicular to the motion.
         transverse_fraction = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, transverse_fraction))
         self.points: NDArray[Any] = contact_solution.points
@@ -243,7 +244,7 @@ class HalfSpaceTangentialProblem:
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
         traction = solution.pressure[self.points]
-        # Surfaces in full contact do not move before a point slips, so the approach of the solver is round-off.
+        # Surfaces in full contact do not move before a point slips, so a computed approach is round-off.
         is_at_rest = self.stiffness == np.inf and not (traction >= self.bound).any()
         displacement = 0.0 if is_at_rest else solution.approach * self.ratio
         has_displacements = solution.potential.size == self.points.size
@@ -282,7 +283,7 @@ class HalfSpaceTangentialProblem:
     def _compute_displacements(self, traction: Floats) -> Floats:
         """Return the displacements (µm) of the points in contact under given tractions."""
         if self.stiffness == np.inf and np.ptp(traction) <= UNIFORMITY_TOLERANCE * traction.max():
-            return np.zeros(traction.size)  # a uniform traction in full contact causes no displacement
+            return np.zeros(traction.size)  # in full contact, a uniform traction causes no displacement
         displacements = (
             self.grids.displacement(self._spread_over_grid(traction), threads=solver_thread_count()) * self.ratio
         )

@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 
     from stiction.mechanics.presliding import FourParameterIwan, LuGre
 
-# Maximum difference of two loads with the same solution, as a fraction of the sliding load.
+# Two tangential loads get the same solution if they differ by at most this fraction of the sliding load.
 LOAD_TOLERANCE = 1e-9
-# Smallest tangential load and displacement that exceed round-off, as fractions of the load and displacement at sliding.
+# Tangential loads and displacements below this fraction of those at sliding count as round-off.
 MIN_SLIDING_FRACTION = 1e-12
-# Tolerance of a requested displacement, as a fraction of the displacement at which the surfaces begin to slide.
+# Tolerance of a requested displacement, as a fraction of the displacement at the onset of sliding.
 DISPLACEMENT_TOLERANCE = 1e-7
 
 
@@ -336,7 +336,7 @@ def compute_onset(
     )  # fmt: skip
 
 
-DEFAULT_POISSON_RATIO = 0.3  # Poisson's ratio of both bodies if a study has none
+DEFAULT_POISSON_RATIO = 0.3  # Poisson's ratio of both bodies if the study specifies none
 MIN_RELATIVE_STRENGTH = 1e-9
 """Smallest mu0, or smallest ratio of tau0 to the modulus, for an onset. Smaller strengths are lost in round-off."""
 

@@ -12,7 +12,7 @@ from stiction._checks import Floats, float_array, make_read_only
 from stiction._repr import TextReprMixin
 from stiction._units import short_repr
 
-MIN_FIT_POINTS = 3  # minimum number of points for a fit of two parameters
+MIN_FIT_POINTS = 3  # minimum number of load steps for a fit of two parameters
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -73,7 +73,7 @@ class FourParameterIwan(TextReprMixin):
         displacements, sliding_displacement = _validate_displacement(displacement), self.displacement_at_sliding
         ratio = np.minimum(displacements / sliding_displacement, 1.0)
         slip_fraction = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
-        # By Masing's rule, the loss is 8 · (area under the loading curve) - 4 · load · displacement.
+        # Masing's rule: the loss in a cycle is 8 · (area under the loading curve) - 4 · load · displacement.
         loss_before_sliding = (
             4
             * self.stiffness
