@@ -19,9 +19,9 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# Lower limit of the spread of ln κ between two resolutions, where κ is A E* h'/F.
+# Smallest spread of ln κ between two resolutions, where κ = A E* h'/F is the area coefficient.
 MIN_LOG_KAPPA_SPREAD = 0.1
-# Wavelengths to which gradients are extrapolated, as fractions of the shortest wavelength of the scan.
+# Wavelengths to which rms gradients are extrapolated, as fractions of the shortest wavelength of the scan.
 EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
@@ -79,7 +79,7 @@ def extrapolated_gradients(
     finer_wavelengths = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest
     if estimate is None:
         return np.full((finer_wavelengths.size, 3), np.nan)
-    # Scale the extrapolated gradients to match the gradient of the scan at its shortest wavelength.
+    # Scale the extrapolated gradients so that they continue the gradient of the scan at its shortest wavelength.
     gradient_ratio = gradient / float(roughness.gradient_at(shortest))
     gradients = gradient_ratio * np.stack(
         [roughness.continued(finer_wavelengths, power_law) for power_law in fitted_and_limiting_power_laws(estimate)],

@@ -28,7 +28,7 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# A gap counts as grooved if its variation along one axis is less than this fraction of its range.
+# A gap is grooved if its range along one axis is less than this fraction of its whole range.
 _GROOVE_TOLERANCE = 1e-9
 
 
@@ -157,7 +157,7 @@ def candidates(
         curvature=curvature,
     )  # fmt: skip
     if isinstance(upper, Surface) and len(core) == 0:
-        # If the gap is constant along x or y, its minima are lines instead of points.
+        # The minima of a grooved gap are lines instead of points.
         gap = upper.heights - lower.heights
         for axis, along, across in ((0, "y", "rows"), (1, "x", "columns")):
             if float(np.ptp(gap, axis=axis).max()) < _GROOVE_TOLERANCE * float(np.ptp(gap)):

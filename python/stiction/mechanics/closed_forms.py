@@ -23,10 +23,10 @@ from stiction.mechanics.friction import (
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import SlidingRule
 
-# Number of bisections that makes the logarithm of an aspect ratio exact to the last bit.
+# Number of bisections after which the logarithm of an ellipse's axis ratio is exact to the last bit.
 _NUM_BISECTIONS = 64
-_SLOPE_TOLERANCE = 1e-9  # largest relative amount by which the rms slope may exceed the rms gradient
-# If the standard deviation of the slopes is below this limit, two terms of the series are exact to the last bit.
+_SLOPE_TOLERANCE = 1e-9  # largest relative amount by which a specified rms slope may exceed the rms gradient
+# Standard deviation of the slopes below which two terms of the series are exact to the last bit.
 _SMALL_SLOPE_LIMIT = 1e-3
 
 _P = ParamSpec("_P")
@@ -52,7 +52,7 @@ def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
                 return function(*args, **kwargs)
-        except ArithmeticError:  # base class of the FloatingPointError that NumPy raises
+        except ArithmeticError:  # NumPy raises FloatingPointError, which is an ArithmeticError
             raise ValueError(
                 f"arguments of {function.__name__} must be less extreme, because a computed value exceeds the range of "
                 "double precision"
@@ -415,7 +415,7 @@ def maugis_dugdale(
                 lower_limit -= 1
             if (
                 _maugis_radius_and_load(lower_limit, attraction_strength)[1] < force / force_unit
-            ):  # round-off hides the difference between the radii of contact and attraction
+            ):  # round-off hides the difference between the radii of the contact and of the attraction zone
                 raise ArithmeticError
             log_ratio = brentq(
                 lambda x, s=attraction_strength, f=force / force_unit: _maugis_radius_and_load(x, s)[1] - f,
@@ -498,7 +498,7 @@ def fuller_tabor(
     relative_pull_off = np.empty(relative_deviations.shape)
     for index in np.ndindex(relative_pull_off.shape):
         relative_deviation = float(relative_deviations[index])
-        # Lengths are relative to the contact radius at zero load or to the height δ; loads are relative to 3/2 π w R.
+        # Lengths are divided by the contact radius at zero load or by the height δ, and loads by 3/2 π w R.
         a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * relative_deviation), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
 
@@ -687,7 +687,7 @@ def hertz_ellipse(
     )
     larger_radius, smaller_radius = np.maximum(r1, r2), np.minimum(r1, r2)
     ratio = smaller_radius / larger_radius
-    # Bisection finds k, because R_D(0, k², 1)/R_D(0, 1, k²) increases with k and is smaller than k.
+    # Bisection finds the axis ratio k, because R_D(0, k², 1)/R_D(0, 1, k²) increases with k and is smaller than k.
     log_low, log_high = np.log(ratio), np.zeros(ratio.shape)
     for _ in range(_NUM_BISECTIONS):
         log_middle = 0.5 * (log_low + log_high)

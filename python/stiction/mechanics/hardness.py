@@ -88,9 +88,10 @@ def yielded_area(elastic_area: ArrayLike, load: ArrayLike, hardness: ArrayLike, 
     array([ 2.  ,  2.88, 20.52])
     """
     area = np.asarray(elastic_area, dtype=np.float64)
-    pressure_ratio = np.asarray(load) / (area * np.asarray(hardness))  # mean elastic pressure divided by the hardness
+    # mean elastic pressure on the contact, divided by the hardness
+    pressure_ratio = np.asarray(load) / (area * np.asarray(hardness))
     power = np.asarray(exponent)
-    # Exponentials of logarithms are several times faster than powers.
+    # exp(power · log(x)) is several times faster than x**power.
     log_ratio = np.log(np.maximum(pressure_ratio, MAX_ELASTIC_PRESSURE_RATIO))
     excess = np.exp(power * log_ratio) - np.exp(power * np.log(MAX_ELASTIC_PRESSURE_RATIO))
     return np.asarray(area * np.exp(np.log(1.0 + excess) / power))

@@ -24,16 +24,16 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# Smallest sampled approach as a fraction of the range of the gap.
-# At approaches below 1e-6 of the range of the gap, one contact bears the whole load.
+# Smallest approach that is computed, as a fraction of the range of the gap.
+# At smaller approaches, a single contact carries the whole load.
 _MIN_APPROACH_RATIO = 1e-6
-# Ratio of successive sampled approaches.
-# Two crossings of a load between successive samples may be missed.
+# Ratio of successive approaches.
+# If the load crosses a requested load twice between two approaches, both crossings are missed.
 _SUCCESSIVE_APPROACH_RATIO = 1.1
-# Number of approaches in a batch.
-# Sampling stops after the batch in which all loads are reached, because larger approaches take longer.
+# Number of approaches that are computed together.
+# Larger approaches take longer, so the computation stops after the batch in which all loads are reached.
 _APPROACHES_PER_BATCH = 16
-# Ratio of the depth down to which candidates are searched for to the requested depth.
+# Depth to which contact candidates are searched for, as a multiple of the requested depth.
 _SEARCH_DEPTH_FACTOR = 5.0
 
 
@@ -154,7 +154,7 @@ class SurfacePair:
             or cached_candidates.deepest < deepest
             or cached_candidates.curvature != model.curvature
         ):
-            # Search for candidates beyond the requested depth, because the next request is often deeper.
+            # Search for contact candidates deeper than requested, because the next request is often deeper.
             cached_candidates = candidates(
                 self.upper, self.lower, deepest=_SEARCH_DEPTH_FACTOR * deepest, curvature=model.curvature
             )
@@ -177,8 +177,8 @@ def find_approaches_at_loads(
     is_pending = ~is_exceeded
     lower_approach, upper_approach = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     has_touched = bool(contact_sums.contact_count.any())
-    # Sample approaches with equal ratios, up to the approach at which all points touch.
-    # The gap of parallel surfaces has no range, so no approach is sampled.
+    # Compute approaches with equal ratios, up to the approach at which all points touch.
+    # Parallel surfaces have a gap without range, for which no approach is computed.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_SUCCESSIVE_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
     sampled_approaches = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)

@@ -30,7 +30,7 @@ _ELEMENT_PATTERN = "|".join(sorted(re.findall("[A-Z][a-z]?", _ELEMENT_SYMBOLS), 
 _FORMULA_PATTERN = re.compile(f"(?:(?:{_ELEMENT_PATTERN})[0-9]*)+")
 MaterialKind = Literal["metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"]
 
-# Bodies with a smaller E* (GPa) are assumed to consist of rubber or gel, which do not yield.
+# Bodies with a smaller effective modulus E* (GPa) are assumed to be rubber or gel, which do not yield.
 MAX_RUBBER_MODULUS = 0.1
 
 

@@ -25,10 +25,10 @@ CurvatureRequirement = Literal["convex", "signed"]
 ShearDirection = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
 SlidingRule = Literal["opposing", "all"]
-DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus (GPa) that the paper assumes
-PROFILE_WIDTH = 1.0  # width of a profile, µm
+DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus (GPa) that the paper assumes for all surfaces
+PROFILE_WIDTH = 1.0  # width (µm) that a profile is assumed to have
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-# Largest difference of two heights that count as equal, as a fraction of the height range.
+# Heights that differ by less than this fraction of the height range count as equal.
 _SAME_HEIGHT_TOLERANCE = 1e-9
 
 
@@ -206,7 +206,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
         return model
     if unknown_keywords := parameters.keys() - ContactModelArguments.__annotations__.keys():
         raise TypeError(f"unknown keyword argument {min(unknown_keywords)!r}")
-    # Reset `direction` if `shear` is given, and vice versa, because both specify the direction of motion.
+    # Both `shear` and `direction` specify the direction of motion, so giving one resets the other.
     if "shear" in parameters and parameters.get("direction") is None:
         parameters["direction"] = None
     elif parameters.get("direction") is not None and "shear" not in parameters:

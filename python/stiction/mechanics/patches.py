@@ -35,7 +35,7 @@ def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
     n = heights.shape[axis]
     factor = 2j * np.pi * scipy.fft.rfftfreq(n, step)
     if n % 2 == 0:
-        factor[-1] = 0.0  # the wave at the Nyquist wave number has zero slope at all grid points
+        factor[-1] = 0.0  # a wave with the Nyquist wave number has no slope at the grid points
     shape = [1] * heights.ndim
     shape[axis] = factor.size
     spectrum = scipy.fft.rfft(heights, axis=axis) * factor.reshape(shape)
@@ -51,12 +51,12 @@ class PatchSums:
 
     force: Floats  # vertical component of the contact forces, Σ F n_z (mN)
     area: Floats  # area along the deformed interface, µm²
-    leaning: Floats  # component of the contact forces that opposes the motion, -Σ F s·n (mN)
-    upward: Floats  # vertical friction per unit of mu0, Σ F t_z (mN)
-    forward: Floats  # friction per unit of mu0 that opposes the motion, -Σ F s·t (mN)
-    upward_area: Floats  # vertical friction per unit of tau0, Σ A t_z (µm²)
-    forward_area: Floats  # friction per unit of tau0 that opposes the motion, -Σ A s·t (µm²)
-    steepness: float  # rms slope over the contact area, weighted by the force
+    leaning: Floats  # component of the contact forces against the motion, -Σ F s·n (mN)
+    upward: Floats  # vertical component of the friction due to mu0, divided by mu0: Σ F t_z (mN)
+    forward: Floats  # component of the friction due to mu0 against the motion, divided by mu0: -Σ F s·t (mN)
+    upward_area: Floats  # vertical component of the friction due to tau0, divided by tau0: Σ A t_z (µm²)
+    forward_area: Floats  # component of the friction due to tau0 against the motion, divided by tau0: -Σ A s·t (µm²)
+    steepness: float  # rms slope of the contact area, weighted by the contact force
 
     @property
     def opposes_motion(self) -> NDArray[np.bool_]:

@@ -30,18 +30,18 @@ if TYPE_CHECKING:
 TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 """Default hardnesses (GPa) for which the plastic wavelength is computed, from polymers and soft metals to ceramics."""
 
-# Longest default cutoff wavelength, as a fraction of the shortest side length of the surfaces.
+# Longest default cutoff wavelength, as a fraction of the shortest side of the surfaces.
 _MAX_CUTOFF_RATIO = 1 / 30
-# The rule "all" comes first, because most measured values of mu0 refer to friction at all contacts.
+# Friction at all contacts comes first, because most measured values of mu0 refer to this rule.
 _SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
-KAPPA_AT_SMALL_LOADS = 2.2  # area coefficient κ at small loads, which is 2.1 to 2.4 for Gaussian surfaces
-# Fields of a curve that do not depend on the direction and have one value per load.
+KAPPA_AT_SMALL_LOADS = 2.2  # area coefficient κ = A E* h'/F at small loads; for Gaussian surfaces, it is 2.1 to 2.4
+# Attributes of a load curve that have one number per load for all directions.
 _DIRECTION_INDEPENDENT_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
 _VARIABLE_NAMES_BY_FIELD = {
     "load_share_at_hardness": "load_fraction_at_hardness"
-}  # names of result variables that differ from the field names of the curve
+}  # names of result variables that differ from the attributes of a load curve
 
 
 def resolution(
@@ -399,7 +399,7 @@ def _add_plastic_limits(
     gradients = brackets.extrapolated_gradients(roughness, estimate, pair.shortest_cut_off, gradient)
     area_of_slope = kappa * loads / (modulus * pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
     area_fractions = brackets.elastic_area_fraction(gradients, area_of_slope, kappa_uncertainty)
-    # Use the central gradient, because its uncertainty barely affects the slope correction.
+    # Use the central rms gradient, because its uncertainty hardly affects the slope correction.
     central_gradients = gradients[:, :1, np.newaxis]
     dimensions = ("finer_wavelength", "normal_load", "statistic")
     quantities: dict[str, tuple[Any, Floats, str, str]] = {
