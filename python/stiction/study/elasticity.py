@@ -20,8 +20,9 @@ from stiction.mechanics.materials import (
     softest_material,
 )
 
-NUM_MATERIAL_DIGITS = 3  # number of digits of the properties of materials
-# Number of digits of elastic constants that gives E* of all pairs of materials three exact digits.
+# number of digits to which Young's modulus, Poisson's ratio and hardness of a material are rounded
+NUM_MATERIAL_DIGITS = 3
+# Number of digits of elastic constants from which E* of every pair of materials has three exact digits.
 NUM_ELASTIC_CONSTANT_DIGITS = 6
 
 
@@ -30,14 +31,15 @@ class PairElasticity:
     """Elasticity of a pair of bodies, including the properties of the softer body."""
 
     effective_modulus: float  # effective modulus E* (GPa)
-    compliance_share: float = 0.5  # fraction of the compliance due to the lower body; 0.5 if only E* is given
+    # fraction of the elastic compliance that is due to the lower body; 0.5 if only E* is given
+    compliance_share: float = 0.5
     poisson_ratio: float | None = None  # Poisson's ratio of the softer body
     hardness: MaterialValue | None = None  # hardness of the softer body, GPa
-    source: str = ""  # description of the modulus, if materials are given
+    source: str = ""  # description of the effective modulus, if materials are given
     hardness_source: str = ""
     materials: tuple[str, str] | None = None  # names of the materials of the upper and the lower body
     poisson_ratios: tuple[float, float] | None = None  # Poisson's ratios of the upper and the lower body
-    alias_note: str = ""  # note about materials that were entered under an alternative name
+    alias_note: str = ""  # note that a material was given under an alternative name
 
 
 def determine_elasticity(

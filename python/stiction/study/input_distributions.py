@@ -27,9 +27,9 @@ from stiction.study.values import FrictionCoefficients, ShearStrengths
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
-# Number of samples for which the budget fractions of two inputs with equal contributions differ by less than 0.01.
+# With this number of samples, two inputs that contribute equally have budget fractions that differ by less than 0.01.
 NUM_INPUT_SAMPLES = 2**14
-MIN_RELATIVE_UNCERTAINTY = 1e-9  # smallest relative standard uncertainty that is accepted
+MIN_RELATIVE_UNCERTAINTY = 1e-9  # smallest accepted standard uncertainty of an input, relative to its central value
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
 """Pattern that matches a string with a range, an uncertainty or a hardness scale, but not a plain quantity."""
 
@@ -48,7 +48,7 @@ _VICKERS_BY_ROCKWELL = {
 }
 """Vickers hardness of steels as a function of Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-# Relative half width of the range of a hardness converted from HRC, for an error of 10 to 20 HV.
+# Half width of the range of a hardness converted from HRC, relative to the hardness: the error is 10 to 20 HV.
 ROCKWELL_CONVERSION_ERROR = 0.05
 _GPA_PER_VICKERS = 9.80665e-3 / 0.9272
 """Mean pressure (GPa) at 1 HV, which is 1 kgf per mm² of indentation surface.
@@ -58,25 +58,25 @@ The projected area is 0.9272 of this surface.
 
 _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
-# Pattern of a central value that is followed by its range in brackets.
+# Pattern of an input with its range in brackets, as in "0.3 (0.2 .. 0.4)".
 _CENTRAL_VALUE_PATTERN = re.compile(r"\s*([^()]+?)\s*\(\s*([^()]+?)\s*\)\s*")
-# Pattern of an uncertainty in per cent. The unit of the value may follow the per cent sign.
+# Pattern of an uncertainty in per cent, which a unit may follow.
 _PERCENT_PATTERN = re.compile(r"(.+?)\s*%\s*(.*)")
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
 # Pattern of a Vickers scale with its test load, as in "HV10" or "HV 0.5".
 _VICKERS_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")
 InputKind = Literal["", "pressure", "modulus", "hardness"]
-MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body
-# Maximum junction-growth coefficient α; α is 27 for a von Mises body with H equal to three times its yield strength.
+MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body, the largest accepted
+# Largest accepted α of junction growth; a von Mises body whose hardness is three times its yield strength has α = 27.
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
-SLIP_LINE_TEXT = "slip-line"  # text of an input that selects yield by slip lines
-# Smallest and largest accepted ratio of hardness to shear strength.
+SLIP_LINE_TEXT = "slip-line"  # text of the input "junction growth" that selects slip-line theory
+# Smallest and largest accepted ratio of hardness to shear strength in slip-line theory.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
-# Limits of the exponent of the yielding area.
-# The limits are far below the exponent of fine asperities, and above the exponent of steps.
+# Smallest and largest accepted exponent n of the area of yielding contacts.
+# Fine asperities have a much larger exponent than the smallest, and steps a smaller exponent than the largest.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
-MAX_AREA_LOSS = 0.9  # largest fraction of the true area that contacts may lose under shear
-# Maximum creep exponent. Its effect is that the hardness falls to a third in each decade of time.
+MAX_AREA_LOSS = 0.9  # largest fraction of the true area that contacts may lose when they are sheared
+# Largest accepted creep exponent: the hardness falls to a third in each decade of time.
 MAX_CREEP_EXPONENT = 0.5
 
 
@@ -84,13 +84,15 @@ MAX_CREEP_EXPONENT = 0.5
 class UncertainInput:
     """Probability distribution of an uncertain input, in core units."""
 
-    value: float  # central value: the number, or the mean of the limits (geometric for a log-normal distribution)
-    low: float  # lower limit of the 95 % interval, or of the uniform distribution
-    high: float  # upper limit of the 95 % interval, or of the uniform distribution
+    # central value of an input: a number, or the mean of its limits (geometric for a log-normal distribution)
+    value: float
+    low: float  # lower limit of the 95 % interval of an input, or of its uniform distribution
+    high: float  # upper limit of the 95 % interval of an input, or of its uniform distribution
     distribution: InputDistribution
-    text: str  # text of the input as written by the user
-    maximum: float = math.inf  # upper bound of the samples
-    uses_slip_lines: bool = False  # True for the ratio of hardness to shear strength, False for α of junction growth
+    text: str  # text of an input as the user wrote it
+    maximum: float = math.inf  # upper limit of the samples of an input
+    # True if the input is the ratio of hardness to shear strength, False if it is α of junction growth
+    uses_slip_lines: bool = False
 
     @property
     def is_exact(self) -> bool:
@@ -127,7 +129,8 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        probability_below_zero = ndtr(-self.value / deviation)  # probability of negative values, which are excluded
+        # probability of negative numbers, which no sample may have
+        probability_below_zero = ndtr(-self.value / deviation)
         return np.asarray(
             np.maximum(
                 self.value + deviation * ndtri(probability_below_zero + probability * (1 - probability_below_zero)), 0.0
@@ -277,7 +280,7 @@ def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
     return first_text, last_text
 
 
-SOBOL_BITS = 30  # number of binary digits of a coordinate of a Sobol point
+SOBOL_BITS = 30  # number of binary digits of each coordinate of a Sobol point
 
 SOBOL_GENERATORS: tuple[tuple[int, tuple[int, ...]], ...] = (
     (1, (1,) * SOBOL_BITS), (3, (1,)), (7, (1, 3)), (11, (1, 3, 1)), (13, (1, 1, 1)), (19, (1, 1, 3, 3)),
@@ -314,7 +317,8 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
 
         points = qmc.Sobol(dimensions, rng=generator).random_base2(num_bits)
     else:
-        # Scramble the points by Matoušek's method: a random lower triangular matrix over the bits, and a random shift.
+        # Scramble the Sobol points by Matoušek's method: a random lower triangular matrix over the bits, and a random
+        # shift.
         random_bits = partial(generator.spawn(1)[0].integers, 2, dtype=np.uint32)
         shift_bits = random_bits(size=(dimensions, SOBOL_BITS))
         matrices = np.tril(random_bits(size=(dimensions, SOBOL_BITS, SOBOL_BITS)), -1) + np.eye(
@@ -326,7 +330,8 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
         for dimension, matrix in enumerate(matrices):
             bits = matrix @ _compute_direction_bits(*SOBOL_GENERATORS[dimension]) % 2
             for index, number in enumerate((place_values[::-1] @ bits)[:num_bits]):
-                # In Gray-code order, the second half of the points is the first half in reverse, with one bit flipped.
+                # In Gray-code order, the second half of the Sobol points is the first half in reverse, with one bit
+                # flipped.
                 first_half = integers[: 2**index, dimension]
                 integers[2**index : 2 ** (index + 1), dimension] = first_half[::-1] ^ number
         points = integers * 0.5**SOBOL_BITS

@@ -22,7 +22,7 @@ from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
 from stiction.study.study import Study
 from stiction.surfaces.pairing import SIDES
 
-SAME_VALUE_TOLERANCE = 1e-3  # relative difference up to which a replaced number counts as the number of the study
+SAME_VALUE_TOLERANCE = 1e-3  # a replaced input within this relative difference counts as the input of the study
 
 _LABELS = {
     "mu0": "μ0", "tau0": "τ0", "effective_modulus": "E*", "hardness": "the hardness",
@@ -37,7 +37,7 @@ SIZE_EFFECT = UncertainInput(
 )  # fmt: skip
 """Length h* (µm) of the indentation size effect of metals."""
 
-_SLIP_LINE_LABEL = "the ratio of hardness to shear strength"  # label of the junction growth by slip lines
+_SLIP_LINE_LABEL = "the ratio of hardness to shear strength"  # label of junction growth by slip-line theory
 
 
 @dataclass(frozen=True)

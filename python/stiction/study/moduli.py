@@ -22,7 +22,7 @@ from stiction.surfaces.pairing import SIDES
 
 MODULUS_NAMES = ("young", "poisson")
 
-DEFAULT_YIELD_EXPONENT = "uniform 0.7 .. 1.6"  # exponent of the area of yielding contacts of rough surfaces
+DEFAULT_YIELD_EXPONENT = "uniform 0.7 .. 1.6"  # default exponent of the area of yielding contacts, for rough surfaces
 ELASTOMER_AREA_LOSS = "0..0.3"
 """Default range of the fraction of the true area that elastomers lose before they slide.
 
