@@ -41,7 +41,7 @@ from stiction.study.values import SettingsSection
 if TYPE_CHECKING:
     import pandas
 
-INTERFACE_FILE_HEADER = "# stiction interface"  # first line of an interface file
+INTERFACE_FILE_HEADER = "# stiction interface"  # first line of every interface file
 INTERFACE_FILE_COLUMNS = (
     "mu0",
     "tau0 (GPa)",
@@ -57,9 +57,9 @@ EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
 scaled.
 """
 
-# Maximum distance, relative to the interval width, at which a lower limit is moved to the bound of the quantity.
+# A lower limit is moved to the bound of its quantity if it is closer than this fraction of the interval's width.
 BOUND_TOLERANCE = 0.01
-INTERVAL_COVERAGE = 0.95  # probability that an interval contains the true value
+INTERVAL_COVERAGE = 0.95  # probability that an interval of the strength contains the true strength
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 
 HARDNESS_HEADER_ENTRY = "hardness of the draws"
@@ -72,7 +72,7 @@ The entry is missing if no test depends on α, or if α differs between tests.
 """
 
 
-ValueWithLimits = tuple[float, float, float]  # value, lower limit and upper limit of the 95 % interval
+ValueWithLimits = tuple[float, float, float]  # a number with the lower and the upper limit of its 95 % interval
 
 
 @dataclass(frozen=True)
@@ -80,17 +80,18 @@ class StrengthFit:
     """Joint distribution of mu0 and tau0 fitted with one sliding rule, and the quality of the fit."""
 
     sliding: SlidingRule
-    chi_squared: float  # chi-squared of the best fit, which has no meaning without given errors
-    freedom: int  # number of tests with sliding, minus number of fitted parameters
-    probability: float  # probability of a larger chi_squared; NaN if there are no errors or no degrees of freedom
+    chi_squared: float  # chi-squared of the best fit; without given errors of the tests, it has no meaning
+    freedom: int  # degrees of freedom: number of tests with sliding, minus number of fitted parameters
+    probability: float  # probability of a larger chi_squared by chance; NaN without errors or degrees of freedom
     scale: float  # factor by which the errors of the tests were multiplied
-    trend: float  # p-value of the trend of the residuals with the load
-    mu0: Floats  # samples of mu0
-    tau0: Floats  # samples of tau0 (GPa), paired with `mu0`
-    hardness: Floats  # samples of the hardness (GPa), paired with `mu0`; NaN if the hardness differs between tests
-    junction_growth: Floats  # samples of α, paired with `mu0`; NaN if α differs between tests or has no effect
-    area_per_load: Floats  # samples of A/F (1/GPa) at the onset of sliding in the tests; NaN if unknown
-    scores: Mapping[Hashable, Floats] = field(default_factory=dict)  # normal scores of the nuisance parameters
+    trend: float  # p-value of a trend of the residuals with the load
+    mu0: Floats  # samples of mu0, each paired with a sample of tau0
+    tau0: Floats  # samples of tau0 (GPa), each paired with a sample of mu0
+    hardness: Floats  # hardness (GPa) of each sample of mu0; NaN if the tests have different hardnesses
+    junction_growth: Floats  # junction growth α of each sample of mu0; NaN if α differs between tests or has no effect
+    area_per_load: Floats  # area per load A/F (1/GPa) at the onset of sliding in the tests; NaN if unknown
+    # samples of the nuisance parameters of the fit, as standard normal numbers
+    scores: Mapping[Hashable, Floats] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -495,7 +496,8 @@ class InterfaceSettings(SettingsSection):
             file = name_or_path if is_published else str(Path(name_or_path).resolve())
             strength = _read_cached_interface(file, 0 if is_published else Path(file).stat().st_mtime_ns)
         except OSError:
-            strength = InterfaceStrength.named(name_or_path)  # raises an error that lists the published interfaces
+            # raises an error whose message lists the published interfaces
+            strength = InterfaceStrength.named(name_or_path)
         mu0, tau0 = (
             _format_strength(median, interval, scale, unit)
             for median, interval, scale, unit in zip(
