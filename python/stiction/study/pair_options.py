@@ -193,7 +193,7 @@ class OptionCondition:
     """Condition for using an option, and the message of the error raised if the condition is not met."""
 
     holds: Callable[[PairProperties], bool]
-    message: str  # text of the message after the option name; {name} stands for another option
+    message: str  # message of a condition, after the option name; {name} stands for another option
 
 
 def select_body_value(name: str, values: Any, index: int) -> Any:
@@ -411,29 +411,30 @@ class FormField:
     label: str
     place: Literal["scan", "body", "load", "more"] = "more"
     example: str = ""
-    empty: str = ""  # label of the default in a drop-down list
-    choices: tuple[tuple[str, str], ...] = ()  # values and labels of a drop-down list
-    size: int = 0  # width of the field in characters; 0 for the default width
-    unit: str = ""  # unit that is appended to a number without a unit
-    keyboard: Literal["", "numeric", "decimal"] = ""  # type of the virtual keyboard on a phone
+    empty: str = ""  # label of the default in the drop-down list of a form
+    choices: tuple[tuple[str, str], ...] = ()  # choices in the drop-down list of a form, each with its label
+    size: int = 0  # width of the input field of a form, in characters; 0 for the default width
+    unit: str = ""  # unit that is added to a number without a unit
+    # virtual keyboard that a phone shows for the input field of a form
+    keyboard: Literal["", "numeric", "decimal"] = ""
 
 
 @dataclass(frozen=True)
 class PairOption:
     """Declaration of a pair option, shared by the command line, the Python interface, study files and the app."""
 
-    value: str  # placeholder for the value on the command line, such as PRESSURE; empty for a switch without a value
-    help: str  # one or two sentences of help; {name} stands for another option
+    value: str  # placeholder of an option's value in the help, such as PRESSURE; empty for a switch
+    help: str  # help text of an option, in one or two sentences; {name} stands for another option
     kind: OptionKind | None = None
-    usual: str = ""  # description of the default value
-    flag: str = ""  # name on the command line, if it differs from the field name
-    argument: str = ""  # name in Python, if it differs from the field name
-    key: str = ""  # study-file key that the option sets
+    usual: str = ""  # description of the default of an option
+    flag: str = ""  # name of an option on the command line, if it differs from the field name
+    argument: str = ""  # name of an option in Python, if it differs from the field name
+    key: str = ""  # key of the study file that an option sets
     field: FormField | None = None
     applies: tuple[OptionCondition, ...] = ()
     is_common: bool = False  # True if the short help lists the option
-    is_repeatable: bool = False  # True if the option may be repeated on the command line
-    is_list: bool = False  # True if several values for one file may be separated by commas
+    is_repeatable: bool = False  # True if the option can be given several times on the command line
+    is_list: bool = False  # True if commas separate several inputs of one option for the same file
     is_in_python: bool = True  # True if `stiction.pair` has a parameter for the option
 
 

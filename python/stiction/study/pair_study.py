@@ -73,13 +73,13 @@ from stiction.surfaces.scale import InstrumentLimit
 from stiction.surfaces.scan_defects import find_scan_defects
 from stiction.surfaces.surface import Surface, as_body
 
-# Default number of positions of a pair of profiles, which take a few seconds of computing time.
+# Default number of relative positions of two profiles, which take a few seconds to compute.
 DEFAULT_NUM_POSITIONS = 64
-# Number of additional loads for adhesive contacts, spread across the two decades below the requested loads.
+# Number of additional loads of adhesive contacts, in the two decades below the requested loads.
 NUM_ADHESION_LOADS = 4
-ZERO_LOAD_REPLACEMENT = 1e-3  # load that replaces a load of zero, as a fraction of the attraction on a grid cell
-DEFAULT_CONTACT_LAW = "hertz-sphere"  # default contact law of the asperity model
-HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
+ZERO_LOAD_REPLACEMENT = 1e-3  # load that replaces a load of 0, as a fraction of the largest attraction on one grid cell
+DEFAULT_CONTACT_LAW = "hertz-sphere"  # contact law of the asperity model if none is given
+HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the contact law of Jackson and Green
 
 GAP_REMARK = (
     "A gap map does not contain the slopes of the two faces. Each face is assumed to have half of the slopes. "
@@ -412,12 +412,12 @@ class MeasuredPair:
         """Requested loads (mN) in ascending order. Pressures are converted with the nominal area."""
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
         width_factor = 1.0 if self.options.width is None else PROFILE_WIDTH / self._profile_width
-        # Round the products, so that the last digits of the loads contain no round-off.
+        # Round the forces, so that they contain no round-off.
         forces = {
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
         }
-        # Replace zero load by a small fraction of the attraction on a grid cell, a lower bound on the pull-off force.
+        # Replace a load of 0 by a small fraction of the attraction on a grid cell. The pull-off force is larger.
         if 0.0 in forces:
             forces = {
                 force or float(f"{ZERO_LOAD_REPLACEMENT * self._max_cell_adhesion_force:.3g}") for force in forces
@@ -539,7 +539,7 @@ class MeasuredPair:
         else:
             section["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
-            level = "mean"  # Subtracting only the mean preserves the tilt between the faces.
+            level = "mean"  # subtract only the mean, because the tilt between the faces matters
         if level is not None:
             section["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
@@ -602,7 +602,7 @@ class MeasuredPair:
             num_shifts = 1 if self.options.gap is not None else self.options.shifts or DEFAULT_NUM_SHIFTS
             positions = self._listed_positions
             num_members = (num_shifts if positions is None else len(positions)) + self._parse_num_surrogates(0)
-        # Round the number of members up, because all pairs of scans have the same number of members.
+        # Round the number of members up, so that all pairs of scans have the same number of members.
         num_scan_pairs = 1 if self.options.gap is not None else math.prod(len(file.scans) for file in self.files)
         if self._listed_positions is not None:
             num_members *= num_scan_pairs
@@ -842,7 +842,7 @@ class MeasuredPair:
                     area=self._nominal_area, max_load=max_load,
                 )  # fmt: skip
         loads = self.loads
-        # Insert no loads between a load of zero and the other loads, because no number is interpolated between them.
+        # Insert no loads between 0 and the smallest other load, because no result is interpolated between them.
         zero_load_replacements = loads[:1] if self._has_zero_load else []
         regular_loads = loads[len(zero_load_replacements) :] or loads
         num_smaller = NUM_ADHESION_LOADS if self._adhesion_entries.get("work_of_adhesion") else 1
