@@ -54,14 +54,14 @@ AmplitudeDefinition = Annotated[
 ]
 
 
-# Largest product of the numbers of directions and frequencies, to which the run time is proportional.
+# Largest number of directions times frequencies of generated surfaces, which determines the run time.
 MAX_HARMONICS = 1_000_000
 
 
 class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
     """Keys of `[surfaces]` that all generated surfaces share: fractal dimension and amplitude."""
 
-    bodies: ClassVar[str] = "generated areas"  # term for the bodies in error messages
+    bodies: ClassVar[str] = "generated areas"  # words for the two surfaces in error messages
     is_areal: ClassVar[bool] = True
     """True if members are pairs of height maps rather than profiles."""
 

@@ -43,10 +43,10 @@ from stiction.surfaces.tip import sharpened
 ColumnNameOrIndex = int | str
 
 
-MeasuredBody = Profile | Surface | JoinedSpectrum  # kinds of bodies in a file
+MeasuredBody = Profile | Surface | JoinedSpectrum  # a body that can be read from a file
 
 
-MAX_FILE_NAME_LENGTH = 4096  # maximum length of a file name in characters
+MAX_FILE_NAME_LENGTH = 4096  # maximum number of characters of a file name
 
 
 MachiningProcess = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
@@ -58,10 +58,10 @@ MACHINING_PROCESSES: tuple[str, ...] = get_args(MachiningProcess)
 BodyPair = tuple[Profile, Profile] | tuple[Surface, Surface]
 
 
-CutoffPair = tuple[float, float]  # cutoffs of the upper and the lower scan, µm
+CutoffPair = tuple[float, float]  # cutoff wavelengths (µm) of the upper and of the lower scan
 
 
-ScanCutoffs = tuple[tuple[float, ...], tuple[float, ...]]  # cutoffs of all upper and of all lower scans, µm
+ScanCutoffs = tuple[tuple[float, ...], tuple[float, ...]]  # cutoff wavelengths (µm) of all upper and of all lower scans
 
 
 def _parse_unit(value: object) -> str:
@@ -392,7 +392,7 @@ class MeasuredBodySettings(SettingsSection):
         """
         path = Path(self.file)
         try:
-            check_is_file(path)  # reading from a device or a pipe may never end
+            check_is_file(path)  # reading from a device or a pipe might never end
             with path.open("rb") as file:
                 return hashlib.file_digest(file, "sha256").hexdigest()
         except UnreadableFileError as error:

@@ -49,7 +49,7 @@ from stiction.surfaces.surface import Surface
 class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     """Keys of `[surfaces]` that all studies of measured surfaces share."""
 
-    bodies: ClassVar[str] = "measured areas"  # term for the bodies in error messages
+    bodies: ClassVar[str] = "measured areas"  # words for the two surfaces in error messages
     is_areal: ClassVar[bool] = True
     """True if members are independent pairs of height maps rather than profiles."""
     pressed: ClassVar[str]
@@ -142,8 +142,8 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
 # ---- Lines -----------------------------------------------------------------------------------------------------------
 
 DEFAULT_NUM_SHIFTS = 16  # default number of relative positions of two height maps
-DEFAULT_NUM_SURROGATES = 16  # default number of pairs of surrogate profiles
-MAX_RELATIVE_POSITIONS = 100_000  # maximum number of positions for a pair of lines or maps
+DEFAULT_NUM_SURROGATES = 16  # default number of pairs of surrogate surfaces
+MAX_RELATIVE_POSITIONS = 100_000  # maximum number of relative positions of two lines or two maps
 
 
 class MeasuredLineSettings(CommonMeasuredSurfaceSettings):

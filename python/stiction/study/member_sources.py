@@ -51,11 +51,11 @@ class SharedMemberProperties:
     shape: Sequence[int]
     spacing: Sequence[float]
     piece_fractions: Sequence[float]
-    scans: Sequence[Any]  # scans before they are divided into members
+    scans: Sequence[Any]  # whole scans, from which each member takes a piece
 
 
 BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
-    **{side: AttributeSpec(dtype=str) for side in SIDES},  # history of each body
+    **{side: AttributeSpec(dtype=str) for side in SIDES},  # processing steps of each body
     "shape": AttributeSpec(dtype=int, sizes=(1, 2), bounds=(1, MAX_STORED_VALUE)),
     "spacing_um": AttributeSpec(sizes=(1, 2), bounds=POSITIVE_STORED_VALUE),
     "fraction_used": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE)),
@@ -64,13 +64,13 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
         for side in SIDES
         for name in ("spacing", "extent")
     },
-    # Fraction of interpolated points, and area (µm²) or length (µm) of the largest gap in the data.
+    # Fraction of interpolated points of a scan, and area (µm²) or length (µm) of its largest gap.
     **{f"{side}_filled": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
-    # Fraction of the points that are missing between two measured points.
+    # Fraction of the points of a scan that are missing between two measured points.
     **{f"{side}_pierced": AttributeSpec(sizes=(1,), bounds=(0, 1), is_required=False) for side in SIDES},
-    # Ratio of the rms slopes of a map across and along its lay, if both maps have a lay.
+    # Ratio of the rms slopes of a map across and along its lay, stored if both maps have a lay.
     **{f"{side}_lay": AttributeSpec(sizes=(1,), bounds=(1, MAX_STORED_VALUE), is_required=False) for side in SIDES},
-    # Change of ln(rms slope) along a single scan, and fraction of the mean square slope of the gap due to the scan.
+    # Drift of ln(rms slope) along a single scan, and the scan's fraction of the mean square slope of the gap.
     **{f"{side}_drift": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
 }
 """Attributes of a result that describe measured bodies. Values for several axes are in the order of array axes."""
@@ -80,8 +80,9 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
 class BodyAttributes:
     """Metadata that a result stores for measured bodies. All fields are empty for generated bodies."""
 
-    nominal_area: float | None = None  # nominal area of each member (µm²)
-    attributes: dict[str, Any] = field(default_factory=dict)  # attribute values by name, as in `BODY_ATTRIBUTE_SPECS`
+    nominal_area: float | None = None  # nominal area (µm²) of one member
+    # attributes of a result by name, as declared in `BODY_ATTRIBUTE_SPECS`
+    attributes: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
     def from_values(cls, nominal_area: float, values: Mapping[str, Any]) -> BodyAttributes:
@@ -108,9 +109,9 @@ class LineMemberSource:
 
     pairs: LinePairs
     scans: tuple[MeasuredBody, MeasuredBody]
-    # Number of relative positions of each pair of lines, if there are several pairs.
+    # Number of relative positions of each pair of lines; 1 if each pair has one position.
     offsets: int = 1
-    # Relative positions (µm) of each pair, or None for a quasi-random sequence.
+    # Relative positions (µm) of each pair of lines, or None for a quasi-random sequence.
     positions: tuple[float, ...] | None = None
 
     def member(self, index: int) -> EnsembleMember:
@@ -133,12 +134,12 @@ class LineMemberSource:
             return self._member_at(slider, counterface, round(self.positions[offset_index] / slider.spacing), line)
         if max_steps == 0 and offset_index > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
-        # Offset 0 is excluded for a single pair, because the two lines may be identical.
+        # Press several pairs of lines unshifted. Shift a single pair, because both lines may be the same scan.
         is_unshifted = pairs.has_several_pairs and num_offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             offset_steps = 0
         elif num_offsets == 1 and pairs.travel is not None and offset_index == 0:
-            offset_steps = max_steps  # use the end of the travel for a single relative position
+            offset_steps = max_steps  # with one relative position, use the end of the travel
         else:
             offset_steps = 1 + min(int(quasi_random_point(offset_index + 1, 1)[0] * max_steps), max_steps - 1)
         return self._member_at(slider, counterface, offset_steps, line)
@@ -194,7 +195,7 @@ class MapMemberSource:
 
     pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
     scans: tuple[MeasuredBody, MeasuredBody]
-    # Number of pairs of surrogates, which are the first members; None if all members are surrogates.
+    # Number of surrogate pairs, which come before the other members; None if all members are surrogates.
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:
@@ -215,7 +216,7 @@ class MapMemberSource:
         """Return the properties that all members have in common."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
-        if isinstance(pairs, SpectralSurfacePairs):  # a scan resolves wavelengths of at least two points
+        if isinstance(pairs, SpectralSurfacePairs):  # a scan contains no wavelengths below two points
             wavelengths = (max(body.shortest, pairs.finest_spacing) for body in (pairs.upper, pairs.lower))
             scans = [
                 SimpleNamespace(spacing=shortest_wavelength / 2, extent=pairs.side_length)

@@ -33,11 +33,11 @@ from stiction.surfaces.scan_defects import (
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
-# Maximum total size (bytes) of the profiles of one body that are generated in a batch.
+# Maximum size (bytes) of the profiles of one body that are generated together.
 MAX_BATCH_BYTES = 64_000_000
-MAX_CACHED_PAIRS = 16  # number of pairs of filtered and levelled scans in the cache
-NUM_AVERAGED_MEMBERS = 16  # number of members over which the fraction of measured points is averaged
-# Assumed number of grid points of missing files, for profiles (False) and for maps (True).
+MAX_CACHED_PAIRS = 16  # maximum number of pairs of filtered and levelled scans that are cached
+NUM_AVERAGED_MEMBERS = 16  # number of members whose mean fraction of measured points is computed
+# Number of points that is assumed for files that do not exist yet: profiles (False) and maps (True).
 TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
@@ -223,8 +223,8 @@ class PreparedBodies:
     def member(self, index: int, wavelength: float) -> EnsembleMember:
         """Return the member with a given index. Its scans are filtered at a cutoff (µm, 0 for no filter)."""
         surfaces = self._surfaces
-        # Members are numbered from 0 for each pair of scans.
-        # The random seed of a surrogate is the index of its member in the study.
+        # For each pair of scans, number the members from 0.
+        # For surrogates, keep the number in the study, because it is the random seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)
@@ -292,7 +292,7 @@ class PreparedBodies:
         if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
         fractions = []
-        with contextlib.suppress(ValueError, IndexError):  # a study may have fewer members than NUM_AVERAGED_MEMBERS
+        with contextlib.suppress(ValueError, IndexError):  # a study may have fewer members than the average needs
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing_masks(*self.member(index, self._surfaces.reported_cut_off()).pair)
                 fractions.append(1.0 if missing is None else 1 - float(missing.mean()))
