@@ -67,15 +67,15 @@ from stiction.study.values import (
     to_value_array,
 )
 
-DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion for height maps, degrees
-MAX_DIRECTIONS = 360  # maximum number of directions of motion for height maps
-# Factor by which the load curve of two profiles in the asperity model extends below and above the loads.
+DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion of height maps, in degrees
+MAX_DIRECTIONS = 360  # maximum number of directions of motion in a study of height maps
+# In the asperity model of profiles, the load curve extends beyond the requested loads by this factor.
 ASPERITY_LOAD_MARGIN_FACTOR = 30.0
 NUM_ASPERITY_LOADS = 25
-# Factor by which the load curve in the half-plane model extends below and above the loads.
+# In the half-plane model of profiles, the load curve extends beyond the requested loads by this factor.
 HALF_PLANE_LOAD_MARGIN_FACTOR = 10.0
 NUM_HALF_PLANE_LOADS = 7
-MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads in the contact solutions of height maps
+MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads at which height maps are pressed
 
 
 # ---- Laws -----------------------------------------------------------------------------------------------------------
@@ -314,7 +314,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
                 for key in ("young", "poisson")
             )
             elasticity = derive_elasticity(young, poisson, is_named=data.get("materials") is not None)
-        except (ValueError, IndexError):  # the validation of Young's modulus and Poisson's ratio reports the error
+        except (ValueError, IndexError):  # validation of Young's modulus and Poisson's ratio reports the error
             return data
         derived: dict[str, Any] = {
             "effective_modulus": exact_quantity(elasticity.effective_modulus, "GPa"),
@@ -681,7 +681,7 @@ def parse_contact_settings(
 def _extend_loads(given_loads: Floats, margin: float, num_loads: int) -> Floats:
     """Add loads (mN) from a geometric series that extends below and above the given loads."""
     load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
-    # Omit a load of the series that nearly equals a given load.
+    # Leave out a load of the series that nearly equals a requested load.
     is_new = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6
     return np.unique(np.concatenate([given_loads, load_series[is_new]]))
 
@@ -719,7 +719,7 @@ def choose_load_steps(
                 [_insert_intermediate_loads(given_loads), smaller_loads, [given_loads.max() * MAX_AREAL_LOAD_RATIO]]
             )
         )
-    # Round the additional loads to six digits, but not the given loads.
+    # Round the additional loads to six digits, but keep the requested loads unchanged.
     requested_loads = set(given_loads.tolist())
     rounded = np.array([load if load in requested_loads else float(f"{load:.6g}") for load in load_steps.tolist()])
     min_load, max_valid_load = VALID_QUANTITY_RANGES["force"]

@@ -147,7 +147,7 @@ def _convert_friction_section(friction: Mapping[str, Any], known: Mapping[str, A
         entry = None
     if entry is not None and [float(entry.mu0), float(entry.tau0)] == strengths:
         entry = str(source)
-    else:  # the file of the interface is missing or has changed
+    else:  # the interface file is missing or has changed
         entry = {"file": str(source)} | {
             name: None if value is None else value.text for name, value in zip(("mu0", "tau0"), strengths, strict=True)
         }

@@ -25,7 +25,7 @@ ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
 POSITIVE_STORED_VALUE = (MIN_POSITIVE_STORED_VALUE, MAX_STORED_VALUE)
 """Bounds of stored values that are above 0, such as areas and grid spacings."""
 
-_CHUNK_SIZE = 2**14  # number of values that are compared at a time
+_CHUNK_SIZE = 2**14  # number of stored numbers that are compared at a time
 
 _DTYPE_KINDS: dict[type, tuple[str, str]] = {
     float: ("fiu", "numbers"), int: ("iu", "integers"), bool: ("biu", "integers"), str: ("OUS", "text"),
@@ -46,7 +46,7 @@ class VariableSpec:
     bounds: tuple[float, float] = ANY_STORED_VALUE
     may_be_nan: bool = False
     is_required: bool = True
-    ascending_dim: str = ""  # dimension along which the values increase strictly, or empty
+    ascending_dim: str = ""  # dimension along which the numbers of a stored variable increase strictly, or empty
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +82,7 @@ def check_values(
     if has_nan and not may_be_nan:
         raise DamagedFileError(f"has {name} with a value that is not a number")
     if has_nan or math.isinf(smallest_value) or math.isinf(largest_value):
-        # Infinite numbers are permitted if the bounds are infinite. Finite numbers have finite bounds in any case.
+        # Permit infinite numbers only if the bounds are infinite. The bounds of finite numbers are always finite.
         is_permitted = np.isnan(values) | np.isin(values, [bound for bound in bounds if math.isinf(bound)])
         smallest_value, largest_value = (
             _find_extremes(values[~is_permitted]) if not is_permitted.all() else (math.inf, -math.inf)

@@ -81,8 +81,9 @@ from stiction.study.values import (
 if TYPE_CHECKING:
     import xarray
 
-MAX_STUDY_BYTES = 1_000_000  # maximum size (bytes) of a study file that is read
-MAX_PARAMETER_COMBINATIONS = 1000  # maximum number of combinations of load, mu0 and tau0 of measured surfaces
+MAX_STUDY_BYTES = 1_000_000  # maximum size of a study file, in bytes
+# maximum number of combinations of load, mu0 and tau0 in a study of measured surfaces
+MAX_PARAMETER_COMBINATIONS = 1000
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
 """Pairs of a section and a key, where the value of the key selects the class of the section."""
@@ -95,10 +96,10 @@ _LEADING_KEYS = (
 
 _STUDY_LIBRARY_DIRECTORY = resources.files("stiction.study") / "library"
 DEFAULT_SEED = 2016
-StudyDifference = tuple[str, str, str]  # dotted key, with its TOML values in the first and the second study
-MAX_LISTED_DIFFERENCES = 4  # maximum number of differences in a message
+StudyDifference = tuple[str, str, str]  # key with dots in which two studies differ, with its TOML value in each
+MAX_LISTED_DIFFERENCES = 4  # maximum number of differences between two studies that a message lists
 
-SurfaceSettings = GeneratedSurfaceSettings | MeasuredSurfaceSettings  # section `[surfaces]` of a study
+SurfaceSettings = GeneratedSurfaceSettings | MeasuredSurfaceSettings  # section `[surfaces]` of a study file
 SURFACE_SETTINGS_CLASSES: tuple[type[SurfaceSettings], ...] = get_args(
     SurfaceSettings
 )  # all classes that can represent the section `[surfaces]`
@@ -200,7 +201,7 @@ def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
             if isinstance(source, str)
             else InterfaceSettings.model_validate(source)
         )
-    except ValidationError:  # the validation of the interface reports the errors
+    except ValidationError:  # the validation of the interface reports the error
         return {**section, "mu0": [0.0]}
     except ValueError as error:
         raise make_key_error("interface", str(error).removeprefix("interface ")) from None
@@ -281,7 +282,7 @@ def _add_bracketing_loads(
         upper_load = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _compute_nominal_area(surfaces)
-            # The validation reports an error if the upper load is too large.
+            # If the upper load is too large, validation reports the error.
             upper_load = min(upper_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):  # the validation of the section reports the error
         return {}
@@ -382,7 +383,7 @@ class Study(SettingsSection):
             return parse_contact_settings(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaceSettings):
             raise make_key_error("load", "must have at least one load, got []")
-        # If the contact is None, report only the error of the section `[contact]`.
+        # If the section `[contact]` is invalid, report only its error.
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
         settings_class = select_friction_settings_class(type(surfaces), mechanics)
@@ -697,7 +698,7 @@ def find_section_differences(
     serialized, differences = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
-        if not field.repr:  # compare bodies in memory by their checksums
+        if not field.repr:  # compare two bodies in memory by their checksums
             continue
         first_value, second_value = getattr(first, name, None), getattr(second, name, None)
         if first_value == second_value:
@@ -768,6 +769,6 @@ def parse_study(text: str, source: str) -> Study:
         raise StudyError(
             f"{printable_path(source)}: the text is not valid TOML: {printable_text(error, MAX_PATH_LENGTH)}"
         ) from None
-    if not data:  # an empty file is a mistake, although all keys have defaults
+    if not data:  # reject an empty file, which is a mistake although all keys have defaults
         raise StudyError(f"{printable_path(source)} is empty, so it is not a study")
     return validate_section(Study, convert_old_study(data, source), source)

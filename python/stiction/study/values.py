@@ -33,10 +33,10 @@ from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import Direction, SlidingRule
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
-MAX_PARAMETER_VALUES = 10_000  # maximum number of values of one parameter in a study
-MAX_SHORT_LIST_LENGTH = 100  # maximum number of entries in a list of mu0 values, tau0 values, cutoffs, loads or times
-MAX_KEY_DOTS = 100  # maximum number of dots in a dotted key of a study file
-MAX_DIRECTION_DEGREES = 360  # maximum absolute value of a direction in degrees
+MAX_PARAMETER_VALUES = 10_000  # maximum number of values that a study can list for one parameter
+MAX_SHORT_LIST_LENGTH = 100  # maximum number of values of mu0, tau0, cutoff, load or time that a study can list
+MAX_KEY_DOTS = 100  # maximum number of dots in a key of a study file
+MAX_DIRECTION_DEGREES = 360  # largest absolute value of a direction of motion, in degrees
 
 
 def _make_quantity_parser(kind: str, *, allows_zero: bool = False) -> Callable[[object], Quantity]:
@@ -97,7 +97,7 @@ def require_distinct(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
     return values
 
 
-# Convert lists of TOML to tuples, because a study is immutable.
+# Convert TOML lists to tuples, which cannot change.
 as_tuple = BeforeValidator(lambda values: tuple(values) if isinstance(values, list) else values)
 _long_list = (as_tuple, Field(min_length=1, max_length=MAX_PARAMETER_VALUES), AfterValidator(_require_increasing))
 _short_list = (as_tuple, Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
@@ -182,14 +182,14 @@ class SettingsSection(BaseModel):
         except ValidationError as error:
             raise _convert_validation_errors(type(self), error, "") from None
 
-    # Validation from a mapping does not call the constructor, so that it can report all errors of nested sections.
+    # Let validation bypass the constructor, so that it reports the errors of all nested sections together.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
 class SettingsSectionVariant(SettingsSection):
     """Base class for sections that have several variants. Each variant is a class with its own keys."""
 
-    place: ClassVar[str]  # phrase that messages use for this variant of the section
+    place: ClassVar[str]  # phrase for a variant of a section in error messages
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
@@ -279,7 +279,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# Values are tagged as a range or a list before validation, so that a message refers to only one of the two types.
+# Mark the input as a range or a list before validation, so that a message mentions only one of them.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 
@@ -342,7 +342,7 @@ def check_keys(
 _SettingsClass = TypeVar("_SettingsClass", bound=SettingsSection)
 
 
-MAX_LISTED_FAULTS = 5  # maximum number of errors in a message about a study
+MAX_LISTED_FAULTS = 5  # maximum number of errors in a study that one message lists
 
 
 class StudyError(ValueError):
@@ -375,7 +375,7 @@ def format_toml_value(value: Any) -> str:
         case dict():
             items = [
                 f"{key} = {format_toml_value(item)}" for key, item in value.items() if key != "body"
-            ]  # a body in memory has no TOML representation
+            ]  # a body in memory cannot be written in TOML
             return "{ " + ", ".join(items) + " }"
         case _:
             return "[" + ", ".join(format_toml_value(item) for item in value) + "]"
@@ -395,7 +395,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
     Raises a `ValueError` if the text is invalid or nested too deeply.
     """
-    # The time in which tomllib parses a dotted key increases with the square of the number of parts of the key.
+    # tomllib takes a time that increases with the square of the number of dots in a key.
     pieces = re.split(r"([=,#{}\[\]\n])", text)
     key_texts = [piece for piece, end in itertools.pairwise(pieces) if end in ("=", "]")]
     if any(key_text.count(".") > MAX_KEY_DOTS for key_text in key_texts):
@@ -465,7 +465,7 @@ def _convert_validation_error(section_class: type[SettingsSection], fault: Error
     return key, message
 
 
-MAX_SUGGESTIONS = 3  # maximum number of suggestions for an unknown key
+MAX_SUGGESTIONS = 3  # maximum number of similar names that a message suggests for an unknown key
 
 
 def _suggest_keys(section_class: type[SettingsSection], location: list[int | str]) -> str:
