@@ -39,7 +39,7 @@ void check(const SurfacePair& pair, double deepest) {
   }
 }
 
-// Range of the gap in a row, and largest |height| of both surfaces.
+// Range of the gap in a row of the maps, and largest |height| of both surfaces.
 // The member `zero` is 0 if all heights are finite, and NaN otherwise.
 struct RowRange {
   double lowest;
@@ -89,11 +89,11 @@ void subtract(const double* upper, const double* lower, Index size, double offse
 
 // Mark the grid minima of a row at which the gap is at most `deepest`.
 // At a grid minimum, the gap is not larger than at any of the eight neighbours, except for round-off.
-// The first and the last point of the row are excluded.
+// The first and the last point of a row are never grid minima.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {
-  // Number of points that are tested together, because most blocks have only gaps larger than `deepest`.
+  // Number of points that are skipped together if all their gaps are larger than `deepest`.
   constexpr Index block = 32;
   for (Index first = 1; first + 1 < size; first += block) {
     const Index end = std::min(first + block, size - 1);
@@ -124,7 +124,7 @@ struct Tile {
 std::vector<Tile> make_tiles(Index rows, Index columns) {
   constexpr Index size = 256;  // number of cells along each side of a tile
   // Number of surrounding points on each side of a tile.
-  // Points farther away influence the spline by less than 0.268^32 = 5e-19.
+  // A height more than 32 points away changes the spline by less than 0.268^32 = 5e-19 of that height.
   constexpr Index margin = 32;
   std::vector<Tile> tiles;
   for (Index row = 0; row < rows - 1; row += size) {
@@ -140,7 +140,7 @@ std::vector<Tile> make_tiles(Index rows, Index columns) {
 }
 
 // Return sqrt(a² + b²) without intermediate overflow.
-// std::hypot is not used, because it is the only function that would require a newer C library.
+// std::hypot is not used, because it would require a newer C library than all other functions.
 double length(double a, double b) {
   const double longer = std::max(std::abs(a), std::abs(b));
   const double ratio = std::min(std::abs(a), std::abs(b)) / longer;
@@ -199,7 +199,7 @@ ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, dou
   const double q2 = 1.0 + slope.squaredNorm();
   const double q = std::sqrt(q2);
   // The metric I + p pᵀ to the power -1/2 is I - p pᵀ / (q (q + 1)).
-  // Multiplying the Hessian by this power on both sides gives the matrix (a, b; b, c) of an eigenvalue problem.
+  // Multiplied by (I + p pᵀ)^(-1/2) on both sides, the Hessian becomes the matrix (a, b; b, c).
   const double factor = 1.0 / (q * (q + 1.0));
   const double r00 = 1.0 - factor * slope.x() * slope.x();
   const double r01 = -factor * slope.x() * slope.y();
@@ -215,7 +215,7 @@ ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, dou
   const double radius = length(half_difference, b);
   const double larger = 0.5 * (a + c) + radius;
   const double smaller = (xx * yy - xy * xy) / (q2 * q2) / larger;
-  // The eigenvector of the smaller eigenvalue is computed from the matrix row in which no cancellation occurs.
+  // The eigenvector of the smaller eigenvalue is computed from the row of the matrix in which no cancellation occurs.
   Vector2 vector =
       half_difference > 0.0 ? Vector2(-b, half_difference + radius) : Vector2(radius - half_difference, -b);
   vector = radius > 0.0 ? Vector2(vector.normalized()) : Vector2(1.0, 0.0);
@@ -257,7 +257,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
   std::vector<SplineMinimum> spline_minima;
   const double offset = pair.lower(0, 0);
   const double round_off = round_off_fraction * range.largest;
-  // The tolerance must not be smaller than the round-off of the heights.
+  // Height differences up to `level_limit` count as zero. They must include the round-off of the heights.
   const double level_limit = std::max(level_fraction * (range.highest - range.lowest), 16.0 * round_off);
   for (const Tile& tile : tiles) {
     check_cancellation();
@@ -288,7 +288,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     natural_bicubic(spline);
     for (const Minimum& minimum : minima_in_tile) {
       spline_minima.push_back({minimum, at_minimum(spline, minimum)});
-      // Slopes within round-off count as zero, so that round-off does not decide whether a contact opposes the motion.
+      // Slopes below `level_limit` count as zero, so that round-off does not decide which contacts oppose the motion.
       for (double* slope : {&spline_minima.back().lower.x, &spline_minima.back().lower.y}) {
         *slope = std::abs(*slope) > level_limit ? *slope : 0.0;
       }

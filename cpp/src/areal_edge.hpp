@@ -15,7 +15,7 @@ struct InsideFractions {
 };
 
 // The four edges of the map, in coordinates in which the contact ellipse at unit overlap is the unit circle.
-// In these coordinates, the edges of the map are the sides of a parallelogram around the unit circle.
+// In coordinates with a circular contact, the edges of the map are the sides of a parallelogram around the unit circle.
 class MapEdges {
  public:
   MapEdges(const ArealCandidates& candidates, const ArealCandidate& candidate);
@@ -26,7 +26,7 @@ class MapEdges {
  private:
   std::array<double, 4> distance_;  // distance of each side from the centre
   std::array<std::array<double, 2>, 4>
-      // Tangents of the angles, measured from the normal of a side, at which each side of the parallelogram ends.
+      // Tangents of the angles at which each side of the parallelogram ends, measured from the normal of the side.
       corners_;
 };
 

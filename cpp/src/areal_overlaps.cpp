@@ -11,8 +11,8 @@ namespace {
 // Return whether two ellipses overlap if the vector between their centres is r.
 // The ellipses are separate if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1).
 // Perram & Wertheim, J. Comput. Phys. 58 (1985) 409.
-// Multiplied by the determinant of the bracket, the condition states that a cubic in t is positive.
-// The cubic is negative at t = 0 and at t = 1.
+// Multiplied by det[(1 - t) A + t B], the condition states that a cubic polynomial in t is positive.
+// The cubic polynomial in t is negative at t = 0 and at t = 1.
 bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedEllipse& b, double b_size,
                       const Vector2& r) {
   const auto a_form = a_size * (a.yy * r.x() * r.x() - 2.0 * a.xy * r.x() * r.y() + a.xx * r.y() * r.y());
@@ -29,7 +29,7 @@ bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedE
   }
   const double root = std::sqrt(discriminant);
   const double t =
-      // Value of t at which the cubic has its maximum.
+      // Value of t at which the cubic polynomial has its maximum.
       second < 0.0 ? first / (root - second) : -(root + second) / (3.0 * third);
   const double s = 1.0 - t;
   const bool apart =
@@ -55,7 +55,7 @@ std::size_t first_contact_step(const ArealCandidate& candidate, Values approache
 }
 
 // The centres of the ellipses are fixed, and the ellipses grow with the approach.
-// Two overlapping ellipses therefore overlap at all larger approaches.
+// Two ellipses that overlap at one approach therefore overlap at all larger approaches.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation) {
   struct Footprint {
@@ -91,7 +91,7 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const auto at = [&](std::size_t k) {
         return ellipses_overlap(left.shape, a.overlap(approaches[k]), right.shape, b.overlap(approaches[k]), apart);
       };
-      // A pair does not change the result at approaches at which both of its ellipses already overlap other ellipses.
+      // A pair of ellipses matters only at approaches at which at least one of them overlaps no other ellipse.
       std::size_t begin = std::max(left.begin, right.begin);
       std::size_t end = std::max(first[left.index], first[right.index]);
       if (begin >= end || std::abs(apart.y()) > left.half_height + right.half_height || !at(end - 1)) {

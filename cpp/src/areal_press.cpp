@@ -56,7 +56,7 @@ constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;
 constexpr std::size_t num_directed_sums = 2 * num_factors - num_normal_factors;
 
-// Compute the factors of force and area of a contact for all directions; 0 if friction does not act at the contact.
+// Compute the force and area factors of a contact for all directions. Factors are 0 where friction does not act.
 STICTION_MULTIVERSION
 void compute_factors(const Vector3& normal, const double* directions_xy, std::size_t direction_count, bool all,
                      double* factors) {
@@ -79,9 +79,9 @@ void compute_factors(const Vector3& normal, const double* directions_xy, std::si
 
 constexpr std::size_t contacts_per_block = 16;  // number of contacts whose sums are accumulated together
 
-// sums(d, m, k) += Σ_i factors(i, m, d) values(i, k) over the contacts i of a block.
-// The steps k run from `begin` to `steps`, both of which are multiples of every SIMD width.
-// The values are forces for the first `num_factors` sums, and areas for the remaining sums.
+// Add Σ_i factors(i, m, d) values(i, k) over the contacts i of a block to sums(direction d, factor m, approach k).
+// The approach index k runs from `begin` to `steps`, both of which are multiples of every SIMD width.
+// For the first `num_factors` sums, `values` are forces. For the remaining sums, `values` are areas.
 template <std::size_t Width>
 STICTION_INLINE void add_block_kernel(const double* factors, const double* force, const double* area,
                                       std::size_t contacts, std::size_t direction_count, std::size_t begin,
@@ -138,7 +138,7 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
         force *= inside.force;
         area *= inside.area;
       }
-      // The reported axes belong to an ellipse of the same shape whose area is the contact area inside the map.
+      // The reported axes belong to an ellipse with the shape of the contact and with the contact area inside the map.
       const double scale = area / (pi * std::sqrt(candidate.ellipse.major * candidate.ellipse.minor));
       result.push_back({candidate.row * candidates.columns + candidate.column,
                         candidate.position - 0.5 * overlap * candidate.normal, candidate.normal,
@@ -179,7 +179,7 @@ std::vector<ArealSums> press(const ArealCandidates& candidates, Values approache
     directions_xy[d] = directions[d].x();
     directions_xy[direction_count + d] = directions[d].y();
   }
-  // Contacts are sorted by their first step, so that the contacts of a block have similar first steps.
+  // Contacts are sorted by the approach at which they begin, so that contacts of a block begin at similar approaches.
   struct Start {
     std::size_t candidate;
     std::size_t begin;

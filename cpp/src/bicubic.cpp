@@ -17,13 +17,13 @@ namespace {
 // At inner points, c_(i-1) + 4 c_i + c_(i+1) = 6 z_i. At the end points, c = z, because the second derivative is zero.
 // The coefficient beyond an end is twice the coefficient at the end minus the coefficient of the inner neighbour.
 
-// Elimination along a row would be sequential, so the inverse is applied instead.
+// Gaussian elimination along a row would be sequential, so the inverse of the matrix is applied instead.
 // The inverse is -6 a / ((1 - a s) (1 - a / s)), where s is a shift by one point, and a = sqrt(3) - 2.
 // The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on.
-// Each factor is applied in a separate pass, in which no point depends on another point.
+// Each factor of the inverse is applied in a separate pass over the row, in which no point depends on another point.
 // Beyond their ends, the row of heights and its spline are continued by point reflection.
 constexpr std::array<Index, 5> shifts{1, 2, 4, 8, 16};
-// Number of points after which the inverse is truncated. The error is 0.268^32 = 5e-19 of a height.
+// Number of points after which the inverse matrix is truncated. The error is 0.268^32 = 5e-19 of a height.
 constexpr Index reach = 32;
 
 struct PassFactors {
@@ -31,7 +31,7 @@ struct PassFactors {
   double overall;
 };
 
-// Factors of each pass: (1 + b² + b (s + 1/s)) / (1 + b²). The last pass includes the remaining constant factor.
+// Factors of a pass over a row: (1 + b² + b (s + 1/s)) / (1 + b²). The last pass includes the constant factor.
 constexpr std::array<PassFactors, shifts.size()> row_passes() {
   std::array<PassFactors, shifts.size()> result{};
   double b = -0.26794919243112270647;  // sqrt(3) - 2
@@ -45,7 +45,7 @@ constexpr std::array<PassFactors, shifts.size()> row_passes() {
   return result;
 }
 
-// Solve along one row in place, including one coefficient beyond each end.
+// Compute the spline coefficients of one row in place, including one coefficient beyond each end.
 // `work` contains 2 · length values, where `length` is the result of `work_length`.
 template <std::size_t Width>
 STICTION_INLINE void solve_row_kernel(double* row, Index points, Index length, double* work) {
@@ -77,9 +77,9 @@ STICTION_KERNEL(solve_row, (double* row, Index points, Index length, double* wor
 
 Index work_length(Index points) { return points + 2 * reach + static_cast<Index>(widest_pack); }
 
-// Along columns, elimination processes many columns in parallel.
+// Along columns, Gaussian elimination processes many columns in parallel.
 
-// Return the pivots of the elimination: 1/4, 1/(4 - 1/4) and so on. The pivots tend to 2 - sqrt(3).
+// Return the pivots of Gaussian elimination: 1/4, 1/(4 - 1/4) and so on. The pivots tend to 2 - sqrt(3).
 std::vector<double> pivots(Index points) {
   std::vector<double> result(static_cast<std::size_t>(points), 0.0);
   for (std::size_t i = 1; i < result.size(); ++i) {
@@ -88,8 +88,8 @@ std::vector<double> pivots(Index points) {
   return result;
 }
 
-// Solve `lines` systems of `points` values in parallel. The values of all systems at one point are adjacent in memory.
-// The values at two successive points are `stride` elements apart.
+// Solve `lines` systems of `points` equations in parallel. The unknowns of all systems at a point are contiguous.
+// The unknowns at two successive points are `stride` elements apart in memory.
 STICTION_MULTIVERSION
 void solve_columns(double* values, Index points, Index lines, Index stride, const double* pivot) {
   for (Index i = 1; i + 1 < points; ++i) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-// Tolerances in units of a cell.
+// Tolerances of positions, in units of the side of a cell.
 // A minimum may lie outside its cell by up to `max_overshoot`, so that no minimum between cells is lost by round-off.
 // Two minima within `merge_distance` count as one minimum.
 constexpr double max_overshoot = 1e-8;
@@ -23,7 +23,7 @@ constexpr double merge_distance = 1e-6;
 // ---- Prefilter: vectorised exclusion of cells -----------------------------------------------------------------------
 
 // The spline in a cell lies within the range of its 16 coefficients.
-// Each derivative lies within the range of the differences of these coefficients.
+// Each derivative of the spline lies within the range of the differences of its 16 coefficients.
 // A minimum is possible only if the lowest coefficient is at most `max_value` and both derivatives may be zero.
 
 STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
@@ -51,7 +51,7 @@ void mark_low(const double* coefficients, Index cells, double max_value, unsigne
   }
 }
 
-// Ranges of four coefficients in a column, of their differences along y, and of the differences to the next column (x).
+// Smallest coefficient of four successive rows in each column, and ranges of the differences along x and along y.
 struct Ranges {
   explicit Ranges(Index columns) : buffer(static_cast<std::size_t>(5 * columns)), size(columns) {}
   double* lowest() { return buffer.data(); }
@@ -113,7 +113,7 @@ using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
 // Number of cells that are classified together.
 constexpr std::size_t cells_per_batch = 8;
 
-// Result of the sign tests for a part of a cell: no minimum, convex (at most one minimum), or undecided.
+// Result of the sign tests for a part of a cell: without minimum, convex (at most one minimum), or undecided.
 enum class CellClass : unsigned char { excluded, convex, undecided };
 
 // Bernstein coefficients of several squares in SIMD registers.
@@ -191,8 +191,8 @@ STICTION_INLINE void to_bernstein(P& c0, P& c1, P& c2, P& c3) {
   c3 = d;
 }
 
-// Convert B-spline coefficients to Bernstein coefficients in place, and classify the cells.
-// Also returns the round-off of the values in each cell.
+// Convert the B-spline coefficients of several cells to Bernstein coefficients in place, and classify the cells.
+// Also returns the round-off of the spline in each cell.
 template <std::size_t Width>
 STICTION_INLINE void classify_cells_kernel(double* coefficients, double max_value, double* round_off,
                                            CellClass* classes) {
@@ -299,8 +299,8 @@ class Cell {
   Cell(const MatrixView& coefficients, Index row, Index column, double max_value)
       : coefficients_(coefficients), row_(row), column_(column), max_value_(max_value) {}
 
-  // Call visit(minimum) for each minimum.
-  // The values and derivatives of these minima are not set, and their positions may be slightly outside the cell.
+  // Call visit(minimum) for each minimum of the cell.
+  // The visited minima have no values and derivatives yet, and their positions may be slightly outside the cell.
   template <class Visit>
   void search(const Net& net, double round_off, CellClass cell_class, const Visit& visit) const {
     search_part(net, 0.0, 0.0, 1.0, round_off, cell_class, visit);
@@ -473,8 +473,8 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
     }
   }
   std::stable_sort(all_minima.begin(), all_minima.end(), precedes);
-  // Remove the second copy of minima that were found twice, in two cells or in two parts of a cell.
-  // At this stage, both copies of a minimum that was found twice belong to the same cell.
+  // A minimum may have been found twice, in two cells or in two parts of a cell. Remove its second copy.
+  // Both copies of a minimum belong to the same cell, because `move_to_owner` has been applied.
   std::vector<Minimum> result;
   result.reserve(all_minima.size());
   for (const Minimum& minimum : all_minima) {

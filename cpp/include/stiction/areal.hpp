@@ -1,21 +1,21 @@
-// Contact of two height maps. Each contact is a Hertzian ellipse at a local minimum of the splined gap.
+// Contact of two height maps. Each contact is a Hertzian ellipse at a local minimum of the spline of the gap.
 //
 // The x axis points along a row of a map and the y axis along a column. Both maps have the same grid.
 // The approach [µm] is the displacement of the upper surface towards the lower surface.
 // The approach is zero when the first grid points come into contact.
-// At a minimum of the gap, both surfaces have the same slope, so a contact has the same normal at every approach.
-// The normal is assumed not to rotate as the overlap grows, because the rotation is of second order in overlap/radius.
+// At a minimum of the gap, both surfaces have the same slope, which defines the contact normal.
+// The contact normal stays constant as the overlap grows, because its rotation is of second order in overlap/radius.
 //
 // If the edge of the map cuts a contact ellipse, the Hertzian pressure is integrated over the part inside the map.
-// The force and the area of a contact at the edge of the map therefore never decrease with the approach.
-// A valley longer than the map contributes only its part inside the map.
+// The force and the area of a contact at the edge of the map never decrease with the approach.
+// If a valley is longer than the map, only its part inside the map carries load.
 //
-// Without special rules, round-off would determine whether some nearly level points are contacts.
-// The rules below make the result independent of rotating, mirroring, swapping or shifting the pair of maps.
-// A slope or curvature counts as zero if it is below 2^-26 of the range of the gap per grid spacing.
+// Without special rules, round-off would decide whether nearly level points are contacts.
+// With these rules, the result does not change if the pair of maps is rotated, mirrored, swapped or shifted.
+// - A slope or a curvature of the gap counts as zero if it is below 2^-26 of the gap range per grid spacing.
 // - A minimum that is not curved upwards in every direction is a level valley or plateau.
 // A level valley or plateau is not a contact, because it has no lowest point.
-// The grid points of a level plateau count as grid minima without a spline minimum.
+// Grid points of a level plateau count as minima of the grid at which the spline has no minimum.
 // - A surface that is not concave counts as a summit, even if it is flat in one or both directions.
 // - A contact whose slope along the motion is zero does not oppose the motion.
 #pragma once
@@ -43,9 +43,9 @@ struct SurfacePair {
 };
 
 /// Contact normal and relative curvatures at a point where two surfaces have the same slope p.
-/// `xx, xy, yy` [1/µm] is the Hessian matrix of the gap at this point.
+/// `xx, xy, yy` [1/µm] is the Hessian matrix of the gap at the contact point.
 /// The relative curvatures are the eigenvalues of the Hessian, divided by q = sqrt(1 + p²).
-/// The eigenvalues are computed in the metric I + p pᵀ of the tangent plane.
+/// The eigenvalues of the Hessian are computed in the metric I + p pᵀ of the tangent plane.
 struct ContactGeometry {
   Vector3 normal;  ///< unit vector from the lower to the upper surface, (-p, 1)/q
   Radii radii;     ///< principal radii of the relative curvature, both > 0
@@ -139,13 +139,14 @@ inline constexpr std::array areal_quantities{
                   &ArealSums::unanswered_count},
 };
 
-/// List the contacts at one approach [µm] >= 0, in the order of the candidates. `index` is row · columns + column.
+/// List the contacts at one approach [µm] >= 0, in the order of the candidates.
+/// The index of a contact is row · columns + column.
 std::vector<Contact> contacts(const ArealCandidates& candidates, double approach, const Law& law,
                               const Vector2& direction);
 
 /// Compute the contact sums for every direction and approach. The results are ordered by direction, then by approach.
 /// Approaches [µm] must be at least 0 and strictly increasing. Directions are horizontal unit vectors.
-/// The law HertzSphere uses the contact ellipse. Other laws for spheres use a sphere of the mean radius.
+/// The law HertzSphere is applied to the contact ellipse. Other laws are applied to a sphere of the mean radius.
 /// Throws std::invalid_argument for invalid arguments and for HertzCylinder.
 std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const Law& law,
                              std::span<const Vector2> directions, Sliding sliding,

@@ -21,7 +21,7 @@ void natural_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Re
                     Eigen::Ref<Matrix> along_y);
 
 /// Value and derivatives of a spline at a point.
-/// The derivatives are with respect to x and y in units of the grid spacing.
+/// The derivatives of the spline are taken with respect to x and y, both in units of the grid spacing.
 struct Jet {
   double value;  ///< value of the spline [µm]
   double x;

@@ -31,15 +31,15 @@ struct CellRange {
 /// Find all minima of a spline in a range of cells, in the order of the cells, row by row.
 /// The spline is specified by its coefficients (see natural_bicubic).
 /// The result does not include minima above `max_value` [µm] and minima on the edge of the map.
-/// Valleys whose curvature is due to round-off are not included either.
+/// The result does not include valleys whose curvature is only round-off.
 /// A minimum within 1e-6 of the boundary of two cells belongs to the right or the upper of these cells.
 /// A minimum at the edge of the given range may therefore belong to a cell outside this range.
 ///
 /// The search is exhaustive. Each cell is subdivided until the signs of the Bernstein coefficients classify every part.
-/// The signs of the coefficients either exclude a minimum in a part or show that the spline is convex in this part.
-/// In a convex part, Newton's method finds the only possible minimum.
-/// Subcells with a side of 1/64 of a cell may remain undecided, for example where a minimum is about to vanish.
-/// In undecided parts, Newton's method shows whether there is a minimum.
+/// The signs either exclude a minimum in a part of a cell, or show that the spline is convex in this part.
+/// In a convex part of a cell, Newton's method finds the only possible minimum.
+/// Parts with a side of 1/64 of a cell may remain undecided, for example where a minimum is about to vanish.
+/// In an undecided part of a cell, Newton's method shows whether there is a minimum.
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation = {});
 
