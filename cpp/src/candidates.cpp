@@ -16,7 +16,7 @@
 namespace stiction {
 namespace {
 
-// A profile, and the derivatives of the spline through the whole profile in an index range.
+// A profile, and the derivatives of its spline in a range of indices. The spline interpolates the whole profile.
 class SplinedProfile {
  public:
   SplinedProfile(Values heights, double max_abs, double spacing, Side side)
@@ -66,7 +66,7 @@ class SplinedProfile {
   std::vector<double> curvature_;
 };
 
-// Point at which the detection method allows contact.
+// Point of a pair of profiles at which the detection method allows contact.
 struct Site {
   std::size_t index;    // index of the grid point
   double offset;        // distance from the grid point [µm]
@@ -174,8 +174,8 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
   const bool by_cell = detection == Detection::cell;
   const bool two_convex_spheres = curvature == Curvature::convex && !upper.is_flat() && !lower.is_flat();
 
-  // In cell detection, each cell belongs to a grid point, and the gap of the cell is the gap at this point.
-  // In gap-minimum detection, a minimum lies to the right of a grid point and may be lower than both adjacent points.
+  // In cell detection, the gap of a cell is the gap at its grid point.
+  // In gap-minimum detection, a minimum of the gap may lie below both adjacent grid points, by at most `dip`.
   const double dip = by_cell ? 0.0 : max_dip(pair.upper, pair.lower);
   constexpr std::size_t chunk_size = 254;  // number of points in a chunk of derivatives
   std::array<unsigned char, chunk_size> marks;

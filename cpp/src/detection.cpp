@@ -9,7 +9,7 @@
 namespace stiction {
 namespace {
 
-// Accumulators of a pass over both profiles, with one value for each SIMD lane.
+// Largest |heights| and NaN markers of two profiles, accumulated in one pass, with one element for each SIMD lane.
 struct PassSums {
   static constexpr std::size_t lanes = 16;
 
@@ -19,7 +19,7 @@ struct PassSums {
   double lower_max_abs[lanes] = {};
 };
 
-// Accumulate over all points. The smallest gap of each block is written to block_min_gap.
+// Accumulate the largest |heights| over all points, and write the smallest gap of each block to `block_min_gap`.
 STICTION_MULTIVERSION
 PassSums scan_blocks(const double* upper, const double* lower, std::size_t size, double* block_min_gap) {
   constexpr std::size_t lanes = PassSums::lanes;
@@ -151,7 +151,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double upper_slope = derivatives.upper_slope[i];
     const double lower_slope = derivatives.lower_slope[i];
     const double gap = (upper[i] - lower[i]) - zero;
-    // The radius is R = scale q, and the offset of the sphere centre is scale (slope, 1). The signs depend on the side.
+    // With scale = ±q²/f'', the osculating sphere has the radius scale q, and its centre is offset by scale (f', 1).
     const double upper_q2 = 1.0 + upper_slope * upper_slope;
     const double lower_q2 = 1.0 + lower_slope * lower_slope;
     const double upper_scale = upper_q2 / derivatives.upper_curvature[i];
@@ -169,8 +169,8 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(separation_x) + std::abs(half_excess));
     // The contact centre is at x = middle - half_excess * separation_x / distance.
     // The distance of the sphere centres lies between `min_distance` and `max_distance`.
-    // Both sides of the comparison are multiplied by the distance, which avoids a division.
-    // Points with NaN are marked, so that the exact rules are applied to these points.
+    // Both sides of the comparison with the cell edges are multiplied by the distance, which avoids a division.
+    // Points whose derivatives are NaN are marked, so that the exact rules are applied to them.
     const double shift = half_excess * separation_x;
     const double left_edge = middle - limit;
     const double right_edge = middle + limit;

@@ -57,7 +57,7 @@ Ellipse hertz_ellipse(double longer, double shorter) {
   }
   const double target = shorter / longer;
   // Newton's method is applied to the logarithms of shorter/longer and k, because their relation is almost linear.
-  // The slope of this relation is 1.5 at k = 1 and 2 at k = 0.
+  // The derivative of ln(shorter/longer) with respect to ln k is 1.5 at k = 1 and 2 at k = 0.
   double k = std::cbrt(target * target);
   Integrals values = integrals(k);
   for (int i = 0; i < 20; ++i) {

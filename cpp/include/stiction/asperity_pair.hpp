@@ -5,7 +5,7 @@
 // Code for all types of asperity pairs uses only `contact_at` and `is_separated`.
 // Positions are relative to the point of the lower surface at which the two asperities face each other.
 // The approach [µm] is the displacement of the upper surface towards the lower surface since first contact.
-// `gap` [µm] is the height difference between the two surface points at first contact of the surfaces.
+// `gap` [µm] is the vertical distance between the two facing points when the surfaces first touch.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -42,10 +42,10 @@ enum class Curvature { convex, signed_ };
 
 /// Two spheres, at most one of which is concave (Eq. 4).
 /// With the penetration p = δ - gap, the vector between the centres is X = -p e_z + R_l n_l - R_u n_u.
-/// The overlap is R_u + R_l minus the signed length of X.
-/// For a nearly flat surface, R_u + R_l - |X| is a difference of two large numbers, without correct digits.
-/// The overlap is therefore evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
-/// The contact centre is measured from the smaller sphere, because large radii would cancel too.
+/// The overlap of the spheres is R_u + R_l minus the signed length of X.
+/// If a surface is nearly flat, the difference R_u + R_l - |X| of two large numbers has no correct digits.
+/// The overlap is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|), which avoids this cancellation.
+/// The contact centre is computed from the smaller sphere, because the larger radius would cause cancellation.
 struct SpherePair {
   Vector3 separation;      ///< vector X at penetration p = 0 [µm]
   double gap;              ///< gap at first contact of the surfaces [µm]
@@ -59,9 +59,9 @@ struct SpherePair {
 
   /// Compute the contact point at a given approach [µm].
   ContactPoint contact_at(double approach) const;
-  /// Return whether contact_at(approach).overlap <= 0, without a division and a square root.
+  /// Return whether the overlap at an approach is zero or negative, without computing a division or a square root.
   bool is_separated(double approach) const;
-  /// Return (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
+  /// Return the numerator of the overlap: (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
   double overlap_numerator(double penetration) const {
     return sign * (misalignment + penetration * (2.0 * separation.z() - penetration));
   }
@@ -127,7 +127,7 @@ inline bool SpherePair::is_separated(double approach) const { return !(overlap_n
 
 inline ContactPoint SphereOnFlat::contact_at(double approach) const {
   const double penetration = approach - gap;
-  // Along the normal, the overlap is the height of the sphere's pole above its surface point plus the penetration.
+  // The overlap along the normal n of the flat is R ± centre · n + penetration · n_z.
   const double overlap = radius + (sphere_is_lower ? 1.0 : -1.0) * centre.dot(normal) + penetration * normal.z();
   const double depth = radius - 0.5 * overlap;
   if (sphere_is_lower) {

@@ -19,7 +19,7 @@ namespace stiction {
 
 /// Method of contact detection.
 /// With `cell`, a grid point is in contact if the contact centre lies within half a spacing of the point (Eq. 5).
-/// With `gap_minimum`, each local minimum of the splined gap is one candidate for all approaches.
+/// With `gap_minimum`, each local minimum of the spline of the gap is one candidate, at every approach.
 /// The result of `gap_minimum` does not depend on the grid if the grid resolves the surfaces.
 enum class Detection { cell, gap_minimum };
 
@@ -36,9 +36,9 @@ struct ProfilePair {
 };
 
 /// Two asperities that face each other.
-/// The asperities touch if the approach is at least `gap` and the rules of `classify` are met.
+/// The two asperities touch if the approach is at least `gap` and the rules of `classify` are met.
 struct Candidate {
-  /// Index of the grid point or, with `gap_minimum`, of the grid point to the left of the minimum.
+  /// Index of the grid point. With `gap_minimum`, this is the grid point to the left of the minimum.
   Index index;
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;
@@ -50,17 +50,17 @@ struct Candidate {
 };
 
 /// Call visit(candidate) for every candidate whose gap is at most `deepest` [µm] >= 0, from left to right.
-/// With Detection::cell, a candidate may be omitted if it cannot touch within its cell at approaches up to `deepest`.
+/// With Detection::cell, candidates that cannot touch within their cells at approaches up to `deepest` may be omitted.
 /// Both profiles must have the same number of heights, at least 4. Heights must be finite, and the spacing positive.
 /// Throws std::invalid_argument.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});
 
-/// Run the prefilter on a pair of profiles. Throws std::invalid_argument if their numbers of points differ.
+/// Compute the smallest gaps of a pair of profiles. Throws std::invalid_argument if their numbers of points differ.
 Prefilter run_prefilter(const ProfilePair& pair);
 
-/// Call visit(candidate) for every candidate of a pair whose prefilter is already available.
+/// Call visit(candidate) for every candidate of a pair whose smallest gaps `prefilter` already contains.
 void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, double deepest, Detection detection,
                         Curvature curvature, const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});

@@ -40,7 +40,7 @@ struct Contact {
 
 /// List the contacts at one approach [µm] >= 0, in the order of the grid.
 /// Throws std::invalid_argument for invalid arguments (see `for_each_candidate` and `check`).
-/// An approach above the limit `deepest` of the candidates is invalid too.
+/// Also throws if an approach exceeds `deepest`, the limit up to which candidates were collected.
 std::vector<Contact> contacts(const ProfilePair& pair, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});
 std::vector<Contact> contacts(const Candidates& candidates, double approach, const ContactModel& model,
@@ -48,8 +48,7 @@ std::vector<Contact> contacts(const Candidates& candidates, double approach, con
 
 /// Compute the contact sums at several approaches [µm].
 /// Approaches must be at least 0 and strictly increasing. Throws the same exceptions as `contacts`.
-/// The overload for candidates uses only the law, the direction and the sliding rule of the model.
-/// The candidates have already determined the detection method and the curvature rule.
+/// The overload for candidates ignores the detection method and the curvature rule of the model.
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,
                         const CancellationCheck& check_cancellation = {});
 std::vector<Sums> press(const ProfilePair& pair, const Prefilter& prefilter, Values approaches,

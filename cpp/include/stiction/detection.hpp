@@ -13,8 +13,8 @@
 
 namespace stiction {
 
-/// Smallest gap of two profiles at all grid points and in each block of points, computed in one pass.
-/// The smallest gap of a block shows whether this block can come into contact.
+/// Smallest gap of two profiles on the whole grid and in each block of points, computed in one pass.
+/// A block of points whose smallest gap exceeds the approach cannot come into contact.
 struct Prefilter {
   static constexpr std::size_t block = 64;
 
@@ -30,7 +30,7 @@ struct Prefilter {
   void add(Values upper, Values lower);
 };
 
-/// Run the prefilter on two profiles.
+/// Compute the smallest gaps of two profiles.
 Prefilter run_prefilter(Values upper, Values lower);
 
 /// Range of indices from `begin` to `end`, excluding `end`.
@@ -43,8 +43,8 @@ struct IndexRange {
 /// Contact is possible at points whose gap at first contact is at most `max_gap` [µm].
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
-/// Return an upper bound [µm] on the amount by which the splined gap falls below the smallest gap on the grid.
-/// The bound is 3/8 of the largest second difference of the gap.
+/// Return an upper bound [µm] on the distance by which the spline of the gap dips below the smallest gap on the grid.
+/// The bound is 3/8 of the largest second difference of the gap between successive grid points.
 /// The second derivative f'' of a natural spline is at most 3/Δx² times the largest second difference.
 /// A cubic dips below its end points by at most Δx² / 8 times its largest |f''|.
 double max_dip(Values upper, Values lower);
@@ -62,21 +62,21 @@ struct Derivatives {
 };
 
 /// Mark the points at which contact is possible for at least one approach up to `max_approach` [µm].
-/// Contact is possible where both profiles are convex and the contact centre passes through the cell.
+/// Contact is possible where both profiles are convex and the contact centre passes through the cell of the point.
 /// Every point at which contact is possible is marked. Other points may be marked too.
 /// The contact centre moves in one direction during the approach, so testing both ends of its path is sufficient.
-/// `zero` is the gap at first contact [µm].
+/// `zero` [µm] is the smallest gap on the grid, at which the approach is zero.
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);
 
-/// Mark intervals [x_i, x_(i+1)) in which the splined gap may have a minimum.
+/// Mark intervals [x_i, x_(i+1)) in which the spline of the gap may have a minimum.
 /// The signs of the derivatives at both ends of an interval show whether a minimum is possible.
-/// There is one derivative more than there are intervals, because both ends of an interval have a derivative.
+/// `size` intervals have size + 1 ends, so `derivatives` must contain size + 1 elements.
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks);
 
-/// Return the position of the local minimum of the splined gap in an interval [0, spacing) [µm], if there is one.
+/// Return the position of the local minimum of the spline of the gap in an interval [0, spacing) [µm], if there is one.
 /// Inputs are the slopes [-] and curvatures [1/µm] of the gap at both ends of the interval.
-/// The slope is quadratic in the interval. The minimum is the root of the slope at which the gap is convex.
+/// The slope of the gap is quadratic in the interval. The minimum is the root of the slope at which the gap is convex.
 /// A minimum at a grid point belongs to the interval on its right. The first point of a profile is never a minimum.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
@@ -88,14 +88,14 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
   if (slope == 0.0 && curvature > 0.0 && !at_first_point) {
     return 0.0;
   }
-  // slope + curvature t + half_rate t²
+  // The slope of the gap at the distance t from the left end is slope + curvature t + half_rate t².
   const double half_rate = (next_curvature - curvature) / (2.0 * spacing);
   const double discriminant = curvature * curvature - 4.0 * half_rate * slope;
   if (!(discriminant > 0.0)) {
     return std::nullopt;
   }
   const double root = std::sqrt(discriminant);
-  // The minimum is the root at which the quadratic increases. The formula avoids cancellation.
+  // At a minimum of the gap, the slope increases through zero. Both forms of the quadratic formula avoid cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
     // The signs of the slope at both ends guarantee a root in the interval.

@@ -3,10 +3,10 @@
 
 namespace stiction {
 
-/// Elliptic contact at unit overlap.
+/// Elliptic Hertzian contact, described by its semi-axes and force at unit overlap.
 /// For any overlap d [µm] > 0 and E* [GPa], the semi-axes are a = sqrt(major d) and b = sqrt(minor d).
 /// The area is A = π sqrt(major minor) d, and the force is F = 4/3 E* sqrt(force_radius) d^(3/2).
-/// For spheres, all three members equal R.
+/// For two spheres, all three members equal the effective radius R.
 struct Ellipse {
   double major;         ///< a²/d [µm]
   double minor;         ///< b²/d [µm]

@@ -2,7 +2,7 @@
 //
 // Each law is a struct whose members are its parameters, its name and the list of its parameters.
 // A law computes the force, the area and the semi-axes of the contact patch from the overlap and the radii.
-// To make a new law available everywhere, add its struct to the variant `Law` below.
+// To make a new law available everywhere, add its struct to the variant `Law`.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -68,8 +68,8 @@ struct HertzCylinder {
 };
 
 /// An elastic, perfectly plastic sphere: Jackson & Green, J. Tribol. 127 (2005) 343.
-/// Hertz theory applies up to 1.9 times the critical interference, and a fit to finite-element results above.
-/// The fit covers contact radii up to 0.41 R. The load jumps by less than 1 % at the transition.
+/// Up to 1.9 times the critical interference, Hertz theory applies. Above, a fit to finite-element results applies.
+/// The fit covers contact radii up to 0.41 R. The load jumps by less than 1 % between Hertz theory and the fit.
 struct JacksonGreen {
   double effective_modulus;  ///< E* [GPa] > 0
   double yield_strength;     ///< yield strength S_y [GPa] of the softer body, above 0 and below E*/10

@@ -22,7 +22,7 @@ using BatchFunction = std::function<std::vector<double>(Values)>;
 /// If the function jumps over the level, the result is the argument just after the jump.
 /// The method combines inverse quadratic interpolation and bisection.
 /// Chandrupatla, Advances in Engineering Software 28 (1997) 145.
-/// All levels are searched in the same calls, because many arguments take hardly longer than one argument.
+/// Each call of the function serves all levels, because a call with many arguments takes hardly longer than with one.
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
                                    double tolerance);
 

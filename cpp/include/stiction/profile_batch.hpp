@@ -1,5 +1,5 @@
 // Contact of many pairs of profiles in one call. For example, the pairs may differ only in their fractal dimension.
-// Each pair consists of one row of a matrix and the same row of a second matrix.
+// Row i of a matrix of upper profiles and row i of a matrix of lower profiles form a pair.
 #pragma once
 
 #include "stiction/amplitude.hpp"

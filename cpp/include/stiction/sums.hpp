@@ -38,7 +38,7 @@ struct Sums {
   double normal_adhesive = 0.0;        ///< Σ_sliding A t_z    [mN] per GPa of tau0
   double tangential_adhesive = 0.0;    ///< -Σ_sliding A s·t   [mN] per GPa of tau0
 
-  // Sums from which the validity indicators of the model are computed. R is the mean radius of a contact.
+  // Sums that show whether the assumptions of the model are met. R is the mean radius of a contact.
   double overlap_load = 0.0;       ///< Σ F n_z overlap/R                       [mN]
   double load_beyond_hertz = 0.0;  ///< Σ F n_z of contacts with overlap > R/10 [mN]
   double load_below_grid = 0.0;    ///< Σ F n_z of contacts with R < Δx         [mN]
@@ -87,7 +87,7 @@ Vector3 tangent(const Vector3& normal, const Vector2& direction);
 /// Return whether the normal force of a contact on the upper surface is directed against the motion.
 inline bool opposes(const Vector3& normal, const Vector2& direction) { return normal.head<2>().dot(direction) < 0.0; }
 
-/// Factors of the force components that a sliding contact exerts on the upper surface.
+/// Factors that project the forces of a sliding contact on the upper surface.
 /// The normal force is multiplied by -s·n. The friction force is multiplied by t_z and by -s·t.
 struct SlidingFactors {
   double push;  ///< -s·n
@@ -95,7 +95,7 @@ struct SlidingFactors {
   double drag;  ///< -s·t, the length of the part of n perpendicular to s
 };
 
-/// Compute the factors for a contact normal and a direction of motion.
+/// Compute the force factors of a sliding contact from its normal and the direction of motion.
 SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction);
 
 /// Return the normal load F_N or the tangential load F_T [mN] for mu0 [-] and tau0 [GPa].
@@ -119,7 +119,7 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
   const double along = normal.head<2>().dot(direction);
   const double across = normal.y() * direction.x() - normal.x() * direction.y();
   if (across == 0.0) {
-    // A normal in the plane of s and z, like every normal of a profile, requires no normalisation.
+    // If the contact normal lies in the plane of s and z, as on profiles, the tangent needs no normalisation.
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
   // Components of the friction tangent along the motion s, across s and upwards.
