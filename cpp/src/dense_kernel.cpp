@@ -59,7 +59,7 @@ std::vector<Real> DenseKernel::matrix() const {
 template std::vector<double> DenseKernel::matrix<double>() const;
 template std::vector<float> DenseKernel::matrix<float>() const;
 
-// The matrix is symmetric. Adding whole rows reads memory sequentially, and skips points without pressure.
+// Because the matrix is symmetric, the product is a sum of rows. Rows of points without pressure are skipped.
 template <class Real, class Row>
 void DenseKernel::add_rows(std::span<const Real> pressure, Row row, std::span<Real> displacements) const {
   std::vector<Real> sums(points_.size(), Real{0});

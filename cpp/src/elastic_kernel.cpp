@@ -27,28 +27,28 @@ constexpr std::size_t rows_ahead = 16;
 // Smaller areas are not divided between threads, because the threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of all stencil weights, as a fraction of the weight of the centre.
-// The sum multiplies long wavelengths, so it must be small for contact patches that are many points wide.
+// The sum of the weights multiplies long wavelengths, so it must be small if contact patches are many points wide.
 constexpr double stencil_sum = 0.04;
 // Number of points along each axis of the periodic area from which the stencil is computed.
 constexpr std::size_t stencil_points = 32;
 
-// Return the stride of rows in memory.
+// Return the distance in memory between the starts of successive rows.
 // Rows start at cache-line boundaries, and successive rows start an odd number of cache lines apart.
-// With this stride, a column is spread over all cache sets.
+// An odd number of cache lines from row to row spreads a column over all cache sets.
 template <class Real>
 std::size_t padded_stride(std::size_t count) {
   constexpr std::size_t numbers_per_line = alignment / sizeof(std::complex<Real>);
   return ((count + numbers_per_line - 1) / numbers_per_line | 1) * numbers_per_line;
 }
 
-// Two real numbers are packed into one complex number for the transform.
+// For the Fourier transform, two real numbers are packed into one complex number.
 // Let z be the Fourier coefficients of the packed numbers, and let h be the factors, which are real and even.
 // Let m be half the number of points, and θ = πk/m. The coefficients of the packed result are
 //
 //     (a - b sin θ) z(k) + i b cos θ conj(z(m - k)),    a = (h(k) + h(m - k))/2,  b = (h(k) - h(m - k))/2.
 //
-// Since i conj(x + iy) = y + ix, both terms are sums of real numbers.
-// The coefficients are read forwards at k and backwards at m - k.
+// Since i conj(x + iy) = y + ix, the second term swaps the real and the imaginary part of z(m - k).
+// The Fourier coefficients are read forwards at k and backwards at m - k.
 STICTION_MULTIVERSION
 void multiply_line(const float* coefficients, const float* direct_factors, const float* mirrored_factors,
                    std::size_t size, float* __restrict result) {
@@ -71,9 +71,9 @@ void multiply_line(const double* coefficients, const double* direct_factors, con
   }
 }
 
-// Multiply the columns k and m - k of a two-dimensional transform by their factors.
+// Multiply the columns k and m - k of a two-dimensional transform by the factors of their wavenumbers.
 // Along y, `second` is traversed backwards, because it belongs to the wavenumber of the opposite sign.
-// Each factor is repeated for the real and the imaginary part.
+// Each factor appears twice, for the real and the imaginary part of a coefficient.
 template <class Real>
 STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict second, const Real* first_factors,
                                        const Real* second_factors, const Real* mixing_factors, std::size_t size) {
@@ -89,8 +89,8 @@ STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict 
 constexpr std::size_t wavenumbers_per_block = 64;
 
 // Multiply columns k and m - k by `factors` and `mirrored_factors`, with θ = πk/m.
-// The factors are given for wavenumbers along y up to half of `size`.
-// Coefficient i of one column is combined with coefficient size - i of the other column.
+// `factors` contains the factors for wavenumbers along y up to half of `size`.
+// Coefficient i of column k is combined with coefficient size - i of column m - k.
 // Coefficients i and size - i have the same factors.
 template <class Real>
 STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict second, const Real* factors,
@@ -478,9 +478,9 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
   return factors;
 }
 
-// Return the displacement of the origin due to a pressure of 1 GPa.
+// Return the displacement [µm] of the origin due to a pressure of 1 GPa.
 // On a line, the pressure acts between the origin and x.
-// In the overload below, the pressure acts on the rectangle between the origin and the corner (x, y).
+// On an area, the pressure acts on the rectangle between the origin and the corner (x, y).
 double corner_integral(double x, double effective_modulus) {
   // Integral of -2/(π E*) ln|x|. A different length unit would only shift all displacements equally.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
@@ -493,7 +493,7 @@ double corner_integral(double x, double y, double effective_modulus) {
 double cell_edge(std::size_t i, double spacing) { return (static_cast<double>(i) - 0.5) * spacing; }
 
 // Compute the displacement in each column of the row of cells that is `row` rows from a loaded cell.
-// The pressure on the loaded cell is 1 GPa. On a line, `row` is 0.
+// The pressure on the loaded cell is 1 GPa. On a line, the argument `row` is 0.
 void compute_influence_row(const Grid& grid, double effective_modulus, std::size_t row, std::span<double> influence) {
   const std::size_t count = influence.size();
   const auto corner = [&](std::size_t i, std::size_t j) {
@@ -517,8 +517,8 @@ TransformShape transform_shape(const Grid& grid) {
   return {grid.rows, grid.columns, grid.line ? 1 : padded_length(grid.rows), padded_length(grid.columns)};
 }
 
-// Return the Fourier coefficients of the displacement per pressure.
-// The coefficients are in the order (wavenumber along x, wavenumber along y).
+// Return the Fourier coefficients of the displacement per pressure [µm/GPa].
+// The Fourier coefficients are in the order (wavenumber along x, wavenumber along y).
 std::vector<double> compliance(const TransformShape& shape, const Grid& grid, double effective_modulus, FftPlans& plans,
                                Scratch& scratch, const ThreadPool& pool) {
   if (grid.periodic) {
@@ -528,8 +528,8 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
     return factors;
   }
   // The influence coefficients are symmetric along both axes, and the padded sizes are even numbers.
-  // One quadrant of the influence coefficients therefore determines their transform.
-  // Beyond the grid, the values at the last grid points are repeated. No result depends on the repeated values.
+  // One quadrant of the influence coefficients therefore determines their Fourier transform.
+  // Beyond the grid, the last influence coefficients are repeated. No result depends on the repeated coefficients.
   const std::size_t width = shape.factors_along_x();
   const std::size_t height = shape.factors_along_y();
   std::vector<double> factors(width * height);
@@ -566,7 +566,7 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
 }
 
 // Return the stencil: the periodic stiffness operator of a small area, evaluated at the origin and its neighbours.
-// The operator is summed directly over the wavenumbers of this area.
+// The stiffness operator is summed directly over the wavenumbers of the small area.
 std::array<double, 9> compute_stencil(const Grid& grid, double effective_modulus) {
   Grid small = grid;
   small.rows = small.columns = stencil_points;
@@ -619,7 +619,7 @@ struct Workspace::Buffers {
 Workspace::Workspace() : buffers_(std::make_unique<Buffers>()) {}
 Workspace::~Workspace() = default;
 
-// Filters are computed on first use, because most calculations need only some of them.
+// Spectral filters are computed on first use, because most calculations need only some of them.
 struct ElasticKernel::Transforms {
   TransformShape shape;
   double effective_modulus;
@@ -701,8 +701,8 @@ void ElasticKernel::apply_foundation_compliance(std::span<const float> loads, do
 }
 
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus) {
-  // The displacement of a point is a combination of the integrals up to the four corners of the grid.
-  // By symmetry, the displacements need to be computed at only a quarter of the points.
+  // The displacement of a point is the sum of `corner_integral` over the four corners of the grid.
+  // By symmetry, the displacements due to uniform pressure need to be computed at only a quarter of the points.
   const auto displacement = [&](std::size_t row, std::size_t column) {
     double sum = 0.0;
     for (const std::size_t j : {column + 1, grid.columns - column}) {

@@ -26,12 +26,12 @@ struct SolverMemory {
 
 namespace {
 
-// Minimum number of points along an axis of the coarsest grid.
+// Minimum number of points along each axis of the coarsest grid.
 constexpr std::size_t min_points_per_axis = 16;
 // Maximum number of points of a grid whose influence coefficients are stored.
 constexpr std::size_t max_influence_points = std::size_t{1} << 20;
-// Solver tolerance on the coarser grids.
-// The tolerance can be large, because the discretisation error is even larger on these grids.
+// Relative tolerance of solutions on coarser grids.
+// On coarser grids, a large tolerance is enough, because the discretisation error is even larger.
 constexpr double coarse_tolerance = 3e-3;
 // Maximum ratio of two loads on an area. Up to this ratio, the solution at one load is a good start for the other load.
 constexpr double max_load_ratio = 1.3;
@@ -40,35 +40,34 @@ constexpr double max_load_ratio = 1.3;
 constexpr std::int64_t max_iterations = 2000;
 constexpr std::int64_t max_coarse_iterations = 100;
 // Maximum number of evaluations of displacements in double precision.
-// More evaluations are needed only if round-off prevents convergence.
+// A solution needs more evaluations in double precision only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
-// Largest accepted relative difference between displacements that should be equal.
-// The error of the compliance is the square of this difference, about 1e-7.
+// Largest accepted relative difference between the displacements of contact points, which should all be equal.
+// The error of the compliance depends on the square of this difference, and is about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// Factor by which the accepted difference is reduced in problems that define only differences of displacements.
-// In such problems, the compliance is not an energy, so its error is not the square of the difference.
+// Factor on `compliance_tolerance` for problems that define only differences of displacements.
+// The compliance of such a problem is not an energy, so its error does not depend on the square of the difference.
 constexpr double difference_tolerance = 0.03;
 // Maximum number of contact points whose linear response is computed with a dense matrix.
-// Up to this number, the solution with the matrix is faster than the solution with transforms of the grid.
+// Up to 1024 contact points, solving with the matrix is faster than solving with transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
 // Limits for computing displacements with a dense matrix, only at points that can come into contact.
-// `max_matrix_ratio` is the largest ratio of matrix elements to grid points.
-// Up to this ratio, products with the matrix are faster than transforms of the grid.
-// `max_selected_points` limits the matrix to 16 MiB.
+// Up to `max_matrix_ratio` matrix elements per grid point, the matrix is faster than transforms of the grid.
+// `max_selected_points` limits the size of the matrix to 16 MiB.
 constexpr std::size_t max_matrix_ratio = 16;
 constexpr std::size_t max_selected_points = 2048;
-// Points are selected if their gap is below this multiple of the current approach.
-// The gap and the approach are measured from the lowest gap.
+// Points can come into contact if their gap is below `selection_approach_ratio` times the current approach.
+// Both the gap and the approach are measured from the lowest gap of the grid.
 constexpr double selection_approach_ratio = 1.1;
 // Number of grid points per task in loops over the grid.
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
-// A deviation of displacements below this limit counts as round-off.
-// The limit is a fraction of the displacement of a single cell under the same pressure.
+// Deviation of displacements that counts as round-off.
+// The deviation is relative to the displacement of a single loaded cell under the same pressure.
 constexpr double round_off = 1e-9;
-// The search for the load at a given approach is limited by three numbers:
-// - the largest number of loads that are tried, although more than six loads are rarely needed
-// - the largest ratio of successive loads
-// - the smallest distance of a new load from the ends of the bracket, as a fraction of the bracket
+// Three numbers limit the search for the load at which a given approach is reached:
+// - the largest number of trial loads, although more than six trial loads are rarely needed
+// - the largest ratio of successive trial loads
+// - the smallest distance of a trial load from the ends of the bracket, as a fraction of the bracket
 constexpr int max_loads = 60;
 constexpr double max_load_step = 30.0;
 constexpr double min_bracket_fraction = 1e-3;
@@ -89,7 +88,7 @@ double spacing_ratio(std::size_t points, std::size_t coarser, bool periodic) {
   return periodic ? static_cast<double>(points) / static_cast<double>(coarser) : 2.0;
 }
 
-// Return Σ (value - about)^Exponent. The sum is divided into several partial sums, which allows vectorisation.
+// Return Σ (value - about)^Exponent over all values. Several partial sums allow vectorisation.
 template <int Exponent>
 STICTION_INLINE double central_sum(const double* values, std::size_t size, double about) {
   std::array<double, 8> sums{};
@@ -186,11 +185,11 @@ bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
 // The arrays of the solver are taken from `memory`, and returned when the solver is destroyed.
 //
 // On a free area, pressures displace every point away from the other body.
-// A point whose initial gap exceeds the approach therefore cannot come into contact.
-// If few points remain, select them, and compute displacements only at the selected points, with a dense matrix.
-// At all other points, the potential is replaced by its lower bound, the initial gap.
-// The displacements due to a pressure on the first point of the grid are given by `influence`.
-// If `influence` is empty, no points are selected.
+// A point of a free area whose initial gap exceeds the approach therefore cannot come into contact.
+// If few points can come into contact, displacements are computed only at these points, with a dense matrix.
+// At points that cannot come into contact, the potential is replaced by its lower bound, the initial gap.
+// `influence` contains the displacements due to a pressure on the first point of the grid.
+// If `influence` is empty, displacements are computed at all points.
 class LevelSolver {
  public:
   LevelSolver(const HalfSpaceGrids::Kernels& kernels, Values gap, std::vector<double> start, double mean, Values bound,
@@ -233,10 +232,10 @@ class LevelSolver {
   ProjectedCgSolver& cg() { return cg_; }
   // Return whether the potential was recomputed exactly and no step was taken since then.
   bool is_exact() const { return is_exact_; }
-  // Return whether potentials are computed at all points with a bound above 0, if each point has its own bound.
+  // Return whether potentials are known at all points with a pressure bound above 0, if each point has its own bound.
   bool has_all_potentials() const { return !selected_points_ || selects_all_points_; }
 
-  // Update the free points, and select more points if the approach has become too large for the selection.
+  // Update the free points. If the approach exceeds `max_approach_`, select more points that can come into contact.
   double update_free_points() {
     double error = cg_.update_free_points(pool_);
     while (selected_points_ && cg_.approach() > max_approach_) {
@@ -249,7 +248,7 @@ class LevelSolver {
 
   // Recompute the potential.
   // `exact` selects double precision for transforms. Potentials of selected points always have double precision.
-  // Single precision is enough if the potential is recomputed later or need not be exact.
+  // Single precision is enough if the potential is recomputed later, or if it is only an estimate.
   void recompute_potential(bool exact) {
     const Values pressure = cg_.pressure();
     std::vector<double> potential = cg_.take_potential();
@@ -303,7 +302,7 @@ class LevelSolver {
  private:
   double bound_at(std::size_t i) const { return bound_[bound_.size() == 1 ? 0 : i]; }
 
-  // Return the points that meet a condition. Stop as soon as there are too many for a dense kernel.
+  // Return the grid points that meet a condition. Stops as soon as there are too many points for a dense kernel.
   template <class Condition>
   std::vector<std::size_t> find_points(Condition condition) const {
     std::vector<std::size_t> points;
@@ -315,7 +314,7 @@ class LevelSolver {
     return points;
   }
 
-  // Return the approach [µm] of the starting pressures, the mean potential of points between 0 and their bound.
+  // Estimate the approach [µm] of the starting pressures: the mean potential where the pressure is between its bounds.
   // Returns infinity if there are too many points under pressure, or if all points under pressure are at their bound.
   double estimate_approach() const {
     const Values pressure = cg_.pressure();
@@ -337,7 +336,7 @@ class LevelSolver {
   }
 
   // Select the points that can come into contact up to an approach slightly above the given approach.
-  // If too many points can come into contact, select none, so that displacements are computed at all points.
+  // If too many points can come into contact, no points are selected, and displacements are computed at all points.
   void select_points(double approach) {
     const double lowest_gap = *std::min_element(gap_.begin(), gap_.end());
     max_approach_ = std::max(approach, lowest_gap + selection_approach_ratio * (approach - lowest_gap));
@@ -363,7 +362,7 @@ class LevelSolver {
   std::vector<float> response_;
   std::vector<float> preconditioned_;  // preconditioned residual on lines
   // Rows that contain points with a bound above 0, if each point has its own bound.
-  // The potentials in other rows are not computed, because no point in them can come into contact.
+  // In rows without such points, no point can come into contact, and potentials are not computed.
   std::vector<std::size_t> contact_rows_;
   std::optional<Preconditioner> preconditioner_;  // preconditioner of areas
   std::unique_ptr<DenseKernel> selected_points_;  // kernel of the points that can come into contact, if they are few
@@ -401,7 +400,7 @@ double product(const double* left, const double* right, std::size_t size) {
 
 // Return pressures at the given points that displace all these points by 1.
 // The pressures are computed by conjugate gradients with the dense matrix of the points.
-// If a pressure is negative, the result is empty. Round-off may cause this at contacts of single points.
+// Returns an empty array if a pressure is negative. Round-off may cause negative pressures at single-point contacts.
 std::vector<double> solve_dense(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
                                 const ThreadPool& pool) {
   const std::size_t size = points.size();
@@ -544,7 +543,7 @@ double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
     std::transform(bound_.begin(), bound_.end(), values.begin(), [&](double bound) { return bound / mean; });
     grids_->kernels(0, pool).points->displacement(values, values, memory->workspace, pool);
     const double deviation = standard_deviation(values);
-    // The deviation may be nearly zero, because the bounds may be the pressures that displace all points equally.
+    // Pressures that displace all points equally are possible bounds. The deviation is then only round-off.
     if (!grid.periodic) {
       return std::max(deviation, grids_->uniform_pressure_deviation());
     }
@@ -604,7 +603,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
   const Grid& grid = grids_->levels()[0];
   const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
   // E* approach / length, the mean pressure of a contact as large as the grid, is an upper limit for rough surfaces.
-  // The first guess is a tenth of this limit.
+  // The first guess of the mean pressure is a tenth of E* approach / length.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);
   const double length = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
   double pressure = near.empty() ? 0.1 * grids_->effective_modulus() * approach / length : mean_value(near);
@@ -626,7 +625,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     const double excess = log_excess(solution.approach, approach, full_contact);
     const bool above = excess > 0.0;
     std::optional<End>& other = ends[above ? 0 : 1];
-    // If this condition holds, the other end of the bracket was not replaced in two successive steps.
+    // If two successive trial loads lie on the same side of the target, the excess at the opposite end is halved.
     if (previous_above == above && other) {
       other->excess *= 0.5;
     }
@@ -722,8 +721,8 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
   // The pressures that displace all points equally are positive, like the charges on a conductor.
-  // The given pressures vanish at the edges, where the solution is largest.
-  // The iteration therefore starts from a uniform pressure instead of the given pressures.
+  // The pressures of the contact vanish at the edges of contact patches, where the solution is largest.
+  // The iteration therefore starts from a uniform pressure instead of the pressures of the contact.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());

@@ -16,11 +16,11 @@ namespace stiction {
 class DenseKernel {
  public:
   /// `influence` contains the displacement [µm/GPa] of each grid point due to a pressure on the first grid point.
-  /// `influence` must outlive this object. The indices of the points on the grid, `points`, are not checked.
-  /// Throws std::invalid_argument for 2³¹ grid points or more, and if `influence` has another number of values.
+  /// `influence` must outlive this object. The grid indices in `points` are not checked.
+  /// Throws std::invalid_argument for 2³¹ grid points or more, and unless `influence` has one value per grid point.
   DenseKernel(Values influence, const Grid& grid, std::vector<std::size_t> points);
 
-  /// Return the symmetric matrix of the displacements [µm/GPa], row by row.
+  /// Return the symmetric matrix of displacements per pressure [µm/GPa] between the points, row by row.
   template <class Real>
   std::vector<Real> matrix() const;
 

@@ -13,7 +13,7 @@
 namespace stiction {
 
 /// Grid on the surface of a half-space.
-/// The grid is an area, or a line, which is a single row of cells that are 1 µm wide.
+/// The grid is an area or a line. A line is a single row of cells that are 1 µm wide.
 struct Grid {
   std::size_t rows = 1;
   std::size_t columns = 1;
@@ -49,11 +49,11 @@ class Workspace {
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
 /// On lines, the displacement depends logarithmically on the distance from the load.
-/// The approximate inverse E*|k|/2 is periodic even on a free grid, which halves the size of the transform.
-/// A preconditioner may be periodic, because it affects the number of iterations but not the solution.
+/// The approximate inverse E*|k|/2 of the kernel is periodic even on a free grid, which halves the transform size.
+/// Such a preconditioner may be periodic, because it affects the number of iterations but not the solution.
 class ElasticKernel {
  public:
-  /// Compute the influence coefficients.
+  /// Compute the influence coefficients [µm/GPa] of the grid.
   /// Throws std::invalid_argument if the grid is empty, or if a spacing or the modulus is not positive.
   ElasticKernel(const Grid& grid, double effective_modulus, const ThreadPool& pool = ThreadPool());
   ~ElasticKernel();
@@ -76,15 +76,15 @@ class ElasticKernel {
   void apply_stiffness(std::span<const float> values, std::span<float> result, Workspace& workspace,
                        const ThreadPool& pool = ThreadPool()) const;
 
-  /// Apply (E*|k|/2 + foundation)⁻¹ to loads.
+  /// Multiply each Fourier component of `loads` by 1/(E*|k|/2 + foundation).
   /// The result is the displacement of an elastic half-space on a uniform elastic foundation.
   /// `foundation` [GPa/µm] > 0 is the stiffness of the foundation.
   void apply_foundation_compliance(std::span<const float> loads, double foundation, std::span<float> result,
                                    Workspace& workspace, const ThreadPool& pool = ThreadPool()) const;
 
   /// Return the stiffness operator E*|k|/2 of an area, truncated to a stencil of 3 x 3 points.
-  /// The weights are stored row by row.
-  /// The weight of the centre is chosen so that the sum of all weights is small.
+  /// The nine weights of the stencil are stored row by row.
+  /// The weight of the central point is chosen so that the sum of all nine weights is small.
   const std::array<double, 9>& stencil() const { return stencil_; }
 
  private:
@@ -94,9 +94,8 @@ class ElasticKernel {
   std::unique_ptr<Transforms> transforms_;
 };
 
-/// Return the root-mean-square deviation [µm/GPa] of displacements from their mean.
-/// The displacements are due to uniform pressure on a free grid.
-/// The deviation is zero on a periodic grid.
+/// Return the rms deviation [µm/GPa] from the mean of the displacements that uniform pressure on a free grid causes.
+/// On a periodic grid, uniform pressure displaces all points equally, and the deviation is zero.
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus);
 
 }  // namespace stiction

@@ -41,8 +41,7 @@ class HalfSpaceGrids {
   /// Return the kernels of a grid level, and compute them on first use.
   Kernels kernels(std::size_t level = 0, const ThreadPool& pool = ThreadPool()) const;
 
-  /// Return the root-mean-square deviation [µm/GPa] of displacements from their mean.
-  /// The displacements are due to uniform pressure on a free grid.
+  /// Return the rms deviation [µm/GPa] from the mean of the displacements that uniform pressure on a free grid causes.
   double uniform_pressure_deviation() const;
 
   /// Return the displacement [µm/GPa] of each point due to a pressure on the first point.
@@ -59,7 +58,7 @@ class HalfSpaceGrids {
   };
   using BorrowedMemory = std::unique_ptr<SolverMemory, ReturnMemory>;
 
-  /// Return memory that no other calculation uses. Another calculation can use it when the pointer is destroyed.
+  /// Return memory that no other calculation uses. Other calculations can use it after the pointer is destroyed.
   /// Memory is reused because the operating system clears each page of new memory, which takes long for large grids.
   BorrowedMemory borrow_memory() const;
 
@@ -74,14 +73,14 @@ class HalfSpaceGrids {
 };
 
 /// Solution of a contact problem: pressures [GPa], approach [µm], relative error and number of iterations.
-/// HalfSpaceSolver defines the error.
+/// The comment on HalfSpaceSolver defines the relative error.
 struct HalfSpaceSolution {
   std::vector<double> pressure;
   double approach = 0.0;
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
-  /// Gap plus displacement [µm] at the points with a bound above 0, if each point has its own bound.
-  /// The array is empty if the solver did not converge, or if it computed the displacements of fewer points.
+  /// Gap plus displacement [µm] at the points with a pressure bound above 0, if each point has its own bound.
+  /// The array is empty if the solver did not converge, or if it computed displacements at only some of these points.
   std::vector<double> potential;
 };
 
@@ -90,26 +89,25 @@ struct HalfSpaceSolution {
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
 /// Solver for the contact of surfaces with a given gap, at successive loads.
-/// The solver minimises the energy at a given total load, subject to 0 <= p <= bound.
+/// The solver minimises the energy at a given total load. Each pressure p must satisfy 0 <= p <= bound.
 ///
 /// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
 /// The iteration starts from the solution on the next coarser grid.
-/// The preconditioner is an approximate inverse on the free points: E*|k|/2 on lines, and Preconditioner on areas.
-/// The error is the largest gap under pressure, or the largest overlap, divided by `scale`.
+/// The preconditioner is the operator E*|k|/2 on lines, and the class Preconditioner on areas.
+/// The error is the largest gap at a point under pressure, or the largest overlap if larger, divided by `scale`.
 class HalfSpaceSolver {
  public:
   /// Create the solver. `gap` [µm] must outlive the solver.
-  /// A gap of 0 everywhere defines a traction problem instead of a contact problem.
-  /// `bound` [GPa] contains either a single value for all points or one value for each point.
-  /// A single bound for all points may be infinite.
-  /// Points with a bound of 0 carry no pressure and may overlap.
+  /// If the gap is 0 everywhere, the solver finds shear tractions up to given bounds instead of contact pressures.
+  /// `bound` [GPa] contains either a single pressure bound for all points or one bound for each point.
+  /// A single pressure bound for all points may be infinite.
+  /// Points with a pressure bound of 0 carry no pressure and may overlap.
   /// Throws std::invalid_argument for wrong sizes and for a tolerance that is not positive.
   HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrids> grids, Values bound, double tolerance,
                   const ThreadPool& pool = ThreadPool());
 
-  /// Return the length [µm] by which errors are divided.
-  /// The length is the larger of the root-mean-square deviations of the gap and of the displacements.
-  /// The displacements are due to the mean pressure [GPa].
+  /// Return the length [µm] by which gaps and overlaps are divided to obtain a relative error.
+  /// The length is the larger of two rms deviations: of the gap, and of displacements at `mean_pressure` [GPa].
   double scale(double mean_pressure) const;
 
   /// Solve the contact problem for a given mean pressure [GPa] on the grid.
