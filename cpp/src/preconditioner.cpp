@@ -11,7 +11,7 @@ namespace stiction {
 namespace {
 
 // Maximum number of conjugate-gradient steps for the blocks.
-// The steps end earlier if the squared relative residual falls below `block_tolerance`.
+// The conjugate-gradient steps end earlier if the squared relative residual falls below `block_tolerance`.
 constexpr int max_block_steps = 5;
 constexpr double block_tolerance = 1e-4;
 // Largest relative change of the number of free points for which the foundation stiffness is reused.
@@ -166,7 +166,7 @@ void Preconditioner::sum_on_blocks(std::span<const std::int32_t> free_points, st
 }
 
 // Solve the linear system of the blocks by conjugate gradients, preconditioned by a half-space on a uniform foundation.
-// The stiffness of this foundation is rounded to a power of two, so that few different filters are needed.
+// The foundation stiffness is rounded to a power of two, so that few different spectral filters are needed.
 void Preconditioner::solve_blocks(Workspace& workspace, const ThreadPool& pool) {
   const std::size_t size = loads_.size();
   const double mean = std::accumulate(foundation_.begin(), foundation_.end(), 0.0) / static_cast<double>(size);

@@ -16,7 +16,7 @@ namespace stiction {
 namespace {
 
 // Limits of the ratio of the optimal step length to the trial step length.
-// If the ratio is outside these limits, the current step is shortened or the next step is lengthened.
+// Below the lower limit, the current step is shortened. The next trial step length changes by at most these factors.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
 constexpr double max_recovery_factor = 100.0;  // largest factor by which steps are lengthened after failed steps
@@ -24,8 +24,8 @@ constexpr int max_failed_steps = 6;
 // Factor by which the step length is reduced after a failed step.
 constexpr double failure_factor = 0.25;
 // Upper limit of the load change at a free point, relative to the load on all free points.
-// A larger change of the load would let round-off affect the total load.
-// Without the limit, the step length would grow indefinitely, because steps that reach a bound are always too short.
+// A larger change at a free point would let round-off affect the total load.
+// Without a limit, step lengths would grow indefinitely, because steps that reach a bound are always too short.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t lanes = 8;
@@ -41,7 +41,7 @@ void add_scaled(const float* response, std::size_t size, double factor, double* 
   }
 }
 
-// Mark the free points of a block.
+// Mark the free points of a block of points.
 // A free point has a pressure between 0 and its bound, or a gap that drives the pressure away from the bound.
 // Points at a bound with a NaN gap are free too. Returns whether the block contains a free point.
 STICTION_MULTIVERSION
@@ -52,7 +52,7 @@ bool mark_free(const double* pressure, const double* potential, const double* bo
     const double p = pressure[i];
     const double gap = potential[i] - approach;
     const bool loaded = p > 0.0;
-    // The loop has no branches, because the processor would mispredict them.
+    // The loop over the points has no branches, because the processor would mispredict them.
     const bool is_free = (loaded & ((p < bound[i]) | (gap > 0.0))) | (!loaded & (bound[i] > 0.0) & !(gap >= 0.0));
     marks[i] = static_cast<std::uint8_t>(is_free);
     any |= marks[i];
@@ -60,7 +60,7 @@ bool mark_free(const double* pressure, const double* potential, const double* bo
   return any != 0;
 }
 
-// Write the values of a linear function: from + slope · first, from + slope · (first + 1), and so on.
+// Write values of a linear function: from + slope · first, from + slope · (first + 1), and so on.
 STICTION_MULTIVERSION
 void write_line(float from, float slope, std::int32_t first, std::int32_t count, float* values) {
   for (std::int32_t j = 0; j < count; ++j) {
@@ -156,7 +156,7 @@ std::size_t point(const std::vector<std::int32_t>& points, std::size_t k) {
   return static_cast<std::size_t>(points[k]);
 }
 
-// Run work(first, last) on chunks, and add the results in the order of the chunks.
+// Run work(first, last) on chunks of indices, and add the results in the order of the chunks.
 template <class Sums, class Work>
 Sums sum_chunks(std::size_t count, const ThreadPool& pool, const Work& work) {
   std::vector<Sums> chunk_sums(std::max<std::size_t>((count + free_points_per_task - 1) / free_points_per_task, 1));
@@ -170,8 +170,9 @@ Sums sum_chunks(std::size_t count, const ThreadPool& pool, const Work& work) {
   return total;
 }
 
-// Return the shift for which the shifted and clipped pressures have the given sum.
-// The sum is a decreasing, piecewise linear function of the shift. Newton's method within a bracket finds the shift.
+// Return the shift that must be subtracted from all pressures so that the clipped pressures have the given sum.
+// The sum of the clipped pressures is a decreasing, piecewise linear function of the shift.
+// Newton's method within a bracket finds the shift.
 double shift_to_sum(std::span<const double> pressure, std::span<const double> bound, double sum,
                     const ThreadPool& pool) {
   double left = -std::numeric_limits<double>::infinity();
@@ -241,7 +242,7 @@ ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total,
   if (!(total > 0.0) || !(total < max_total)) {
     throw std::invalid_argument("ProjectedCgSolver: total must be positive and below the sum of the bounds");
   }
-  // If the points under pressure cannot support the total load, the step includes all points.
+  // If the bounds of the points under pressure add up to less than the total load, the step includes all points.
   const auto include = [&](std::size_t i) {
     stepped_points_.push_back(static_cast<std::int32_t>(i));
     target_.push_back(pressure_[i]);
@@ -397,8 +398,8 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 
 // Return the approach if no pressure lies strictly between the bounds.
 // Points at their bound must not have a gap, and points without pressure must not overlap.
-// If both conditions can be satisfied, the approach is the largest potential among the points under pressure.
-// Otherwise, the approach lies midway between the two limits, so that some points of each kind become free.
+// If an approach meets both conditions, return the largest potential of the points under pressure.
+// Otherwise, return an approach at which some points at their bound and some points without pressure become free.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();
@@ -484,7 +485,7 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   restrict_to_free_points(preconditioned);
   conjugate_ = conjugate_ && !response.empty();
   struct Products {
-    // Load of the free points, which each step must conserve, because its error would grow from step to step.
+    // Total load of the free points. Each step must conserve this load, or errors would grow from step to step.
     double load = 0.0;
     double value = 0.0;
     double step = 0.0;

@@ -14,15 +14,15 @@
 
 namespace stiction {
 
-/// Approximate inverse of the elastic kernel. It returns the pressures that approximately cause given displacements.
+/// Approximate inverse of the elastic kernel K. It returns pressures that approximately cause given displacements.
 ///
 /// A 3 x 3 stencil S on the free points describes the short-range interaction of neighbouring points.
-/// At long range, distant points cause a slowly varying displacement.
-/// A kernel K' on blocks of points describes this displacement. Bilinear weights P relate the blocks to the points.
+/// A kernel K' on blocks of points describes the slowly varying displacement that distant points cause.
+/// Bilinear weights P interpolate between the blocks and the points.
 /// K is approximately S⁻¹ + P'K'P, and the inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS.
-/// On periodic blocks, K'⁻¹ is E*|k|/2.
-/// The bracketed matrix describes a half-space on an elastic foundation whose stiffness on each block is PS1.
-/// A few conjugate-gradient steps solve the system of the bracketed matrix.
+/// Because the blocks are continued periodically, K'⁻¹ is E*|k|/2.
+/// K'⁻¹ + PSP' describes a half-space on an elastic foundation, whose stiffness on each block is PS1.
+/// A few conjugate-gradient steps solve the linear system of K'⁻¹ + PSP'.
 /// With this preconditioner, the number of solver iterations is almost independent of the grid size.
 class Preconditioner {
  public:
@@ -48,7 +48,7 @@ class Preconditioner {
   /// The indices of the free points must be in increasing order.
   /// Displacements must be 0 at all points that are not free.
   /// Elements of the result at points that are not free are unspecified.
-  /// The result is valid until the next call.
+  /// The returned pressures are valid until the next call.
   std::span<const float> operator()(std::span<const std::int32_t> free_points, std::span<const float> displacements,
                                     Workspace& workspace, const ThreadPool& pool = ThreadPool());
 
@@ -57,11 +57,11 @@ class Preconditioner {
 
  private:
   /// Apply the stencil at each free point to values on the grid.
-  /// The values are continued periodically beyond the edges.
+  /// Beyond the edges of the grid, the values are continued periodically.
   void apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values, const ThreadPool& pool);
   /// Sum the result of the stencil over each block, using the bilinear weights.
   void sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums, const ThreadPool& pool);
-  /// Compute the foundation stiffness of the blocks.
+  /// Compute the stiffness of the elastic foundation on each block.
   void update_foundation(std::span<const std::int32_t> free_points, const ThreadPool& pool);
   /// Solve the linear system of the blocks for the loads on the blocks.
   void solve_blocks(Workspace& workspace, const ThreadPool& pool);

@@ -20,22 +20,21 @@ namespace stiction {
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ.
 /// A point is free if its pressure lies strictly between the bounds.
 /// A point at a bound is free if its gap drives its pressure away from the bound.
-/// One iteration consists of these calls:
+/// One iteration of the solver consists of these calls:
 ///
 /// restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
 /// ->  advance(K step)
 ///
-/// Let the residual r be extended from the free points to the constrained points.
-/// On the free points, r·(inverse of K)r is the minimum of r·Mr over all extensions of r.
-/// On areas, an extension of r by zeros gives a value close to this minimum.
-/// On lines with short contacts, an extension of r by zeros gives a much larger value.
-/// On lines, the residual is therefore interpolated linearly between free points.
-/// The transpose of the interpolation is applied to M r.
-/// The interpolation continues across the edges of the grid, because M is periodic.
+/// M acts on the whole grid, so the residual r must be extended from the free points to the constrained points.
+/// The best extension of r has the smallest r·Mr, which equals r·K⁻¹r on the free points.
+/// On areas, zeros at the constrained points give nearly the smallest r·Mr.
+/// On lines with short contacts, zeros at the constrained points give a much larger r·Mr.
+/// On lines, r is therefore interpolated linearly between free points, and M r is multiplied by the transpose.
+/// The interpolation of r continues across the edges of the grid, because M is periodic.
 ///
-/// Each step leads from one feasible distribution of pressures to another.
-/// Only pressures at free points change, so restoring the sum never causes a small pressure at other points.
-/// The method is described by Polonsky & Keer, Wear 231 (1999) 206. The energy never increases.
+/// After each step, the pressures are within their bounds, and their sum is the total.
+/// Restoring the total changes only pressures at free points, so no other point gets a small pressure.
+/// The energy never increases. Polonsky & Keer, Wear 231 (1999) 206, describe the method.
 class ProjectedCgSolver {
  public:
   /// Arrays on the grid. A later solver can reuse their memory.
@@ -45,19 +44,19 @@ class ProjectedCgSolver {
     std::vector<float> step;
   };
 
-  /// Start from the pressures `pressure` >= 0, which are first projected onto the bounds and the sum.
+  /// Start from the pressures `pressure` >= 0, which are first changed to satisfy the bounds and the total.
   /// `line` is true if the points form a line, so that neighbours in memory are neighbours on the grid.
-  /// `bound` contains either a single value for all points or one value for each point. A single value may be infinite.
-  /// One value for each point must outlive the solver.
-  /// Points with a bound of 0 carry no pressure.
+  /// `bound` contains one pressure bound for all points, which may be infinite, or one bound for each point.
+  /// The solver does not copy bounds of single points, so their memory must outlive the solver.
+  /// Points with a pressure bound of 0 carry no pressure.
   /// Throws std::invalid_argument for 2³¹ points or more, and for negative bounds.
   /// Also throws if the total is not positive, or not below the sum of the bounds.
   /// The solver reuses the memory of `arrays`, whose values are ignored.
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line, Arrays arrays = {});
 
   /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points.
-  /// Let r be the returned value. Points under pressure have a gap of at most r.
-  /// Points whose pressure is below its bound have an overlap of at most r.
+  /// Points under pressure have a gap of at most the returned length.
+  /// Points whose pressure is below its bound have an overlap of at most the returned length.
   /// Returns infinity if potentials are not finite. Throws std::logic_error before the first `restart`.
   double update_free_points(const ThreadPool& pool = ThreadPool());
 
@@ -129,7 +128,7 @@ class ProjectedCgSolver {
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
   Values bounds_;                              // bound of each point; empty if all points have the same bound
   // 1 for each block of points that contains a bound above 0, and 0 for other blocks, whose potentials are not updated.
-  // Empty if all points have the same bound.
+  // The array is empty if all points have the same bound.
   std::vector<std::uint8_t> can_touch_;
   bool line_;
   std::vector<std::int32_t> free_points_;     // points at which residual_ may differ from 0
@@ -139,8 +138,8 @@ class ProjectedCgSolver {
   std::vector<double> preconditioned_;        // preconditioned residual at free points
   std::vector<double> target_;                // pressure at free points after a full step
   std::vector<double> free_bounds_;           // bound at free points
-  // K times the last step.
-  // The product of this response and `pending_fraction_` has not been added to the potential yet.
+  // Response of the last step: K times the step.
+  // `pending_fraction_` times this response has not been added to the potential yet.
   std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
   std::vector<std::vector<std::int32_t>> task_free_points_;  // free points found by each task
