@@ -19,7 +19,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Memory is aligned because a SIMD load across two cache lines costs twice as much.
+// Arrays are aligned to cache lines, because a SIMD load across two cache lines takes twice as long.
 constexpr std::size_t cache_line = 64;
 struct AlignedDelete {
   void operator()(double* values) const { ::operator delete[](values, std::align_val_t{cache_line}); }
@@ -79,9 +79,9 @@ struct Harmonic {
     rate = 4.0 * std::sin(half_angle) * std::sin(half_angle);
   }
 
-  // Start from the phase at a point.
-  // The first `lanes` values are computed by doubling the length of a run of values several times.
-  // Each doubling appends a rotated copy of the run.
+  // Start the recurrence of the harmonic from its phase at a point.
+  // The first `lanes` values start as a run of one value, whose length is doubled several times.
+  // Each doubling appends a copy of the run that is rotated by the phase difference.
   STICTION_MULTIVERSION void start(Index point) {
     std::array<double, lanes> imaginary;
     const Complex first = amplitude * unit_phasor(step * static_cast<Turns>(point));
@@ -108,8 +108,8 @@ struct Group {
 };
 
 // Directions m and M - m have opposite wavenumbers.
-// Because cos(-k x + φ') = cos(k x - φ'), both directions form one harmonic with amplitude e^(i φ) + e^(-i φ').
-// For m = M/2, the wavenumber is 0 and the harmonic cancels. Direction m = M has no partner.
+// Since cos(-k x + φ') = cos(k x - φ'), directions m and M - m form one harmonic of amplitude e^(i φ) + e^(-i φ').
+// In direction m = M/2, the wavenumber is 0 and the harmonic cancels. Direction m = M has no partner.
 std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   const long double max_turns = std::ldexp(1.0L, max_turns_exponent);
   const Index directions = phases.rows();
@@ -145,8 +145,8 @@ std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   return result;
 }
 
-// Subtract the next block of `count` harmonics from the values. Each value is loaded and stored only once.
-// The number of lanes processed together is chosen so that z and d stay in registers.
+// Subtract the next block of `count` harmonics from the profile. Each height is loaded and stored only once.
+// So few SIMD lanes are processed together that the arrays z and d of a harmonic stay in registers.
 template <std::size_t Width, std::size_t count>
 STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
   constexpr std::size_t packs = Width == 8 ? 4 : 2;
@@ -212,8 +212,8 @@ void next_block(Group& group, Index first, double* values) {
   }
 }
 
-// sums(row, j) = Σ_n weights(row, n) values[n][j] for `rows` rows and j < block.
-// A tile of sums stays in registers for all n. The order of additions does not depend on the tile.
+// Compute sums(row, j) = Σ_n weights(row, n) values[n][j] for all j < block and for as many rows as `rows`.
+// A tile of sums stays in registers for all frequencies n. The order of additions does not depend on the tile.
 template <std::size_t Width, std::size_t rows, std::size_t packs>
 STICTION_INLINE void tile_product(const double* weights, const double* values, std::size_t frequencies, double* sums,
                                   std::size_t stride) {
@@ -300,8 +300,8 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
-// Rotate a table of cosines and sines by the phase of the first point.
-// Adding angles point by point instead would accumulate errors.
+// Rotate a table of cosines and sines by the phase of the first point of a run.
+// Adding the phase difference point by point instead would accumulate errors.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,
                   double* sines) {
@@ -334,7 +334,7 @@ struct Rotations {
 // Directions m and M - m have opposite wavenumbers along x and equal wavenumbers along y.
 // The sum of their harmonics is -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X,
 // where even, odd = e^(i φ) ± e^(i φ').
-// A direction without a partner has even = odd = e^(i φ).
+// For a direction m without a partner M - m, even = odd = e^(i φ).
 struct ArealHarmonic {
   Complex even;
   Complex odd;
@@ -342,7 +342,7 @@ struct ArealHarmonic {
   Rotations along_x;
 };
 
-// Wavenumbers of a pair of directions, in turns per point. Both directions have wavenumbers of the same magnitude.
+// Wavenumbers of the directions m and M - m, in turns per point. Both directions have the same magnitudes.
 struct Wavenumbers {
   long double y;
   long double x;
@@ -357,7 +357,7 @@ Wavenumbers pair_wavenumbers(const HarmonicArea& area, Index m, Index directions
           number * std::cos(angle) * static_cast<long double>(area.spacing_x)};
 }
 
-// Harmonics of the surface, and the sum of w cos φ over these harmonics. The amplitudes include the weights w.
+// Harmonics of a surface, and the sum of w cos φ over all of them. The amplitudes include the weights w.
 struct ArealSum {
   std::vector<ArealHarmonic> harmonics;
   double constant = 0.0;

@@ -3,7 +3,7 @@
 //     y(x) = Σ_n w_n G_n(x),   G_n(x) = Σ_m { cos φ_mn - cos[ (2π γ^(n-1) x / L) cos(π m / M) + φ_mn ] }
 //
 // Only the weights w_n depend on the fractal dimension.
-// The group profiles G_n are therefore evaluated only once, however many fractal dimensions are requested.
+// The group profiles G_n are evaluated only once, however many fractal dimensions are requested.
 #pragma once
 
 #include "stiction/amplitude.hpp"
@@ -31,14 +31,14 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
 /// Write Σ_n weights(d, n) G_n(x_j) [µm] to row d, column j of `profiles` (rows of weights, points).
 /// The shape of phases [rad] is (directions M, frequencies N). The shape of weights [µm] is (any number of rows, N).
 /// Phases are stored as 64-bit fractions of a turn, which wrap exactly for any number of turns.
-/// An aliased harmonic is therefore as accurate as the product of its long double wavenumber and the position.
+/// The only error of an aliased harmonic's phase is the round-off of wavenumber times position in long double.
 /// Returns the height statistics of each row, so that the caller needs no further pass over the row.
 /// Throws std::invalid_argument if shapes do not match, values are out of range, or phases cannot be resolved.
 std::vector<HeightStatistics> harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid,
                                                 Eigen::Ref<Matrix> profiles,
                                                 const CancellationCheck& check_cancellation = {});
 
-/// Return the profiles as a new array. This function is inline so that the caller allocates the memory.
+/// Return the profiles of harmonics as a new array. The function is inline, so that the caller allocates the memory.
 inline Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid) {
   Matrix profiles(weights.rows(), std::max<Index>(grid.points, 0));
   harmonic_profiles(phases, weights, grid, profiles);
@@ -55,9 +55,9 @@ struct HarmonicArea {
 };
 
 /// Write the areal form of Eq. 1 to `heights` [µm] (rows along y, columns along x).
-/// The phases are (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn.
+/// The phase of a harmonic is (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn.
 /// All harmonics of a frequency have the same weight w_n [µm].
-/// According to cos(a + b) = cos a cos b - sin a sin b, each harmonic is the sum of two products of a column and a row.
+/// Since cos(a + b) = cos a cos b - sin a sin b, each harmonic is the sum of two products of a column and a row.
 /// Accuracy and exceptions are the same as for `harmonic_profiles`.
 void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
                       const CancellationCheck& check_cancellation = {});
