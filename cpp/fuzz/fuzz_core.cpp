@@ -1,6 +1,6 @@
 // Fuzz test of the core functions with arbitrary numbers.
 // Each function must either throw std::invalid_argument or return results that satisfy the invariants below.
-// The sanitizers detect all other faults.
+// Sanitizers detect all other faults, such as access outside an array.
 #include "stiction/amplitude.hpp"
 #include "stiction/areal.hpp"
 #include "stiction/asperity.hpp"
@@ -185,7 +185,7 @@ void fuzz_areal(Source& source) {
                 candidate.column + 1 < maps.upper.cols(),
             "minima lie in the map");
   }
-  // On a steep wall, the projected contact ellipse is so narrow that round-off can change its part inside the map.
+  // On a steep wall, the projected contact ellipse is so narrow that round-off can change the fraction inside the map.
   const bool steep =
       std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {
         return candidate.normal.z() < 1e-5 || candidate.radii.major > 1e12 * candidate.radii.minor;

@@ -55,8 +55,8 @@ TEST_CASE("contact_geometry: relative curvatures are measured in the tangent pla
 }
 
 TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all directions and sliding rules") {
-  // The spline has zero curvature at the edges, which are 15 points away.
-  // The relative change of the result due to the edges is only 0.268^15.
+  // At the edges of the map, 15 points away from the minimum, the spline has zero curvature.
+  // The edges of the map change the curvature at the minimum only by a fraction of 0.268^15.
   constexpr double tolerance = 1e-7;
   const Matrix upper = paraboloid(31, 41, 3.0, 1.0);
   const Matrix lower = Matrix::Zero(31, 41);
@@ -86,7 +86,7 @@ TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all 
 TEST_CASE("tangent: is a unit tangent and matches the sliding factors, also at walls along the motion") {
   // Walls whose normals have the vertical component `up`, rotated by `turn` relative to the motion.
   // If `up` and `turn` are small, the tangent t is almost perpendicular to the motion.
-  // At such walls, the vector form (s·n) n - s would suffer from cancellation.
+  // If t is almost perpendicular to the motion, the vector form (s·n) n - s loses digits by cancellation.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {
     for (const double up : {1e-12, 1e-3, 0.5}) {
       const double level = std::sqrt(1.0 - up * up);
@@ -111,8 +111,8 @@ TEST_CASE("areal press: an ellipse much larger than the map contributes the area
   for (const double approach : {1e3, 1e6, 1e9}) {
     const auto table = stiction::contacts(all_candidates, approach, stiction::HertzSphere{10.0}, {1.0, 0.0});
     REQUIRE(table.size() == 1);
-    // The expected area is the area of the map.
-    // The maximum force is the product of this area and the central pressure 2 E* (d / R)^(1/2) / π.
+    // At this approach, the contact area equals the area of the map.
+    // The maximum force is the product of the map area and the central pressure 2 E* (d / R)^(1/2) / π.
     const double area = 40.0 * 30.0 * spacing * spacing;
     CHECK(table[0].area == doctest::Approx(area).epsilon(1e-12));
     const double radius = std::sqrt(table[0].radii.major * table[0].radii.minor);

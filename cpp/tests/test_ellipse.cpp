@@ -36,8 +36,8 @@ TEST_CASE("hertz_ellipse: tends to the sphere for equal and nearly equal radii")
   CHECK(sphere.major == doctest::Approx(2.5).epsilon(1e-15));
   CHECK(sphere.minor == doctest::Approx(2.5).epsilon(1e-15));
   CHECK(sphere.force_radius == doctest::Approx(2.5).epsilon(1e-15));
-  // To first order, b/a = ratio^(2/3).
-  // To second order, area and force equal the values of a sphere with the geometric mean radius.
+  // For nearly equal radii, b/a = (shorter/longer)^(2/3) to first order.
+  // For nearly equal radii, area and force equal those of a sphere of the geometric mean radius, to second order.
   for (const double excess : {1e-3, 1e-6, 1e-12}) {
     const Ellipse near = hertz_ellipse(1.0 + excess, 1.0);
     CHECK(std::abs(std::sqrt(near.minor / near.major) - (1.0 - 2.0 / 3.0 * excess)) < excess * excess + 1e-15);

@@ -43,7 +43,7 @@ std::vector<double> sinusoids(const Grid& grid) {
   return heights;
 }
 
-// Return heights with waves of many lengths.
+// Return rough heights that contain many wavelengths.
 std::vector<double> rough_surface(const Grid& grid) {
   std::vector<double> heights(grid.size(), 0.0);
   for (int wave = 1; wave <= 60; ++wave) {
@@ -60,7 +60,7 @@ std::vector<double> rough_surface(const Grid& grid) {
 }
 
 // Check the mean pressure and, to within a tolerance, the contact conditions.
-// No point under pressure may have a gap. Only points whose pressure equals the bound may overlap.
+// No point under pressure may have a gap, and only points whose pressure equals the bound may overlap.
 void check_contact_conditions(const HalfSpaceGrids& grids, const std::vector<double>& gap,
                               const std::vector<double>& bound, double mean, double unit,
                               const HalfSpaceSolution& solution) {

@@ -45,7 +45,7 @@ double average(const Matrix& values, Index row, double fraction) {
 }  // namespace
 
 TEST_CASE("jackknife_sums: match sums of single repetitions in extended precision") {
-  // Tolerance: the round-off of sums of some hundred values in double precision, relative to the sum of magnitudes.
+  // Tolerance: round-off of a sum of some hundred values in double precision, relative to the sum of their magnitudes.
   constexpr long double tolerance = 1e-14L;
   const std::vector<Index> curve{0, 1, 2, 2};
   const std::vector<Index> step{1, 3, 2, 2};

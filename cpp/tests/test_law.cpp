@@ -36,14 +36,14 @@ TEST_CASE("HertzCylinder: force and area match the formulas for the half-width")
 TEST_CASE("JacksonGreen: equals Hertz below yield and tends to the hardness far above it") {
   const JacksonGreen law{100.0, 0.2, 0.3};
   const double constraint = 1.295 * std::exp(0.736 * 0.3);
-  // Critical interference of a sphere of radius 1.
+  // Critical interference of a sphere with a radius of 1 µm.
   const double critical = std::pow(0.5 * std::numbers::pi * constraint * 0.002, 2);
   const HertzSphere hertz{100.0};
   for (const double ratio : {0.01, 1.0, 1.89}) {
     CHECK(law(ratio * critical, unit).force == hertz(ratio * critical, unit).force);
     CHECK(law(ratio * critical, unit).area == hertz(ratio * critical, unit).area);
   }
-  // At the transition the fitted load is within 1 % of Hertz theory, and the area is continuous.
+  // At 1.9 times the critical interference, the fitted load is within 1 % of Hertz theory, and the area is continuous.
   const ForceArea below = law(1.9 * critical * (1.0 - 1e-12), unit);
   const ForceArea above = law(1.9 * critical * (1.0 + 1e-12), unit);
   CHECK(std::abs(above.force / below.force - 1.0) < 0.01);

@@ -78,7 +78,7 @@ TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry
 
 TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
   // The bounds of 0 and 1 limit the second and the third spring, so (δ + δ - 4) 2 = 9 and δ = 4.25.
-  // At this approach, the second and the third spring overlap.
+  // At the approach δ = 4.25, the second and the third spring overlap.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 4.0}, 2.0}.solve(10.0, {100.0, 0.0, 1.0, 9.0}, line);
     const std::array<double, 4> expected{8.5, 0.0, 1.0, 0.5};

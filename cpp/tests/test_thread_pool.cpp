@@ -23,7 +23,7 @@ std::atomic<int> creatable_threads{std::numeric_limits<int>::max()};
 
 }  // namespace
 
-// Replace the function of the C library, which `std::thread` calls.
+// Replace pthread_create of the C library, which `std::thread` calls.
 extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*start)(void*),
                               void* argument) {
   static const auto create = reinterpret_cast<decltype(&pthread_create)>(dlsym(RTLD_NEXT, "pthread_create"));

@@ -17,8 +17,7 @@ constexpr double spacing = 0.001;         // spacing, µm
 constexpr stiction::Index points = 4000;  // length of a profile: 4 µm
 const stiction::ContactModel model{stiction::HertzSphere{10.0}};
 
-/// Return a fractal profile [µm] with a total height of 0.1 µm and a fractal dimension of 1.3, as defined in the paper
-/// (H = 4 - 2D).
+/// Return a fractal profile [µm] with a total height of 0.1 µm and the dimension D = 1.3 of the paper (H = 4 - 2D).
 std::vector<double> fractal_profile(unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> phase(0.0, 2.0 * std::numbers::pi);
