@@ -14,7 +14,7 @@ namespace {
 // Number of repetitions processed together, so small that intermediate values fit into the first-level cache.
 constexpr std::size_t repetitions_per_chunk = 256;
 // Number of partial sums, a multiple of the lanes of every SIMD register.
-// The order of additions therefore does not depend on the width of the registers.
+// The order of additions is therefore the same for every SIMD width.
 constexpr std::size_t sum_lanes = 32;
 using RepetitionChunk = std::array<double, repetitions_per_chunk>;
 using LaneValues = std::array<double, sum_lanes>;
@@ -88,7 +88,7 @@ STICTION_INLINE void add_powers(const RepetitionChunk& values, std::size_t size,
   sums[3] += sum_of(fourth);
 }
 
-// Return the smaller of `min` and the smallest value.
+// Return the smaller of `min` and the smallest value of a chunk.
 STICTION_INLINE double find_min(const RepetitionChunk& values, std::size_t size, double min) {
   LaneValues lane_min;
   lane_min.fill(min);
@@ -107,7 +107,7 @@ struct StepRows {
         after(curves.values + curve * curves.curve_stride + step * curves.step_stride) {}
 };
 
-// Position of a point between two steps, and the means at the point.
+// Position of a point between two steps of a curve, and the mean load and mean value at the point.
 struct PointOnCurve {
   double fraction;
   double load;

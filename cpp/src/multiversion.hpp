@@ -27,8 +27,8 @@
 #endif
 #endif
 
-/// Place this macro before a function that consists of plain loops.
-/// The macro is empty for Clang, because some versions of Clang omit functions that a multiversioned function calls.
+/// Compile a function that consists of plain loops for several instruction sets.
+/// STICTION_MULTIVERSION is empty for Clang, because some versions omit functions that a multiversioned function calls.
 #if defined(STICTION_WIDE) && !defined(__clang__)
 #define STICTION_MULTIVERSION __attribute__((target_clones(STICTION_WIDEST, STICTION_WIDE, "default")))
 #else
@@ -53,7 +53,7 @@
   void name parameters { name##_kernel<2> arguments; }
 #endif
 
-// Functions called in a hot loop must be inlined, so that they are compiled for the same instruction sets.
+// Functions called in a hot loop must be inlined, so that they are compiled for the instruction sets of the loop.
 #define STICTION_INLINE __attribute__((always_inline)) inline
 
 namespace stiction {

@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::size_t chunk_length = std::size_t{1} << 18;  // number of characters that one task converts
 
-// Count the ends of cells in a part of a text. The counters are short, so that the compiler vectorises the loop.
+// Count the ends of cells in a part of a text. The counters are short integers, so that the loop is vectorised.
 STICTION_MULTIVERSION
 std::size_t count_cell_ends(const char* text, std::size_t size, char separator) {
   constexpr std::size_t block = 255;
@@ -96,7 +96,7 @@ std::vector<std::size_t> convert_cells(std::string_view text, char separator, st
                                 std::to_string(cells));
   }
   std::vector<std::vector<std::size_t>> failures(chunks);
-  // A cell belongs to the chunk in which it ends.
+  // A cell of the table is converted with the chunk of text in which it ends.
   pool.run(chunks, [&](std::size_t chunk, std::size_t) {
     const std::size_t end_cell = chunk + 1 < chunks ? first_cells[chunk + 1] : values.size();
     if (first_cells[chunk] == end_cell) {

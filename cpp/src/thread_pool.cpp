@@ -15,7 +15,7 @@
 namespace stiction {
 namespace {
 
-// Condition variable of a std::mutex.
+// Condition variable for threads that wait for a std::mutex.
 // Compiled by GCC 12, `std::condition_variable` would require GLIBCXX_3.4.30, which old Linux systems lack.
 class Condition {
  public:

@@ -11,7 +11,7 @@
 namespace stiction {
 
 /// Measure of the amplitude of a profile. `height` is the height of the highest point above the lowest point.
-/// `ra` is the mean absolute deviation from the mean, and `rq` is the root-mean-square deviation.
+/// `ra` is the mean absolute deviation of the heights from their mean, and `rq` the root-mean-square deviation.
 enum class AmplitudeMeasure { height, ra, rq };
 
 /// Parse the name of an amplitude measure: "height", "Ra" or "Rq". Throws std::invalid_argument for any other name.
@@ -25,8 +25,8 @@ struct HeightStatistics {
 };
 
 /// Accumulator of the height statistics of a profile. The profile is added in chunks, from left to right.
-/// Each SIMD lane has a separate sum, minimum and maximum.
-/// The result does not depend on the chunk sizes if they are multiples of `lanes`. The last chunk may have any size.
+/// The heights that one SIMD lane processes have their own sum, minimum and maximum.
+/// The statistics do not depend on the chunk sizes if every chunk except the last has a multiple of `lanes` heights.
 class HeightAccumulator {
  public:
   static constexpr std::size_t lanes = 32;
@@ -50,12 +50,12 @@ struct Scaling {
   double factor;
 };
 
-/// Return the scaling that changes the amplitude of a profile with the given statistics to `amplitude` [µm].
-/// Returns nothing for a flat profile, because a flat profile cannot be scaled.
+/// Return the scaling that gives a profile the amplitude `amplitude` [µm].
+/// Returns nothing for a flat profile, because no factor changes its amplitude.
 std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, Values heights,
                                     const HeightStatistics& statistics);
 
-/// Write (height - mean) * factor to `scaled`, which must have as many elements as `heights`.
+/// Write (height - mean) * factor for each height to `scaled`, which must have as many elements as `heights`.
 void scale(Values heights, const Scaling& scaling, std::span<double> scaled);
 
 /// Scale `heights` to zero mean and to the amplitude `amplitude` [µm], and write the scaled heights to `scaled`.

@@ -6,7 +6,7 @@
 // No compiled function takes, returns or contains an Eigen array that owns its memory.
 // How Eigen allocates and aligns memory depends on compiler flags (-mavx, -fsanitize=address).
 // The linker keeps one version of each Eigen function, even if program and library were compiled with different flags.
-// The function that frees an array may then not match the function that allocated it.
+// An Eigen array could then be freed by a function that does not match the function that allocated the array.
 #pragma once
 
 #include <Eigen/Core>

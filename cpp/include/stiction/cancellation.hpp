@@ -9,7 +9,7 @@ namespace stiction {
 /// Callback that can cancel a calculation by throwing.
 /// The library calls the callback at least every few milliseconds.
 /// The caller receives the exception that the callback throws.
-/// A default-constructed check never cancels.
+/// A default-constructed CancellationCheck never cancels a calculation.
 class CancellationCheck {
  public:
   CancellationCheck() = default;

@@ -1,6 +1,6 @@
 // Power sums of jackknife values, from which the interval of an ensemble mean at a given mean load is computed.
 //
-// Let v and n be the value and the normal load of a repetition where the mean load of R repetitions reaches the load F.
+// When the mean normal load of R repetitions is F, one of the repetitions has the value v and the normal load n.
 // Without one repetition, the mean value changes by dv = (mean(v) - v) / (R - 1).
 // Without one repetition, the mean load changes by dn = (F - n) / (R - 1).
 // With the slope s = d mean(v) / d mean(n), the mean value at the load F changes by the difference dv - s dn.
@@ -13,7 +13,7 @@
 
 namespace stiction {
 
-/// Values of several curves at successive steps, for several repetitions that are contiguous in memory.
+/// Values of several curves at successive steps. Values of successive repetitions are adjacent in memory.
 struct CurveView {
   const double* values;
   Index curve_stride;  ///< number of values from one curve to the next; 0 if all curves share their values
@@ -34,7 +34,7 @@ struct CurvePoints {
 inline constexpr Index jackknife_sum_rows = 10;
 
 /// Write power sums and minima over the repetitions to `sums` (`jackknife_sum_rows`, points).
-/// Rows 0 to 3 contain the sums of the first four powers of the logarithms.
+/// Rows 0 to 3 contain the sums of the first four powers of the changes of the logarithm of the mean value.
 /// Rows 4 to 7 contain the sums of the first four powers of the differences dv - s dn.
 /// Rows 8 and 9 contain the smallest relative changes of the mean value, dv / mean(v), and of the mean load, dn / F.
 /// Values and loads are interpolated between steps. `total_repetitions` is R, the number of repetitions in the mean.

@@ -25,10 +25,10 @@ struct Patches {
 /// On maps, a point is connected to its eight neighbours. On profiles, it is connected to its two neighbours.
 /// On a periodic grid, points are also connected across the edges.
 /// A side of a cell under pressure is open if the adjacent cell carries no pressure.
-/// Each open side reduces the contact fraction of the cell by 0.19 on profiles, and by (π - 1 + ln 2)/24 on maps.
+/// Each open side of a cell reduces its contact fraction by 0.19 on profiles, and by (π - 1 + ln 2)/24 on maps.
 /// Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161.
 /// The contact fraction is at least pressure/hardness, both in GPa. The hardness may be infinite.
-/// A side at the edge of the grid is not an open side.
+/// A side of a cell at the edge of the grid does not count as open.
 /// Throws std::invalid_argument if the number of pressures differs from the number of grid points.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
