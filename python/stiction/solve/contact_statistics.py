@@ -18,23 +18,23 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
-STEEP_POINT_FRACTION = 0.1  # fraction of the grid points of a body that are classified as steep
+STEEP_POINT_FRACTION = 0.1  # fraction of the grid points of a body that count as steep: those with the largest slopes
 
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Probabilities of the stored quantiles of contact area, and of pressure weighted by true contact area."""
 
-MAX_CELLS_OF_SMALL_CONTACT = 4  # maximum number of grid cells of a barely resolved contact
+MAX_CELLS_OF_SMALL_CONTACT = 4  # maximum number of grid cells of a small contact, whose area depends on the grid
 
 
 @dataclass(frozen=True, eq=False)
 class PairSlopes:
     """Statistics of the slopes of both bodies, with masks of the steep points. The slopes themselves are not stored."""
 
-    steep_masks: dict[str, NDArray[np.bool_]]  # masks of the steep points, by body
-    steepness_limits: dict[str, float]  # smallest slope at the steep points, by body
-    # Mean squares of the slopes of the gap: along y and x for maps, and along x for profiles.
+    steep_masks: dict[str, NDArray[np.bool_]]  # for each body: mask of its steep points
+    steepness_limits: dict[str, float]  # for each body: smallest slope of its steep points
+    # Mean square slopes of the gap: along y and x for maps, along x for profiles.
     gap_mean_squares: list[float]
-    gap_mean_product: float  # mean product of the slopes of the gap along y and x, or 0 for profiles
+    gap_mean_product: float  # mean of (slope along y) · (slope along x) of the gap, or 0 for profiles
 
     @classmethod
     def from_pair(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopes:
@@ -92,17 +92,17 @@ def compute_slopes(body: Profile | Surface) -> list[Floats]:
 class ContactList:
     """List of the contacts between two bodies at one load, with the pressure distribution. Lengths are in µm."""
 
-    x: Floats  # centre of each contact along x, weighted by the pressure
-    y: Floats  # centre of each contact along y, weighted by the pressure; always 0 for profiles
-    force: Floats  # normal load on each contact (mN)
+    x: Floats  # position of each contact along x, weighted by the pressure
+    y: Floats  # position of each contact along y, weighted by the pressure; 0 for profiles
+    force: Floats  # normal force on each contact (mN)
     area: Floats  # projected area of each contact (µm²)
-    # Mean slope of each contact along x. The contact opposes motion in a direction of positive slope.
+    # Mean slope of each contact along x. A contact opposes motion in the direction in which its slope is positive.
     slope_x: Floats
-    slope_y: Floats  # mean slope of each contact along y; always 0 for profiles
+    slope_y: Floats  # mean slope of each contact along y; 0 for profiles
     cells: Floats  # number of grid cells that each contact covers
-    at_edge: NDArray[np.bool_]  # True if the contact reaches the edge of the grid
-    pressure: Floats  # (p,) values of the contact pressure, GPa
-    weight: Floats  # (p,) weight of each pressure, proportional to the contact area on which the pressure acts
+    at_edge: NDArray[np.bool_]  # True for each contact that reaches the edge of the grid
+    pressure: Floats  # contact pressures (GPa) at which the distribution of the pressure is given
+    weight: Floats  # weight of each contact pressure, proportional to the area with this pressure
 
     def compute_statistics(self) -> dict[str, Any]:
         """Compute the stored contact statistics: load fractions, and quantiles of contact area and contact pressure."""
