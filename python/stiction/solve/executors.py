@@ -26,14 +26,14 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from multiprocessing.context import ForkProcess
 
-# Minimum number of grid points for which several threads make a Fourier transform faster.
+# Minimum number of grid points at which several threads make a Fourier transform faster.
 MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
 CONNECTION_TIMEOUT = "15s"
-_SET_PARENT_DEATH_SIGNAL = 1  # operation PR_SET_PDEATHSIG of prctl on Linux
-PROGRESS_PREFIX = "progress: "  # beginning of a printed line of progress
-PROGRESS_LINE_INTERVAL = 60.0  # time (s) between two lines of progress if the output is not a terminal
+_SET_PARENT_DEATH_SIGNAL = 1  # number of the operation PR_SET_PDEATHSIG of the Linux function prctl
+PROGRESS_PREFIX = "progress: "  # start of a printed line that reports progress
+PROGRESS_LINE_INTERVAL = 60.0  # time (s) between two printed lines of progress if the output is not a terminal
 
 
 @contextlib.contextmanager
@@ -104,7 +104,7 @@ def evaluate_in_copy(function: Callable[[], _Result]) -> Iterator[Callable[[], _
 
     with receiver:
         try:
-            with sender, contextlib.suppress(OSError):  # the number of processes or the memory is limited
+            with sender, contextlib.suppress(OSError):  # starting a process fails if processes or memory are limited
                 _start_without_interrupts(process)
             yield receive_value
         finally:
@@ -117,7 +117,7 @@ def _start_without_interrupts(process: ForkProcess) -> None:
     """Start a copy of this process, which receives Ctrl-C only when it can handle Ctrl-C."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        # Ignore a warning of Python 3.12 about threads of any library. OpenBLAS stops its threads in a copy.
+        # Ignore Python's warning about copying a process with threads. OpenBLAS stops its threads in the copy.
         with warnings.catch_warnings(action="ignore", category=DeprecationWarning):
             process.start()
     finally:
@@ -196,7 +196,7 @@ def progress_bar(
         progress.TextColumn("left {task.fields[left]}"),
     )  # fmt: skip
     is_notebook = Console().is_jupyter
-    # In a notebook without ipywidgets, rich prints one line of text at the end instead of a progress bar.
+    # Without ipywidgets, rich would show no progress bar in a notebook, but one line of text at the end.
     console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
     is_hidden = not (console.is_terminal or is_notebook)
     with progress.Progress(
@@ -210,7 +210,7 @@ def progress_bar(
             nonlocal num_finished, last_time
             num_finished += count
             completed, now = num_finished + estimate_progress(), time.monotonic()
-            # Estimate the remaining time from the mean time per task of the current run.
+            # Estimate the remaining time from the mean time of the tasks that this run has finished.
             left = (now - start_time) * (total - completed) / (completed - finished) if completed > finished else 0.0
             left_text = format_duration(left) if completed > finished else "-"
             progress_display.update(task, completed=completed, left=left_text)
@@ -220,7 +220,7 @@ def progress_bar(
                     f"{num_finished}/{total} {label}, {completed / total:.1%} after {format_duration(now - start_time)}"
                 )
                 line += f", about {left_text} left" if completed > finished else ""
-                with contextlib.suppress(OSError):  # standard error may be a closed stream
+                with contextlib.suppress(OSError):  # writing fails if standard error is closed
                     print(f"{PROGRESS_PREFIX}{line}", file=sys.stderr, flush=True)
 
         yield advance

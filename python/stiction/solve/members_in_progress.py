@@ -33,8 +33,8 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.study.study import Study
 
 IN_PROGRESS_DIRECTORY = "in_progress"
-STORAGE_INTERVAL = 15.0  # time (s) between two writes of the steps of a member
-MAX_STEP_BYTES = 2**32  # maximum size (bytes) of a file that is read
+STORAGE_INTERVAL = 15.0  # time (s) after which the finished steps of a member are written to its file again
+MAX_STEP_BYTES = 2**32  # maximum size (bytes) of a file of finished steps
 _STATE_FILE = "state.npz"
 _STEP_FILE_PATTERN = re.compile(r"([0-9]{5,}|state)\.npz")
 _MEMBER_DIRECTORY_PATTERN = re.compile(r"([0-9]{7,18})-[0-9a-f]{16}")
@@ -130,7 +130,8 @@ def remove_stored_steps(directory: Path, members: Container[int] | None = None, 
                         path.unlink(missing_ok=True)
                 _files.remove_stale_partial_files(member_directory)
                 member_directory.rmdir()
-    with contextlib.suppress(OSError):  # raised if the directory is missing, or contains other members
+    # listing fails if the directory is missing, and removing it fails if other members use it
+    with contextlib.suppress(OSError):
         (directory / IN_PROGRESS_DIRECTORY).rmdir()
 
 
@@ -153,7 +154,7 @@ class _StoredRecord(SolutionRecord):
         self._is_resuming, self._is_writable = True, True
         self._unsaved_steps: list[tuple[int, StepResult]] = []
         self._last_time = time.monotonic()
-        self._first_count = 0  # number of iterations before the current step
+        self._first_count = 0  # number of solver iterations in the steps before the current one
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:
         self._step += 1

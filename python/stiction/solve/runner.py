@@ -55,19 +55,19 @@ from stiction.study.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Target computing time (s) of a block, so short that a crash of the program loses little work.
+# Target computing time (s) of a block: a crash loses little work.
 # Writing a block takes a few per cent of the target time.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
-MIN_BLOCKS = 16  # minimum number of blocks; with several blocks, the wait for the last block is short
-MIN_BLOCK_TIME = 0.2  # minimum computing time (s) of a block; the first file of each size takes a tenth of a second
-MAX_SUBMITTED_TASKS = 1000  # maximum number of submitted tasks if the workers write the block files
+MIN_BLOCKS = 16  # minimum number of blocks of a run, so that no worker waits long for the last block
+MIN_BLOCK_TIME = 0.2  # minimum computing time (s) of a block, because the first file of each size takes 0.1 s to write
+MAX_SUBMITTED_TASKS = 1000  # maximum number of submitted tasks if workers write the block files
 # Maximum number of submitted tasks if the main process writes the block files.
 MAX_RETURNED_TASKS = 256
 PROGRESS_INTERVAL = 0.5  # time (s) between two updates of the displayed progress
-SHUTDOWN_TIMEOUT = 3.0  # time (s) for which an interrupted run waits for unfinished blocks
-MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result without a store, and of a single repetition
+SHUTDOWN_TIMEOUT = 3.0  # time (s) that an interrupted run waits for unfinished blocks
+MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result that is not stored, and of one repetition
 
 
 def choose_block_size(study: Study) -> int:
@@ -157,7 +157,7 @@ def complete_blocks(
     was too low. Raises the errors of `compute_missing_blocks`.
     """
     unfinished_members = _UnfinishedMembers(stored_result, part)
-    # A run that was killed may have stored the block of a member without removing the steps of the member.
+    # After a killed run, a member with a stored block may still have its file of finished steps.
     remove_stored_steps(stored_result.path, stored_result.finished_members)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
@@ -195,7 +195,7 @@ def _compute_blocks(
 
     Workers that can access the directory write the block files.
     """
-    # Number of workers, or None for a cluster, whose number of workers varies.
+    # Number of workers, or None for a cluster, where it varies.
     num_workers = getattr(pool, "_max_workers", None)
     start_time, is_first = time.monotonic(), update is not None and num_workers is not None
 
@@ -309,7 +309,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(unfinished_members.total), arrays, find_body_attributes(study))
 
 
-# If the estimated time (s) on all threads exceeds this limit, advice on shortening the run is printed.
+# A run prints advice on shortening it if its estimated time (s) on all threads exceeds this limit.
 LONG_RUN_TIME = 600.0
 
 
@@ -342,7 +342,7 @@ def _describe_remaining_work(
     )
 
 
-MIN_REPORTED_TIME = 60.0  # minimum remaining time (s) for printing a new estimate of the run time
+MIN_REPORTED_TIME = 60.0  # a new estimate of the run time is printed if at least this time (s) remains
 
 
 def _format_revised_time_estimate(
@@ -381,7 +381,7 @@ class _UnfinishedMembers:
         for block in self._blocks:
             first = block * self.block_size
             is_finished = self._is_finished[first : first + self.block_size]
-            # Find the start and the exclusive end of each range of missing members.
+            # Find the first index of each range of missing members, and the index after its last.
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():
                 yield range(first + start, first + end)
@@ -400,7 +400,7 @@ def _submit_member_ranges(
     ranges = iter(unfinished_members)
     task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in unfinished_members), count_grid_points(arguments[1]))
     pending_members: dict[Future[Any], range] = {}
-    # `concurrent.futures.wait` would lock all futures. After an interruption, some futures would remain locked.
+    # `concurrent.futures.wait` locks all futures, and an interruption would leave some of them locked.
     finished_futures: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
     def submit_tasks(count: int) -> None:
@@ -437,7 +437,7 @@ class SharedResultDirectory:
     """Result directory. Workers on other machines write their blocks into the directory if they can access it."""
 
     path: Path
-    token: str  # name of the token file, which exists in the blocks directory during a run
+    token: str  # name of the file that marks the run and exists in the blocks directory until its end
 
     def is_accessible(self) -> bool:
         """Return whether this process can access the directory."""
@@ -452,7 +452,7 @@ def compute_block(
     if directory is not None and directory.is_accessible():
         members_in_progress = _create_members_in_progress(study, directory.path)
     content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))
-    # If the run has ended in the meantime, a run of another study may use the directory.
+    # If the run has ended, another study may use the directory.
     if directory is None or not directory.is_accessible():
         return content
     write_block(directory.path, members[0], content, len(members))
