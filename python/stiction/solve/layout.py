@@ -33,8 +33,8 @@ from stiction.study.study import Study, parse_study_of_dataset
 if TYPE_CHECKING:
     import xarray
 
-RESULT_TITLE = "stiction study"  # value of the attribute `title` in every result
-# Maximum size (bytes) of a piece, which is a group of members that are loaded into memory together.
+RESULT_TITLE = "stiction study"  # attribute `title` of every stored result
+# Maximum size (bytes) of a group of members that are loaded into memory together.
 MAX_PIECE_BYTES = 2**26
 
 MEMBER_COORDINATE_TYPES: dict[str, np.dtype[Any]] = {
@@ -280,7 +280,7 @@ def nondimensional(
     return xarray.Dataset(
         {str(name): divide_by_units(str(name), array.variable) for name, array in result.data_vars.items()},
         {str(name): divide_by_units(str(name), array.variable) for name, array in result.coords.items()},
-        # Omit the attribute `study`, which contains quantities with units.
+        # Leave out the attribute `study`, which contains lengths and pressures with units.
         {name: value for name, value in result.attrs.items() if name != "study"}
         | {"length_um": length, "effective_modulus_GPa": modulus_value},
     )

@@ -84,15 +84,16 @@ if TYPE_CHECKING:
 
 STUDY_FILE = "study.toml"
 BLOCKS_DIRECTORY = "blocks"
-AREAS_BY_HARDNESS_FILE = "hardness.nc"  # file of areas at other hardnesses, which earlier versions stored
-CONTACT_PICTURE_FILE = "picture.nc"  # file of the contacts of a typical member
-ONSET_FILE = "onset.nc"  # file of the onset of sliding
-ONSET_TABLE_FILE = "onset.csv"  # file of the mean onset curve as a table, for use in a Masing model
-STUDY_FILE_SIGNATURE = "# Written by stiction"  # first words of every study file written by stiction
+AREAS_BY_HARDNESS_FILE = "hardness.nc"  # file of true areas at other hardnesses, which earlier versions stored
+CONTACT_PICTURE_FILE = "picture.nc"  # file of the contact map of a typical member
+ONSET_FILE = "onset.nc"  # file of the curves from rest to sliding
+ONSET_TABLE_FILE = "onset.csv"  # mean curve from rest to sliding, as a table for a Masing model
+STUDY_FILE_SIGNATURE = "# Written by stiction"  # first words of every study file that stiction writes
 _STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32 of the text below: ([0-9a-f]{8})\.")
-_OLD_STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction (\S+)\.")  # pattern of a header without a checksum
-MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory as a whole
-MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a companion file that is read
+# matches the first line of a study file without a checksum
+_OLD_STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction (\S+)\.")
+MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory in one piece
+MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a file of an onset or a contact map
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
 MAX_WRITE_ATTEMPTS = 3
 
@@ -120,9 +121,9 @@ class StoreInfo:
     """Description of a result directory, with study, progress, size and version."""
 
     study: Study
-    finished: int  # number of finished repetitions; the total is study.ensemble.repetitions
-    size: int  # size on disk in bytes
-    versions: dict[str, str]  # versions of the software that created the result
+    finished: int  # number of finished repetitions, of `study.ensemble.repetitions`
+    size: int  # size of a result on disk, in bytes
+    versions: dict[str, str]  # software versions with which a result was computed
 
 
 @dataclass(frozen=True)
@@ -478,7 +479,7 @@ def _read_study_file(path: Path) -> Study:
         text = read_file_bytes(path / STUDY_FILE, MAX_STUDY_BYTES).decode()
     except (UnreadableFileError, UnicodeDecodeError) as error:
         raise StoreError(f"{printable_path(path / STUDY_FILE)} is not a study: {printable_text(error)}") from None
-    if not text.strip():  # an empty text is valid TOML, but more likely left by a crash of the machine
+    if not text.strip():  # reject an empty study file, which is valid TOML but probably due to a crash of the machine
         raise StoreError(
             f"{printable_path(path / STUDY_FILE)} is empty; run the study again in this directory to restore the file"
         )
@@ -510,7 +511,7 @@ def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim 
             claim.acquire()
             if not _contains_study(path, study):
                 _write_study_file(stored_result, claim)
-    except (OSError, RuntimeError) as error:  # a symbolic link that refers to itself raises a RuntimeError
+    except (OSError, RuntimeError) as error:  # a symbolic link to itself raises a RuntimeError
         if stored_result.num_finished < study.ensemble.repetitions:
             reason = describe_os_error(error) if isinstance(error, OSError) else error
             raise StoreError(f"{printable_path(path)}: cannot be written: {reason}") from None
@@ -525,11 +526,11 @@ def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> Non
     try:
         _files.create_atomically(path / STUDY_FILE, content)
     except FileExistsError:
-        if _contains_study(path, study):  # another run of the same study has written the file
+        if _contains_study(path, study):  # another run of the same study may have written the study file
             return
         if not _contains_study(path, study, repetitions_may_differ=True):
             check_unused(path, claim)
-        # List the blocks after the claims, because a run writes its blocks before it ends.
+        # List the blocks after the claims of other runs, because a run writes all its blocks before its claim ends.
         _check_resumable(stored_result.reload())
         _check_replaceable(path, study)
         _files.write_atomically(path / STUDY_FILE, content)
@@ -703,7 +704,7 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
         try:
             _files.write_atomically(path / BLOCKS_DIRECTORY / block.name, content)
             return
-        except FileNotFoundError:  # raised if another process removed the partial file
+        except FileNotFoundError:  # another process may have removed the partial file
             if attempt == MAX_WRITE_ATTEMPTS or not (path / BLOCKS_DIRECTORY).is_dir():
                 raise StoreError(f"{printable_path(path)} was removed or replaced while it was being written") from None
         except OSError as error:
@@ -721,7 +722,7 @@ return from reading a damaged file. HDF5 ignores bytes after its own data, and p
 checksum.
 """
 
-_template_lock = threading.Lock()  # ensures that only one of several concurrent threads creates the template
+_template_lock = threading.Lock()  # lets only one thread create the template file
 
 
 @dataclass(frozen=True)
@@ -729,11 +730,11 @@ class BlockFileContent:
     """Contents of a block file, which stores some members of a result."""
 
     study: Study
-    version: str  # version of stiction that computed the members
+    version: str  # version of stiction with which the members were computed
     numbers: NDArray[np.int64]
     arrays: ArraysByName
     bodies: BodyAttributes
-    is_exact: bool  # True if the coordinates equal the coordinates of the study bit by bit
+    is_exact: bool  # True if the coordinates equal those of the study in every bit
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
@@ -785,7 +786,8 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
         output.dimensions = {str(dim): size for dim, size in dataset.sizes.items()}
         for name, value in attributes.items():
             output.attrs[str(name)] = value
-        # Create coordinates first, because a later coordinate would detach all variables with its dimension.
+        # Create coordinates before variables: a coordinate that is created later detaches the variables of its
+        # dimension.
         for name, variable in sorted(variables.items(), key=lambda item: item[0] not in dataset.sizes):
             values = variable.values
             dtype = h5py.string_dtype() if values.dtype.kind in "UO" else values.dtype
@@ -827,7 +829,7 @@ def decode_members(content: bytes) -> BlockFileContent:
         if study.is_measured:
             for name, dtype in MEMBER_COORDINATE_TYPES.items():
                 coordinate = _read_variable(file, name, numbers.shape)
-                # Surrogates have no position, so x and y are NaN.
+                # The positions x and y of surrogates are NaN.
                 check_values(
                     name, coordinate, dtype=QUANTITIES[name].dtype, bounds=QUANTITIES[name].stored_bounds,
                     may_be_nan=True,
@@ -897,7 +899,7 @@ def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
         with h5py.File(io.BytesIO(content), "r") as file:
             yield file
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
-        # h5py raises several classes of errors for files that are not HDF5 files.
+        # For a file that is not HDF5, h5py raises several classes of errors.
         raise DamagedFileError("is not a readable netCDF file") from None
 
 
@@ -920,7 +922,7 @@ def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = N
     """Return the values of a variable. The values must be stored in the file itself, not in a linked file."""
     import h5py
 
-    # These calls of the HDF5 library take half as long as the classes of h5py, and a result has many small variables.
+    # These low-level calls of h5py take half the time of its classes, which matters for many small variables.
     key = name.encode()
     links = file.id.links
     is_stored_here = links.exists(key) and links.get_info(key).type == h5py.h5l.TYPE_HARD
@@ -929,7 +931,7 @@ def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = N
     if creation is None or creation.get_external_count() or creation.get_layout() == h5py.h5d.VIRTUAL:
         raise DamagedFileError(f"has no variable {name}")
     dtype, stored_shape = identifier.dtype, identifier.shape
-    # A small damaged file may declare a huge size.
+    # A damaged small file may declare a huge array.
     if identifier.get_storage_size() < math.prod(stored_shape) * dtype.itemsize:
         raise DamagedFileError(f"declares {name} but does not store it")
     if shape not in (None, stored_shape):
