@@ -18,7 +18,8 @@ from stiction.solve.runner import complete_blocks, prepare_result_directory
 from stiction.solve.store import STUDY_FILE, StoredResult, open_result_to_complete, open_stored_result, remove_result
 from stiction.study.study import Study, find_member_differences
 
-TimeAnnouncer = Callable[[float], Any]  # function that receives the estimated time (s) on one core before a computation
+# function that a computation calls first, with its estimated time (s) on one core
+TimeAnnouncer = Callable[[float], Any]
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class CompanionStudy:
             return None
         try:
             stored_result = open_stored_result(self.directory)
-        except ValueError:  # raised if the directory is damaged
+        except ValueError:  # a damaged directory raises a ValueError
             return None
         if find_member_differences(stored_result.study, self.study):
             return None

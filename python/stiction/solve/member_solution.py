@@ -241,7 +241,7 @@ def _solve_asperities(
     interpolated between the states just before and just after the jump.
     """
     model, is_areal = contact.contact_model(), isinstance(upper, Surface)
-    # A map needs one load curve for all directions. A profile needs one load curve for each direction.
+    # Maps have one load curve for all directions, profiles one for each direction.
     if is_areal:
         models = [replace(model, direction=contact.direction_angles().tolist(), shear="+x").for_surfaces()]
     else:
@@ -250,7 +250,7 @@ def _solve_asperities(
             for direction in _list_profile_directions(contact)
         ]
     first_model = replace(models[0], direction=0.0) if is_areal else models[0]
-    # Find approaches without friction, so that the normal load equals the elastic load.
+    # Solve without friction, so that the normal load equals the elastic load.
     approach, status = find_approaches_at_loads(
         SurfacePair(upper, lower), contact.loading_steps(), mu0=0.0, tau0=0.0, model=first_model
     )
@@ -258,7 +258,7 @@ def _solve_asperities(
     solved_loads = np.flatnonzero(status == STATUS_OK)
     if not solved_loads.size:
         return
-    # Contacts at minima of the gap start with zero load, so the load has no jumps.
+    # At its minimum, a contact starts with zero load, so the load curve has no jumps.
     approach_fractions = [
         1 - STIFFNESS_DIFFERENCE_STEP,
         1 - LOAD_JUMP_DISTANCE * (first_model.detection == "cell"),
@@ -331,8 +331,8 @@ class PressedPair:
 
     upper: Any
     lower: Any
-    curve: HalfSpaceCurve | LoadCurve  # load curve that contains only the given load, for a motion along +x
-    model: ContactModel | None = None  # contact model of the asperities; None for the half-space model
+    curve: HalfSpaceCurve | LoadCurve  # load curve at the given load alone, for motion along +x
+    model: ContactModel | None = None  # model of single asperities; None for the half-space model
 
     @classmethod
     def solve(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
@@ -367,8 +367,8 @@ class PressedPair:
 
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
-CACHE_LINE_BYTES = 64  # size of a cache line of the processor in bytes
-# Tangential load, as a fraction of the sliding load, at which the normal load on the slipping contact is stored.
+CACHE_LINE_BYTES = 64  # bytes in a cache line of the processor
+# Fraction of the sliding load at which a result stores the normal load on slipping contacts.
 SLIP_LOAD_FRACTION = 0.5
 
 MEMBER_TIME_COEFFICIENTS = {
@@ -404,8 +404,9 @@ The keys are False for lines and True for areas.
 """
 
 ITERATIONS_PER_LOAD = 15
-MAX_PULL_OFF_ITERATIONS = 10_700  # maximum number of iterations for maps of up to 256² points
-MAX_PULL_OFF_ITERATIONS_PER_SIDE_POINT = 42  # maximum number of iterations per point along a side
+MAX_PULL_OFF_ITERATIONS = 10_700  # maximum number of iterations for the pull-off force of maps with up to 256² points
+# maximum number of iterations for the pull-off force of larger maps, per point along a side
+MAX_PULL_OFF_ITERATIONS_PER_SIDE_POINT = 42
 PULL_OFF_ITERATION_FACTORS = {False: 100_000, True: 5000}
 """Factor in the number of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
 

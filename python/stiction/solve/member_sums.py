@@ -45,7 +45,7 @@ class MemberSums:
             return sums
         if isinstance(sums, MemberSums):
             converted_sums = cls(sums.source)
-            vars(converted_sums).update(vars(sums))  # both objects share all cached values
+            vars(converted_sums).update(vars(sums))  # both objects share all cached arrays
             return converted_sums
         check_instance("result", sums, (xarray.Dataset, StoredResult), "a Result, or an xarray.Dataset of member sums")
         return cls(sums)
@@ -91,7 +91,7 @@ class MemberSums:
     @cached_property
     def _first_member(self) -> xarray.Dataset:
         assert isinstance(self.source, StoredResult)
-        # `StoredResult.dataset` raises an error if the result has no members.
+        # Reading `StoredResult.dataset` raises an error if the result has no members.
         return share(self.source.first_member() if self.source.num_finished else self.source.dataset())
 
     @cached_property
@@ -140,7 +140,7 @@ class MemberSums:
         for piece in self.pieces(names):
             for name in names:
                 dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
-                # Summation is fast if the repetitions are contiguous in memory.
+                # Make the repetitions contiguous in memory, so that they are summed quickly.
                 values = np.ascontiguousarray(piece[name].transpose(*dims, "repetition").values)
                 is_solved = ~np.isnan(values)
                 piece_sum = xarray.Variable(dims, np.where(is_solved, values, 0).sum(axis=-1))
