@@ -19,13 +19,14 @@ import stiction._core as _core
 from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
-INTERVAL_STATISTICS = ["mean", "lower", "upper"]  # values of the dimension `statistic` in datasets
-NUM_SLOPE_FIT_STEPS = 4  # number of steps on each side of a crossing to which a slope is fitted
+# a mean and the limits of its interval: labels of the dimension `statistic` in datasets
+INTERVAL_STATISTICS = ["mean", "lower", "upper"]
+NUM_SLOPE_FIT_STEPS = 4  # number of steps on each side of a load from which the slope of a curve is fitted
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
-NUM_BATCH_VALUES = 2**17  # maximum number of values in a batch; larger batches are no faster
-MIN_SAMPLE_SIZE = 3  # minimum number of values from which an interval is computed
-MIN_NEIGHBOURING_VALUES = 8  # minimum number of values at neighbouring positions, for an interval of their mean
+NUM_BATCH_VALUES = 2**17  # maximum number of numbers that are processed together; more are no faster
+MIN_SAMPLE_SIZE = 3  # minimum number of repetitions from which an interval is computed
+MIN_NEIGHBOURING_VALUES = 8  # minimum number of neighbouring positions from which an interval of the mean is computed
 MIN_RELATIVE_CHANGE = -1 + 1e-12
 """Minimum relative change of a mean for which the mean keeps its sign if one repetition is left out.
 
@@ -38,8 +39,8 @@ Friction up to this fraction of the load or of the pull-off force counts as roun
 """
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
-_MIN_SKEWNESS = 1e-9  # an interval is computed as symmetric if its skewness is below this limit
-MAX_DEGREES_OF_FREEDOM = 1e6  # with more degrees of freedom, Student's t distribution counts as normal
+_MIN_SKEWNESS = 1e-9  # skewness below which an interval is computed as symmetric
+MAX_DEGREES_OF_FREEDOM = 1e6  # above this number of degrees of freedom, Student's t distribution counts as normal
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
@@ -56,11 +57,11 @@ class LoadCrossings:
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
 
-    index: NDArray[np.intp]  # (..., l) index of the step at or after each crossing
-    fraction: Floats  # (..., l) position of each crossing between two steps, from 0 to 1
+    index: NDArray[np.intp]  # (..., l) index of the first step at or above each load
+    fraction: Floats  # (..., l) position of each load between two steps, from 0 to 1
     reached: NDArray[np.bool_]  # (..., l) True for loads that the curve reaches
     below: NDArray[np.bool_]  # (..., l) True for loads below the first step
-    # Curves and requested loads, if the ratio of value to load is interpolated; otherwise None.
+    # Curves and requested loads, if a quantity is interpolated after division by the load; otherwise None.
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
@@ -125,8 +126,8 @@ class LoadCrossings:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # If a crossing is exactly at a step, the value at the previous step may be NaN.
-        with np.errstate(invalid="ignore"):  # the stiffness, for example, is infinite at complete contact
+        # If a load equals a step exactly, the quantity at the previous step may be NaN.
+        with np.errstate(invalid="ignore"):  # a quantity may be infinite, such as the stiffness at complete contact
             interpolated = np.where(fraction == 1, after, before + fraction * (after - before))
         if are_sums and self.scale is not None:
             interpolated = interpolated * self.scale[1]
@@ -222,7 +223,7 @@ class MeansAtLoads:
 
     def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
         self.crossing = LoadCrossings.from_curves(normal, loads)
-        # Each point (p,) is a pair of a curve and a load that the curve reaches.
+        # Each of the p points is a curve with a load that the curve reaches.
         self._curve, load = map(np.ascontiguousarray, np.nonzero(self.crossing.reached))
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
@@ -296,7 +297,7 @@ class _QuantityAtLoads:
         is_symmetric = ~self.keeps_sign | ~self._logarithms.is_finite()
         if is_symmetric.any():
             half_width = self._differences.half_width()
-            # If all repetitions have the same load and value, their differences are only the round-off of the load.
+            # Equal loads and quantities in all repetitions differ only by the round-off of the load.
             round_off = MAX_RELATIVE_ROUND_OFF * (np.abs(mean) + np.abs(self._slope) * self._load)
             half_width = np.where(half_width <= round_off, 0.0, half_width)
             lower_bound = np.where(self.has_negative_values, -np.inf, 0.0)[curve]
@@ -317,7 +318,7 @@ class PowerSums:
         self._count += values.shape[-1]
         square = values * values
         self._sums[0] += values.sum(axis=-1)
-        # Use `np.einsum`, which adds products without storing them.
+        # Use `np.einsum`, which adds up products without storing them.
         for index, factors in enumerate(((values, values), (square, values), (square, square)), start=1):
             self._sums[index] += np.einsum("...r,...r", *factors)
 
@@ -426,7 +427,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     are equal.
     """
     count = values.shape[0]
-    # Sum each row (c, r) separately, so that the sum does not depend on the other rows.
+    # Sum each row separately, so that its sum does not depend on the other rows.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
@@ -445,13 +446,13 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     """
     from scipy.special import stdtr
 
-    # Divide the values by their standard deviation to avoid overflow.
+    # Divide the deviations from the mean by their standard deviation, to avoid overflow.
     count, deviations = values.shape[1], values - mean[:, np.newaxis]
     deviation = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
     has_spread = (deviation > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(has_spread, deviation, 1.0)[:, np.newaxis], _NEIGHBOUR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, count)
-    # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y follow from a few sums over the values y.
+    # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y need only a few sums over y.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(count)
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
@@ -466,7 +467,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     weights /= weights.sum(axis=1, keepdims=True)
     errors = np.sqrt(squares / (count - 1) * inflation)
 
-    # The distribution function is concave above 0, so Newton steps from below do not exceed the quantile.
+    # Above 0, the distribution function is concave, so Newton steps from below never exceed the quantile.
     quantile_estimate, moving_rows = quantile * errors.min(axis=1), np.arange(mean.size)
     for _ in range(_MAX_NEWTON_STEPS):
         row_weights, row_errors = weights[moving_rows], errors[moving_rows]
@@ -494,7 +495,7 @@ def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats,
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
     line_means = values
     if first_indices.size > 1:
-        # Replace the values of each line by one value, so that the mean over lines equals the mean of all values.
+        # Replace each line's positions by one number, so that the mean over lines equals the mean over all positions.
         counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         sums = np.zeros((first_indices.size, *values.shape[1:]))
         np.add.at(sums, index, values)
@@ -512,10 +513,10 @@ class ScanPairMean:
     """Mean of a quantity over all pairs of scans, and the variance components of this mean."""
 
     mean: float
-    # Variances of the mean due to upper scans, lower scans and positions.
+    # Variances of the mean due to upper scans, due to lower scans and due to positions.
     variances: tuple[float, ...]
-    freedom: float  # degrees of freedom of the variance of the mean (Satterthwaite, 1946)
-    test: float  # standard deviation of a single new test from the mean
+    freedom: float  # degrees of freedom of the variance of a mean (Satterthwaite, 1946)
+    test: float  # standard deviation of a single new test about the mean
     test_freedom: float  # degrees of freedom of the variance of a single new test
 
     @property
@@ -557,7 +558,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
     freedom = float(freedoms[~is_separate].sum())
     residual_variance = float(sums[~is_separate].sum()) / max(freedom, 1.0)
     variance_components = np.append(np.where(is_separate, mean_squares - residual_variance, 0.0)[:2], residual_variance)
-    # The residual mean square is subtracted once for each mean square that is not pooled.
+    # Subtract the residual mean square once for each mean square that is not pooled.
     weights = np.append(np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance)
     component_freedoms = np.maximum([*freedoms[:2], freedom], 1.0)
     deviations_in_pairs = (flat_values - pair_means[upper, lower][:, np.newaxis]).ravel()

@@ -32,11 +32,11 @@ if TYPE_CHECKING:
     import xarray
 
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-# Maximum number of curve values of one map cell in memory at the same time.
+# Maximum number of curve points of one map cell that are in memory together.
 MAX_VALUES_IN_MEMORY = 2**18
-# Dimensions that a result may have besides members and steps.
+# Dimensions of a result besides members and steps.
 MAP_CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
-MOTION_DIMENSIONS = ("sliding", "direction")  # dimensions of results with several sliding rules or directions
+MOTION_DIMENSIONS = ("sliding", "direction")  # dimensions of a result with several sliding rules or directions
 _LOAD_VARIABLES = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
 
 _VARIABLES_BY_QUANTITY = {
@@ -267,7 +267,7 @@ def evaluate_ensemble_quantities(
         dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_ratios
     )
     # The first pass finds the steps at which the mean loads are reached.
-    # The second pass computes the intervals at the steps that the first pass found.
+    # The second pass computes the intervals at these steps.
     averages, ratio_operands, count = _average_sums(
         iterate_solved_pieces(result, quantities.required_variables(), transform),
         names,
@@ -320,7 +320,7 @@ class _EnsembleQuantities:
         """Return the names of the variables that must be read from the result."""
         variables = [name for quantity in self.names for name in _list_required_variables(quantity)]
         if "normal_stiffness" in self.names and self.step_dimension == "load":
-            variables.append("approach")  # the stiffness is a derivative with respect to the approach
+            variables.append("approach")  # the stiffness is the derivative of the load with respect to the approach
         return tuple(dict.fromkeys([*variables, *self.ratio_sum_names]))
 
     def compute_curves(
@@ -361,7 +361,7 @@ class _EnsembleQuantities:
                     array[cell] = _reshape_curves(curve_values, self.shape)
             cell_averages = averages[0].apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.compute_curves(cell, averages)[0][..., 0]
-            # Friction is self-locked if the normal load at the largest approach is not above 0.
+            # Friction is self-locked if even the largest approach gives no positive normal load.
             is_locked = (cell_averages.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
             cell_status = friction.choose_statuses(
                 touched=bool(cell_averages.contact_count.any()), reached=means.crossing.reached,
