@@ -58,7 +58,8 @@ INTERVALS_COVERING_ALTERNATIVES = (
 )
 """Names of the intervals of the coefficient that cover the results for alternative preparations of the scans."""
 
-COMBINED_ATTRIBUTES = {INTERVAL_KIND_ATTRIBUTE: "combined"}  # attributes of the variables in `COMBINED_QUANTITIES`
+# attributes of the variables of `COMBINED_QUANTITIES` in a dataset
+COMBINED_ATTRIBUTES = {INTERVAL_KIND_ATTRIBUTE: "combined"}
 
 _INTERVAL_VARIABLES = (
     "mean_friction", "spread_low", "spread_high", "ok", "members", "contact_count", "mu0", "tau0", "sliding",
@@ -107,7 +108,7 @@ def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[Altern
     if alternatives is None:
         values = _evaluate_alternatives_uncached(result, at)
         alternatives = {name: share(dataset) for name, dataset in values.items()}
-        if alternatives:  # do not cache a missing alternative, which may be computed later
+        if alternatives:  # do not cache a missing alternative preparation, which may be computed later
             cache.clear()
             cache[points] = alternatives
     return alternatives
@@ -128,7 +129,7 @@ def _evaluate_alternatives_uncached(
     }
 
 
-_Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and values of variables, by name
+_Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and array of each variable
 
 
 def predict_interval(result: MemberSums, load: float, strength: InterfaceStrength) -> Interval:
@@ -243,7 +244,7 @@ def _evaluate_uncertainty(
         return tables, {}
     percent_attributes = quantity_attributes("percentile")
     coordinates: dict[str, Any] = {"percentile": ("percentile", FRICTION_PERCENTILES, percent_attributes)}
-    # The percentiles at the first cutoff enclose the percentiles at all cutoffs.
+    # The percentiles at the first cutoff enclose those at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(percentiles, dims.index("cut_off"), 0)
         by_cutoff[0] = extend_percentiles(by_cutoff[0], by_cutoff[1:])
@@ -270,7 +271,8 @@ def _evaluate_uncertainty(
     return tables, coordinates
 
 
-_SampledInputs = tuple[dict[str, Input], list[StrengthArrays]]  # uncertain inputs, and joint samples of mu0 and tau0
+# uncertain inputs by name, and joint samples of mu0 and tau0
+_SampledInputs = tuple[dict[str, Input], list[StrengthArrays]]
 
 
 def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength | None = None) -> _SampledInputs:
@@ -349,7 +351,7 @@ class _CombinedQuantities:
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
-            # Extend a quantity that lacks a dimension only for the first entry along the dimension.
+            # Extend the interval of a quantity without a dimension only at the first index along this dimension.
             if any(index > 0 for dim, index in indices.items() if dim not in dims):
                 continue
             positions[name] = tuple(indices[dim] for dim in dims[:-1])
@@ -399,7 +401,7 @@ def _iterate_intervals(
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
-    # Quantities at the central inputs for all mu0 and tau0, by the indices of the other dimensions.
+    # Quantities at the central inputs, for every mu0 and tau0, by the index along the other dimensions.
     central_values: dict[tuple[int, ...], Any] = {}
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))
@@ -543,10 +545,10 @@ def _get_combined_coefficients(
     combined = at["mean_friction"].transpose(*dims, "statistic").values.copy()
     lower_limits = combined[..., 1]
     combined[..., 1] = np.where((lower_limits < 0) & (combined[..., 0] >= 0), 0.0, lower_limits)
-    # An interval counts as known even if its upper limit is infinite.
+    # An interval with an infinite upper limit is known.
     is_known = ~np.isnan(known_intervals).any(axis=-1)
     combined[is_known] = known_intervals[is_known]
-    # The interval of the first cutoff covers the intervals of all cutoffs.
+    # The interval at the first cutoff covers the intervals at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(combined, dims.index("cut_off"), 0)
         by_cutoff[0] = _extend_estimates(by_cutoff[0], by_cutoff[1:])

@@ -34,19 +34,19 @@ UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME = "which piece of the upper part"
 SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITIONS_INPUT_NAME)
 """Sources of uncertainty that are not inputs of the study: the choice of scans and of positions."""
 
-INTERFACE_INPUT_NAME = "interface"  # name of the input that combines mu0 and tau0
-# Quantiles at which an input is fixed, one after the other, for the uncertainty budget.
+INTERFACE_INPUT_NAME = "interface"  # name of the input that stands for mu0 and tau0 together
+# For the uncertainty budget, an input is fixed at each of these quantiles.
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 
 FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
 """Percentiles of the coefficient of a single test in `Result.at`. Design codes use the lowest one as a minimum."""
 
-# Upper bound on ln(coefficient of a single test / mean coefficient), which prevents overflow.
+# Largest ln(coefficient of a single test / mean coefficient), which prevents overflow.
 MAX_LOG_COEFFICIENT_RATIO = 50.0
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
-MAX_CACHED_AREAS = 64  # maximum number of cached arrays of area samples
+MAX_CACHED_AREAS = 64  # maximum number of arrays of true areas that are cached
 
 StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
 """Samples of mu0, tau0 (GPa), hardness (GPa) and junction growth. The hardness and the junction growth may be None."""
@@ -85,7 +85,7 @@ def compute_quantity_ratios(
     )
     area_ratio = values.area / central.area
     loading, unloading, closure_loading, closure_unloading = response.stiffness_ratios(inputs, values.area)
-    with np.errstate(invalid="ignore"):  # both areas at the onset are infinite at seizure
+    with np.errstate(invalid="ignore"):  # if contacts seize, both areas at the onset of sliding are infinite
         onset_area_ratio = values.area_at_onset / central.area_at_onset
     return {
         "area": area_ratio, "area_at_onset": onset_area_ratio, "pressure": 1 / area_ratio,
@@ -103,8 +103,8 @@ class _InputSamples:
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
     values: dict[str, Floats]
-    modulus: Floats | float  # E* divided by the E* of the study
-    creep: Floats | None  # exponents of indentation creep
+    modulus: Floats | float  # effective modulus E* divided by the E* of the study
+    creep: Floats | None  # exponents of indentation creep, one per sample
 
 
 class InputSampler:
@@ -116,7 +116,7 @@ class InputSampler:
         self._cache: dict[Any, _InputSamples] = {}
         self._areas: dict[Any, AreasBeforeShear] = {}
         self._closures: tuple[Any, Floats] = (None, np.empty(0))
-        self.intervals: dict[Any, Interval] = {}  # cache of coefficient intervals that were computed from samples
+        self.intervals: dict[Any, Interval] = {}  # cached intervals of the coefficient, computed from samples
 
     def draw(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
@@ -178,24 +178,25 @@ class CombinedIntervals:
     ) -> None:  # fmt: skip
         self.study, self.response, self._sampler = study, response, sampler
         self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
-        self.sampling_estimate: Floats = point["mean_friction"]  # coefficient and limits of its interval of the mean
+        # coefficient of friction, and limits of its interval of the mean
+        self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
-        # The first entry of `strengths` contains joint samples of mu0 and tau0.
-        # In every further entry of `strengths`, mu0 or tau0 equals its bound.
+        # The first element of `strengths` has joint samples of mu0 and tau0.
+        # In every other element, mu0 or tau0 equals its bound.
         self.strengths = strengths
         self.drifts = drifts
         self._central = central
         self._scan_mean = scan_mean
         value, lower, upper = self.sampling_estimate.tolist()
-        if study.is_gap:  # a gap has only one relative position
+        if study.is_gap:  # a gap between two faces has only one relative position
             lower = upper = value
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # Range of coefficients that finer scans could give.
+        # Range of the coefficients that finer scans could give.
         self.finest: tuple[float, float] | None = None
-        # Range of coefficients for finer scans, widened by the confidence interval due to sampling.
+        # Range of the coefficients that finer scans could give, widened by the interval of the mean.
         self.bracket: tuple[float, float] | None = None
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":
@@ -391,7 +392,7 @@ class CombinedIntervals:
         The interval of a coefficient is computed only once, also if the coefficient is evaluated again among others.
         """
         response = self.response
-        # Round the estimate, because its round-off depends on the coefficients that are evaluated together.
+        # Round the coefficient, whose round-off depends on which coefficients are evaluated together.
         estimate = self.sampling_estimate.round(12).tobytes()
         coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
         key = coefficient, self.names, (*fixed.items(),), dwell_time
@@ -425,7 +426,7 @@ class CombinedIntervals:
         the coefficient, it lies between the lowest and the highest coefficient for finer scans.
         """
         inputs, samples = self._sample_inputs(fixed, dwell_time, strength_index, drift_factor)
-        # The area before shear is the same for all mu0 and tau0, unless an interface comes with its own hardness.
+        # Unless mu0 and tau0 come with their own hardness, all of them have the same area before shear.
         key = self.response.load, id(self.response.area), tuple(self.inputs), self.names, (*fixed.items(),), dwell_time
         areas = None if self.strengths else self._sampler.find_areas((*key, drift_factor), self.response, inputs)
         values = self.response.evaluate(inputs, areas)
@@ -542,7 +543,7 @@ def compute_quantiles(
             "specify narrower ranges"
         )
 
-    # Quantiles are not interpolated if samples are infinite.
+    # Do not interpolate quantiles between infinite samples.
     method: Literal["inverted_cdf", "linear"] = "inverted_cdf" if np.isinf(values).any() else "linear"
     quantiles = np.asarray(np.quantile(values, probabilities, axis=axis, method=method))
     if upper_values is None or not np.isinf(upper_values).any():
