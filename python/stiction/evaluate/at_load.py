@@ -113,9 +113,9 @@ def at_load(
             np.repeat(hardness[..., np.newaxis], 3, axis=-1), quantity_attributes("contact_hardness"),
         )  # fmt: skip
     if is_measured and is_requested("load_definition_effect", names):
-        # `load_definition_effect` compares the coefficients at equal elastic load and at equal normal load.
+        # `load_definition_effect` is the difference between equal elastic and equal normal load.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
-        # In means of ensembles, contacts neither grow nor lose area under shear.
+        # Means over an ensemble neglect that contacts grow or lose area under shear.
         other_result = (
             result
             if load_definition != "mean"
@@ -124,7 +124,8 @@ def at_load(
         members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
         coefficient = point["mean_friction"].sel(statistic="mean")
-        coefficient = coefficient.where(abs(coefficient) > MAX_RELATIVE_ROUND_OFF)  # avoid 0/0 without friction
+        # without friction, avoid the quotient 0/0
+        coefficient = coefficient.where(abs(coefficient) > MAX_RELATIVE_ROUND_OFF)
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
         point["load_definition_effect"] = abs(other_coefficient / coefficient - 1).max(other_dims).variable
     return point.assign_attrs(load_definition=load_definition)

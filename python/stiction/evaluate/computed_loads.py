@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from stiction.solve.member_sums import MemberSums
     from stiction.study.study import Study
 
-_MEAN_LOAD_ROUND_OFF = 1e-6  # relative round-off of a load that is the mean over members
+_MEAN_LOAD_ROUND_OFF = 1e-6  # relative round-off of the mean of a load over members
 
 NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLVED)
 """Statuses of points whose load was not computed. All other statuses are properties of the contact."""

@@ -155,9 +155,9 @@ class AreaFunction:
 class _SolvedAreas:
     """Areas (µm²) at the loading steps, averaged over members; all arrays have the shape (cells, loads)."""
 
-    all_members: Floats  # stored areas, averaged over all members
-    elastic_members: Floats  # stored areas, averaged over the members whose elastic area is also stored
-    elastic: Floats  # mean elastic areas, or estimates; NaN for studies without elastic areas
+    all_members: Floats  # true areas, averaged over all members
+    elastic_members: Floats  # true areas, averaged over the members whose elastic area is stored
+    elastic: Floats  # mean elastic areas, or estimates of them; NaN for a study without elastic areas
 
 
 def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
@@ -184,7 +184,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
             counts[index] += mask.sum(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         all_members, elastic_members, elastic = sums / counts
-    # In an unfinished result, the members with elastic areas may be missing.
+    # In an unfinished result, the members whose elastic area is stored may be missing.
     lacks_elastic = ~np.isfinite(elastic).any(axis=1)
     if has_elastic_areas and lacks_elastic.any():
         elastic_members[lacks_elastic] = all_members[lacks_elastic]
@@ -198,7 +198,8 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
     contact, loads = study.contact, study.contact.loading_steps()
     nominal_area = float(result.head["nominal_area"])
     hardness = None if contact.hardness is None else float(contact.hardness)
-    if hardness is None or contact.adheres:  # few contacts yield under attraction alone
+    # neglect yielding of adhesive contacts, of which few yield under the attraction alone
+    if hardness is None or contact.adheres:
         elastic_areas = areas.all_members
     elif contact.yield_exponent is not None:
         with np.errstate(invalid="ignore"):
@@ -221,7 +222,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
             functions.append(
                 AreaFunction(*known_points, nominal_area, hardness, exponent, attractions, indent, known_depths)
             )
-        else:  # the solver failed for all members
+        else:  # the solver failed for every member
             functions.append(AreaFunction(np.ones(1), np.full(1, np.nan), nominal_area, hardness, exponent))
     return functions
 
@@ -320,10 +321,10 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):
         true_areas = yielded_area(areas.elastic, loads, hardness, float(contact.yield_exponent))
-        # In complete contact, the elastic area may exceed the nominal area by round-off.
+        # In complete contact, round-off may raise the elastic area above the nominal area.
         largest_areas = np.maximum(areas.elastic, float(result.head["nominal_area"]))
         factors = np.minimum(true_areas, largest_areas) / areas.elastic_members
-    for cell_factors in factors:  # interpolate the factors at loads without an elastic area
+    for cell_factors in factors:  # at loads without an elastic area, interpolate the factor
         is_known = np.isfinite(cell_factors)
         if is_known.any():
             log_loads = np.log(loads)

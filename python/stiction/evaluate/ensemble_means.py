@@ -29,7 +29,7 @@ from stiction.study.study import find_step_dimension
 if TYPE_CHECKING:
     import xarray
 
-MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads from which a stiffness is computed
+MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads from which a normal stiffness is computed
 
 
 def average_ensemble(
@@ -45,7 +45,7 @@ def average_ensemble(
     ratio_names = [name for name in RATIO_QUANTITIES if is_requested(name, names)]
     evaluate = partial(_evaluate_direction_groups, result, loads, mu0, tau0, includes_ratios=bool(ratio_names))
     quantities = [name for name in _list_ensemble_quantities(head) if is_requested(name, names)]
-    # Area and stiffness depend slightly on mu0 and tau0, because friction changes the normal load.
+    # Area and stiffness depend slightly on mu0 and tau0, because friction contributes to the normal load.
     if "direction" in head.dims:
         all_directions = np.arange(head.sizes["direction"])[np.newaxis]
         means = evaluate(["friction_coefficient", *quantities], all_directions)
@@ -150,7 +150,7 @@ def compute_ensemble_friction(
         for name in LOAD_SUM_NAMES
     }
     law = FrictionLaw(mu0[:, np.newaxis], tau0)
-    # Stack the loads in an array of shape (2, members, ..., mu0, tau0).
+    # Stack normal and tangential loads in an array of shape (2, members, ..., mu0, tau0).
     member_loads = np.stack([law.load("normal", sums), law.load("tangential", sums)])
     load_sums = member_loads.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -14,7 +14,7 @@ from stiction.study.study import find_step_dimension
 if TYPE_CHECKING:
     import xarray
 
-NUM_DEFAULT_LOADS = 3  # number of loads for which results are shown if the study specifies no loads
+NUM_DEFAULT_LOADS = 3  # number of loads that a result shows if the study specifies none
 
 
 def choose_loads_in_range(result: MemberSums | xarray.Dataset, steps: int = 80) -> Floats:

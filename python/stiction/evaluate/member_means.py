@@ -22,7 +22,8 @@ from stiction.study.study import Study
 if TYPE_CHECKING:
     import xarray
 
-SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of the values of single members, stored as `spread_low` and `spread_high`
+# quantiles of the coefficients of single members, stored as `spread_low` and `spread_high`
+SPREAD_QUANTILES = (0.1, 0.9)
 FULL_CONTACT_STATUS, AREA_ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
 """Statuses of contacts with a true area equal to the nominal area (first) or above it (second).
 
@@ -87,7 +88,7 @@ def average_members(
     directional_dims, directional_means, attributes = variables["friction_coefficient"]
     is_downhill = directional_means[..., 0] < -NEGLIGIBLE_COEFFICIENT
     variables["friction_coefficient"] = directional_dims, _remove_negative(directional_means, is_downhill), attributes
-    # A mean over directions has no meaning if the body slides by itself in one direction.
+    # If the body slides by itself in one direction, a mean over directions has no meaning.
     # If mu0 and tau0 are 0, the coefficients of opposite directions cancel, and their mean is 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
     counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
@@ -134,10 +135,10 @@ def average_members(
     single_coefficients = np.moveaxis(coefficient, direction_axis, 1)
     low, high = compute_sample_quantiles(
         single_coefficients.reshape(-1, *single_coefficients.shape[2:]), SPREAD_QUANTILES
-    )  # NaN if no member has a coefficient
+    )  # the mean is NaN if no member has a coefficient
     statuses = np.where(is_downhill, np.array(friction.STATUS_DOWNHILL, STATUS_DTYPE), _find_common_statuses(status))
     variables |= {
-        # A member that slides by itself needs no tangential load, so the quantiles are at least 0.
+        # A member that slides by itself needs no tangential load, so its coefficient counts as 0.
         "spread_low": (dims_of_mean, np.maximum(low, 0.0), quantity_attributes("spread_low")),
         "spread_high": (dims_of_mean, np.maximum(high, 0.0), quantity_attributes("spread_high")),
         "status": (dims, statuses, quantity_attributes("status")),
@@ -289,7 +290,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
     directions cancel except for round-off, which would have a random sign.
     """
     mu0, tau0 = (members[name].values.reshape([-1 if dim == name else 1 for dim in dims]) for name in ("mu0", "tau0"))
-    # The limits of the interval are NaN if there are few members.
+    # With few members, the limits of the interval are NaN.
     exceeds_round_off = (np.abs(means) >= NEGLIGIBLE_COEFFICIENT).any(axis=-1)
     is_zero = ~exceeds_round_off & (mu0 == 0) & (tau0 == 0)
     return np.where(is_zero[..., np.newaxis] & ~np.isnan(means), 0.0, means)
@@ -349,7 +350,7 @@ class MemberDependence:
         if self.order is None or self.lines is None:
             return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
-        # Evaluate columns with the same missing members together, to save time.
+        # To save time, evaluate all columns with the same missing members together.
         # In most columns, no member is missing.
         is_finite = np.isfinite(flat_values)
         is_incomplete = ~is_finite.all(axis=0)

@@ -280,7 +280,7 @@ class _MemberForces:
     normal: Floats
     tangential: Floats
     is_reached: NDArray[np.bool_]
-    is_below: NDArray[np.bool_]  # True for loads below the first step
+    is_below: NDArray[np.bool_]  # True for each load below the first step
 
     @classmethod
     def at_elastic_loads(
@@ -297,7 +297,7 @@ class _MemberForces:
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
         """Interpolate normal and tangential loads to given normal loads; interpolate ratios if the steps are loads."""
-        # Move the steps to the last axis for the interpolation.
+        # Move the steps to the last axis, along which loads are interpolated.
         normal, tangential = (np.moveaxis(each, -3, -1) for each in _compute_loads(sums_at_steps, law))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
@@ -353,7 +353,7 @@ def _compute_opposing_fraction(
         for rule in ("opposing", "all")
     )
     with np.errstate(divide="ignore", invalid="ignore"):
-        # The denominator is the sum of F |t·s|, which equals the load to first order in the slopes.
+        # To first order in the slopes, the denominator Σ F |t·s| equals the load.
         fraction = opposing / total
     return {"share_opposing": ((*member_dims, "direction", "load"), fraction, quantity_attributes("share_opposing"))}
 
@@ -458,14 +458,14 @@ def _interpolate_by_stiffness(
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
     """Return the pull-off force of each member, whether it is only a lower bound, and the friction at no load."""
-    # Store 1 for members whose pull-off force is only known to be above a lower bound, and 0 for other members.
+    # Store 1 for a member whose pull-off force is only known to exceed a lower bound, and 0 otherwise.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
         name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSIONS), missing=True)[..., None, None]
         for name in ZERO_LOAD_SUM_QUANTITIES
     }
     direction_axis = len(member_dims) + 1
-    # Adhesive contacts do not grow under shear.
+    # In the model, adhesive contacts do not grow under shear.
     tangential = law.load("unloaded", zero_load_sums, 1 - law.area_loss).mean(axis=direction_axis)
     pull_off = _to_float_array(piece.variables["pull_off"], member_dims)[..., None, None, None]
     tangential = np.where(abs(tangential) <= MAX_RELATIVE_ROUND_OFF * pull_off, 0.0, tangential)
@@ -488,8 +488,8 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
     status = np.array(np.broadcast_to(status, forces.normal.shape), STATUS_DTYPE)
     step_dimension = find_step_dimension(piece)
     if "status" in piece:
-        # A member without a coefficient gets the status of the first step at or above the load.
-        # The status "ok" of a step does not replace the status of a member.
+        # A member without a coefficient has the status of the first step at or above the load.
+        # If that status is "ok", the status of the member remains.
         status_codes = _to_float_array(
             piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
         ).astype(int)
@@ -508,7 +508,7 @@ def _find_load_crossings(
     """Return the members' contact sums, and the points at which the load curves reach the given loads."""
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
-    # Use variables, which have no coordinates and are therefore accessed much faster than data arrays.
+    # Use variables instead of data arrays: without coordinates, they are accessed much faster.
     piece_variables = piece.variables
     elastic_loads = _to_float_array(piece_variables["normal_elastic"], (*member_dims, step_dimension))
     curve = (

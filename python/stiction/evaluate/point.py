@@ -35,16 +35,18 @@ class SlidingRuleCoefficient(Estimate):
     """
 
     _: KW_ONLY
-    rule: str  # "all" or "opposing"
-    status: str = STATUS_OK  # "ok", or why a coefficient is missing in at least one direction
-    interval_of_mean: Interval = UNKNOWN_INTERVAL  # interval of the mean over positions
-    prediction_interval: Interval = UNKNOWN_INTERVAL  # prediction interval for a single test in a single direction
+    rule: str  # contacts at which friction acts: "all" or "opposing"
+    status: str = STATUS_OK  # "ok", or the reason why the coefficient is missing in some direction
+    interval_of_mean: Interval = UNKNOWN_INTERVAL  # interval of the mean coefficient over positions
+    # interval that contains the coefficient of one more test in one direction
+    prediction_interval: Interval = UNKNOWN_INTERVAL
     low: float = math.nan  # 10 % quantile of the coefficients of single members
     high: float = math.nan  # 90 % quantile of the coefficients of single members
-    slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies
-    # True if more than half of the load is on contacts for which the asperity model is invalid.
+    slopes: float = math.nan  # small-slope estimate of the coefficient (`gentle_friction`); NaN for generated bodies
+    # True if the asperity model is invalid for contacts that carry more than half of the load.
     is_outside_asperity_model: bool = False
-    # Coefficients along the axes and in the directions (degrees) of motion, with intervals of the mean.
+    # Coefficients by the direction of motion in degrees, along the axes or in all directions, with intervals of the
+    # mean.
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
 
@@ -73,8 +75,8 @@ SLIDING_RULE_ORDER = ("all", "opposing")
 Under the reported rule, friction acts at all contacts, because mu0 is measured on smooth faces.
 """
 
-CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions that the cells of a study may have
-MEAN_AND_LIMITS = ("mean", "lower", "upper")  # labels of a mean and of the limits of its 95 % interval
+CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of a study besides load, mu0 and tau0
+MEAN_AND_LIMITS = ("mean", "lower", "upper")  # a mean and the limits of its 95 % interval
 
 
 def get_roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
@@ -127,8 +129,9 @@ class PointQuantities:
     """
 
     estimates: dict[str, Estimate]
-    numbers: dict[str, float]  # quantities without an interval
-    distributions: dict[str, dict[float, Estimate]]  # quantiles by the fraction of the distribution below them
+    numbers: dict[str, float]  # quantities of a result without an interval
+    # quantiles of each distribution, by the fraction of it that lies below them
+    distributions: dict[str, dict[float, Estimate]]
 
 
 def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
@@ -161,7 +164,7 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
     """Return a quantity at a point, averaged over all directions, or NaN if the quantity is missing."""
     if name not in point.variables:
         return math.nan
-    # Values are selected much faster from the arrays of variables than from an `xarray.DataArray`.
+    # Select from the arrays of variables, which is much faster than from an `xarray.DataArray`.
     variable = point.variables[name]
     values = variable.values
     if "statistic" in variable.dims:

@@ -30,8 +30,9 @@ class PullOffValues:
     force: Estimate
     pressure: Estimate
     friction: Estimate
-    is_bound: bool  # True if only a lower bound on the pull-off force is known for some members
-    area_inputs: tuple[str, ...] = ()  # labels of the uncertain inputs that change only the area of the friction
+    is_bound: bool  # True if the pull-off force of some members is only known to exceed a lower bound
+    # labels of the uncertain inputs that affect friction only through the contact area
+    area_inputs: tuple[str, ...] = ()
 
     @property
     def sticking_assessment(self) -> Literal["yes", "no", "uncertain"]:

@@ -221,7 +221,7 @@ class ContactResponse:
         else:
             hardness = self.area.contact_hardness(self.load, inputs.hardness, inputs.size_effect)
             onset = OnsetState(law.plastic_coefficient(np.asarray(hardness)), area, np.ones(()))
-        # Without τ0, friction does not depend on the area.
+        # If tau0 is 0, contacts cannot seize, because friction does not depend on the area.
         is_seized = np.isinf(onset.area) & (np.asarray(inputs.tau0) > 0)
         sliding_area = np.where(np.isinf(onset.area), area, onset.area)
         coefficient = law.coefficient(self.sums, sliding_area / central_area, onset.friction_fraction)

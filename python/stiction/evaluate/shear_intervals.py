@@ -27,8 +27,8 @@ from stiction.study.interfaces import InterfaceStrength
 if TYPE_CHECKING:
     import xarray as xr
 
-MIN_INPUT_SAMPLES = 2**10  # minimum number of samples for any number of displacements
-MAX_CURVE_VALUES = 2**21  # maximum number of samples times displacements, which limits the memory
+MIN_INPUT_SAMPLES = 2**10  # minimum number of samples of the inputs, however many displacements a curve has
+MAX_CURVE_VALUES = 2**21  # maximum number of samples times displacements, for which memory is allocated
 INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Inputs that change the contacts. The test is repeated at the limits of these inputs."""
@@ -39,7 +39,7 @@ CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 SHEAR_SUMMARY_NAMES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
 """Attributes of a shear test that have an interval."""
 
-_Samples = dict[str, Floats]  # arrays by quantity; the first axis contains samples or strips
+_Samples = dict[str, Floats]  # an array of each quantity, whose first axis contains samples or strips
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _S
     stress, dilation = (np.stack([each[name].values for each in strips]) for name in ("shear_stress", "dilation"))
     values = _summarize_samples(test, coefficient, stress, dilation)
     if not np.isfinite(coefficient[:, test["status"].values == STATUS_OK]).all():
-        # Drop summary values, because the peak of a strip may be at a displacement without a coefficient.
+        # Drop quantities of the whole curve: the peak of a strip may be at a displacement without a coefficient.
         values = {name: each for name, each in values.items() if name in CURVE_NAMES}
     return {name: np.asarray(each.std(axis=0, ddof=1)) / math.sqrt(len(strips)) for name, each in values.items()}
 
@@ -265,7 +265,7 @@ def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
             continue
         lower, upper = map(float, limits[name])
         if name == "peak_dilation_angle_deg" and lower == upper:
-            continue  # the peak of all samples is at one displacement, but the true peak may lie beside it
+            continue  # the peaks of all samples are at one displacement, but the true peak may lie between two
         if name == "peak_displacement_um":
             index = int(np.nanargmax(test["friction_coefficient"].values))
             before, after = displacement[[max(index - 1, 0), min(index + 1, displacement.size - 1)]]
