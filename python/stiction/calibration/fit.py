@@ -27,30 +27,33 @@ from stiction.mechanics.model import SlidingRule
 from stiction.study.input_distributions import UncertainInput, generate_sobol_points, parse_uncertain_input
 from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit
 
-# Minimum relative standard deviation of A/F among the tests for a fit of both mu0 and tau0.
+# Both mu0 and tau0 are fitted only if A/F varies among the tests by at least this relative standard deviation.
 MIN_AREA_VARIATION = 0.1
-# Number of nuisance points in each round of adaptation, and maximum number of nuisance points in the result.
-# A nuisance point is a set of values of the nuisance parameters.
+# Number of nuisance points that each adaptation draws, and maximum number in the result.
+# A nuisance point is one combination of the nuisance parameters.
 NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
-# Initial number of nuisance points in the result, which doubles with each nuisance parameter, and its upper limit.
-# The number of nuisance points is increased until the effective sample size is large enough.
+# Initial number of nuisance points in the result, and its upper limit; each nuisance parameter doubles the number.
+# Nuisance points are added until the effective sample size is large enough.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
-MAX_NORMAL_SCORE = 5.0  # largest absolute value of the normal score of a nuisance parameter
-MAX_PROPOSAL_ROUNDS = 8  # maximum number of rounds of adaptation
-# Ratio of the effective sample size to the number of nuisance points at which the adaptation ends.
+MAX_NORMAL_SCORE = 5.0  # largest absolute value of a nuisance parameter as a standard normal number
+MAX_PROPOSAL_ROUNDS = 8  # maximum number of adaptations of the distribution from which nuisance points are drawn
+# The adaptation ends if the effective sample size is at least this fraction of the number of nuisance points.
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
-# Effective sample size up to which nuisance points are added to the result.
+# Nuisance points are added to the result until their effective sample size reaches this number.
 MIN_EFFECTIVE_SAMPLES = 300.0
-NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of grid cells along tau0 and along mu0
-NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that represent their joint distribution
+NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of cells along tau0 and along mu0 of the grid for their probability
+NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that a fit returns as samples
 # Increase of -2 ln(density) from the maximum of the density to the edge of the grid (5.8 standard deviations).
 MAX_GRID_DEVIANCE = 34.0
-PROPOSAL_DEGREES_OF_FREEDOM = 5.0  # degrees of freedom of the proposal distribution (Student's t)
-OUTLIER_DEGREES_OF_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
-MEDIAN_RUN_SPREAD = 0.10  # median of the half-Cauchy prior for the relative standard deviation between runs
+# degrees of freedom of Student's t distribution, from which nuisance points are drawn
+PROPOSAL_DEGREES_OF_FREEDOM = 5.0
+# degrees of freedom of Student's t distribution of the errors if tests may be outliers
+OUTLIER_DEGREES_OF_FREEDOM = 4.0
+MEDIAN_RUN_SPREAD = 0.10  # median of the relative standard deviation between runs, under its half-Cauchy prior
 
-MAX_GROWTH_BATCH_POINTS = 256  # maximum number of nuisance points in a batch if contacts grow under shear
-GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"  # names of nuisance parameters
+# maximum number of nuisance points that are evaluated together if contacts grow under shear
+MAX_GROWTH_BATCH_POINTS = 256
+GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"  # names of two nuisance parameters
 
 
 @dataclass(frozen=True)
@@ -58,26 +61,27 @@ class _BestFit:
     """Best fit to the friction tests of a calibration: mu0, tau0, nuisance parameters and residuals."""
 
     mu0: float
-    tau0: float  # best tau0 (GPa)
-    scores: Floats  # (nuisances,) normal scores of the nuisance parameters
-    residuals: Floats  # (tests,) residuals of the tests with sliding, in units of the errors
-    jacobian: Floats  # derivatives of the weighted residuals and of the scores with respect to the free parameters
-    robust_factors: Floats  # (tests,) square roots of the test weights, which are smaller for outliers
-    scale: float  # factor that multiplies the assumed errors if no errors are given
+    tau0: float  # tau0 (GPa) of the best fit
+    scores: Floats  # nuisance parameters of the best fit, as standard normal numbers
+    residuals: Floats  # residuals of the tests with sliding, divided by the errors of the tests
+    # derivatives of the weighted residuals and of the nuisance parameters with respect to the fitted parameters
+    jacobian: Floats
+    robust_factors: Floats  # square root of each test's weight, which is smaller for an outlier
+    scale: float  # factor for the assumed errors of the tests, if no errors are given
 
 
 @dataclass(frozen=True)
 class _GridLimits:
     """Limits of the mu0-tau0 grids. Each nuisance point (a set of nuisance-parameter values) has its own grid."""
 
-    triangular_factors: Floats  # (points, 3, 3) triangular QR factors of the equations
+    triangular_factors: Floats  # (points, 3, 3) triangular factors of the QR decomposition of the test equations
     deviance_range: float
-    # Lower and upper limits of tau0 (GPa), with shape (points,).
+    # Lower and upper limit of tau0 (GPa) for each nuisance point.
     min_tau0: Floats
     max_tau0: Floats
-    # Best-fit mu0 with junction growth (points, tau0), or None if no test has growing contacts.
+    # (points, tau0) mu0 of the best fit if contacts grow under shear, or None if no contact grows.
     best_mu0: Floats | None = None
-    width_below: Any = None  # (points, tau0) widths of the mu0 range below and above the best-fit mu0
+    width_below: Any = None  # (points, tau0) half widths of the range of mu0 below and above its best fit
     width_above: Any = None
 
 
@@ -86,7 +90,7 @@ class _ProbabilityGrid:
     """Grids of mu0 and tau0, with the log probability of each cell. Each nuisance point has its own grid."""
 
     limits: _GridLimits
-    # Logarithms of the probabilities without the prior of the nuisance parameters (points, tau0, mu0).
+    # (points, tau0, mu0) ln(probability) of the tests, without the prior of the nuisance parameters.
     log_probability: Floats
 
 
@@ -126,7 +130,7 @@ class CalibrationProblem:
         self.has_errors = tests[0].uncertainty is not None
         if self.has_errors:
             self.error = np.array([test.uncertainty for test in tests], float)
-        else:  # without given errors, errors are proportional to the coefficients
+        else:  # without given errors, assume errors proportional to the coefficients
             self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
         scatter_by_surfaces: dict[Hashable, float] = {}
         for equation in self._friction:
@@ -171,7 +175,7 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # Cache area factors for each equation and, if contacts grow, for each measured coefficient.
+        # Cache the area factors for each equation and, if contacts grow, for each measured coefficient.
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
@@ -183,14 +187,14 @@ class CalibrationProblem:
                     self.measured[test] if is_measured and equation.area_factor.junction_growth is not None else None,
                 )
                 if key not in cached_factors:
-                    # The area of sliding contacts depends only on the ratio of friction force to normal force.
+                    # The area of sliding contacts depends only on the ratio of friction force and normal force.
                     law = (
                         FrictionLaw(self.measured[test], 0.0) if mu0 is None or tau0 is None else FrictionLaw(mu0, tau0)
                     )
                     area, fraction = equation.area_factor.onset_factors(
                         equation.area_factor.input_values(probability), law
                     )
-                    # Tests measure the interface only if it is weaker than the softer body.
+                    # If the interface were stronger than the softer body, a test would not measure the interface.
                     cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
                 factor = factor * cached_factors[key]
             if equation.scatter > 0:
@@ -206,7 +210,7 @@ class CalibrationProblem:
             if GAIN_NUISANCE_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
-        # The measured coefficient, to which the errors refer, is the product of the gain and the true coefficient.
+        # A test measures its coefficient times the gain, and its error refers to the measured coefficient.
         mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
         tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
         right_side = self.measured - gain * sums["tangential_elastic"]
@@ -232,7 +236,7 @@ class CalibrationProblem:
             np.stack([mu0_coefficient, tau0_coefficient, right_side], axis=1), self._test_weights, self.fixed_strengths
         )
         residual_shifts = self._run_membership * (mu0_coefficient * mu0 + tau0_coefficient * tau0) / self.error
-        # Compute the errors of all tests, with or without sliding, for a standard deviation of 1 between runs.
+        # Error of every test, with or without sliding, per unit of the relative standard deviation between runs.
         self._run_errors = (residual_shifts * self.error).sum(axis=0)
         residual_shifts = np.where(self.slid, residual_shifts, 0.0)
         shift_norms = np.linalg.norm(residual_shifts, axis=1)
@@ -365,7 +369,7 @@ class CalibrationProblem:
                 step_residuals = residuals_with_growth(
                     x + step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
                 )
-                # A step may cross the limit at which the interface is stronger than the softer body.
+                # At a step that makes the interface stronger than the softer body, the residual is not finite.
                 test_rows = np.nan_to_num((step_residuals[1:] - step_residuals[0]).T / step, posinf=0.0, neginf=0.0)
             else:
                 free_scores = x[len(free_indices) :] + step * np.concatenate(
@@ -400,7 +404,7 @@ class CalibrationProblem:
                 and not np.isfinite(residuals(x)).all()
                 and x[: len(free_indices)].max() > 1e-9
             ):
-                x[: len(free_indices)] /= 2  # halve the fitted strengths while the interface seizes
+                x[: len(free_indices)] /= 2  # halve the fitted mu0 and tau0 while the interface seizes
             if x.size:
                 x = least_squares(residuals, x, jacobian, bounds=(lower, np.inf), xtol=1e-9, ftol=1e-9).x
             misfit = residuals(x)[: len(central_equations)] / robust_factors[self.slid]
@@ -424,7 +428,7 @@ class CalibrationProblem:
         best_fit = self.best_fit
         chi_squared = float((best_fit.residuals**2).sum() + (best_fit.scores**2).sum())
         num_slid = int(self.slid.sum())
-        # If A/F is equal in all tests, only one combination of mu0 and tau0 can be fitted.
+        # If A/F is equal in all tests, the tests determine only one combination of mu0 and tau0.
         num_fitted = min(
             sum(value is None for value in self.fixed_strengths),
             1 if self.area_per_load_variation < MIN_AREA_VARIATION else 2,
@@ -581,7 +585,7 @@ class CalibrationProblem:
                 (mu0_coefficient_of_test * mu0 + tau0_coefficient[:, test] * tau0 - right_side_of_test)
                 / error[:, np.newaxis, np.newaxis]
             )
-        # The prior is uniform in mu0 and in tau0 A/F for all values of the nuisance parameters.
+        # For all nuisance parameters, the prior is uniform in mu0 and in tau0 A/F.
         best_cell = (
             log_probability.reshape(len(points), -1).argmax(axis=1)
             if self.has_growing_contacts
@@ -598,7 +602,7 @@ class CalibrationProblem:
             )
         if self.fixed_strengths[1] is None:
             log_volume = log_volume + np.log((limits.max_tau0 - limits.min_tau0) / num_tau0_cells)
-        # Avoid NaN if the interface seizes in all cells.
+        # If the interface seizes in all cells, avoid NaN.
         log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
         log_mu0_step = np.log(mu0_step) if self.fixed_strengths[0] is None else np.zeros(mu0_step.shape)
         log_probability += (log_norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
@@ -630,7 +634,7 @@ class CalibrationProblem:
             return find_best_mu0(residuals, start, tau0)
 
         if self.fixed_strengths[1] is None:
-            # Each test gives an upper bound on tau0, with mu0 = 0 and with the area at the measured coefficient.
+            # Each test limits tau0 from above: by mu0 = 0, with the area at the measured coefficient.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = (
                 2
@@ -650,8 +654,8 @@ class CalibrationProblem:
         )
         best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Residuals vary more slowly with mu0 below its best-fit value than above it.
-        # Junction growth never reduces the variation of the residuals with mu0.
+        # Residuals vary more slowly with mu0 below its best fit than above.
+        # Below, they vary at least as much as without junction growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 
@@ -697,7 +701,7 @@ class CalibrationProblem:
                 > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND
             ):
                 break
-            power = 1.0  # powers below 1 reduce the influence of a few points with large weights
+            power = 1.0  # exponents below 1 reduce the influence of a few nuisance points with large weights
             while (
                 power > 1e-3
                 and _compute_effective_sample_size(power * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND
@@ -774,11 +778,11 @@ class CalibrationProblem:
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
             log_excess = log_weight - np.logaddexp.reduce(log_cell_probability, axis=1)
-        # Avoid NaN if the interface seizes in all cells.
+        # If the interface seizes in all cells, avoid NaN.
         log_excess = np.where(np.isfinite(log_weight), log_excess, 0.0)
         log_cell_weight = log_cell_probability + log_excess[:, np.newaxis]
         cumulative_weight = np.cumsum(np.exp(log_cell_weight - log_cell_weight.max()))
-        # Systematic resampling selects each cell in proportion to its weight.
+        # Systematic resampling: select each cell as often as its weight requires.
         target_weights = (
             (np.arange(NUM_STRENGTH_PAIRS) + generator.random()) / NUM_STRENGTH_PAIRS * cumulative_weight[-1]
         )
@@ -808,7 +812,7 @@ class CalibrationProblem:
             float(np.median(self.error / np.maximum(predicted_coefficients, 1e-12))) if self.has_errors else 0.05
         )
         area_per_load, count = self.mean_area_per_load, len(self.error)
-        # For Hertzian contact, A/F is proportional to F^(-1/3). The recommended loads span a factor of 100.
+        # For a ball (Hertz), A/F is proportional to F^(-1/3). Recommend loads that span a factor of 100.
         ball_ratio = 10 ** (1 / 3)
         plans = (
             (
@@ -902,7 +906,7 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first[:, 2] / np.where(first[:, 1] == 0, 1e-300, first[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        mu0 = first[:, 2] - first[:, 1] * tau0  # best mu0, multiplied by a positive factor
+        mu0 = first[:, 2] - first[:, 1] * tau0  # mu0 of the best fit, times a positive factor
         return np.asarray((second[:, 2] - second[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 
     min_deviance = np.min(

@@ -8,10 +8,10 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Number of tau0 values in each search, and number of searches, each finer than the search before.
+# Number of tau0 in each search, and number of successively finer searches.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
-NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps for the best mu0 at a given tau0
-MU0_DERIVATIVE_STEP = 1e-4  # step of mu0 for the numerical derivative, relative to 0.1 + mu0
+NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps in the fit of mu0 for a given tau0
+MU0_DERIVATIVE_STEP = 1e-4  # change of mu0 for its numerical derivative, relative to 0.1 + mu0
 
 ResidualFunction = Callable[[Floats, Floats], Floats]
 """Function from mu0 and tau0 in GPa (points, ...) to residuals in units of the errors (points, tests, ...).
