@@ -27,7 +27,7 @@ from stiction.study.interfaces import (
     SLIDING_RULES,
 )
 
-MIN_SLIDING_TESTS = 3  # minimum number of tests with sliding for an estimate of the errors
+MIN_SLIDING_TESTS = 3  # minimum number of tests with sliding from which the errors of the tests are estimated
 
 
 def calibrate(
@@ -114,7 +114,8 @@ def calibrate(
         raise ValueError("mu0 and tau0 must not be negative")
     available_rules = [rule for rule in SLIDING_RULES if all(rule in list_sliding_rules(test.result) for test in tests)]
     if all(isinstance(test.result, Ball) for test in tests) and sliding == "both":
-        available_rules = available_rules[:1]  # both rules give the same friction for a ball
+        # a ball has one contact, for which both sliding rules give the same friction
+        available_rules = available_rules[:1]
     rules = available_rules if sliding == "both" else [sliding]
     if not rules or not set(rules) <= set(available_rules):
         raise ValueError(

@@ -59,13 +59,13 @@ class Ball:
     """
 
     radius: float | str
-    effective_modulus: float | str | None = field(default=None, compare=False)  # `moduli` are compared instead
+    effective_modulus: float | str | None = field(default=None, compare=False)  # compared by `moduli` instead
     young: Any = field(default=None, kw_only=True)
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    area_loss: Any = field(default=None, kw_only=True, compare=False)  # `lost_fraction` is compared instead
-    # Elastic properties at the central values of both moduli.
+    area_loss: Any = field(default=None, kw_only=True, compare=False)  # compared by `lost_fraction` instead
+    # Elastic constants at the central moduli of both bodies.
     elasticity: PairElasticity = field(init=False, repr=False, compare=False)
     moduli: UncertainModulus = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
     lost_fraction: InputValue = field(init=False, repr=False)  # area loss with its uncertainty
@@ -111,8 +111,8 @@ class _FrictionTestSums:
     """Contact sums of a friction test, divided by the elastic load."""
 
     sums: Mapping[str, float]
-    scatter: float = 0.0  # relative standard error of the true area
-    surfaces: Hashable = None  # key of the surfaces; tests with equal keys share the area error
+    scatter: float = 0.0  # relative standard error of the true area in a test
+    surfaces: Hashable = None  # key of the surfaces; tests with equal keys have the same error of the area
     hardness: float = math.nan
     area_factor: AreaFactor | None = None
 
@@ -121,9 +121,9 @@ class _FrictionTestSums:
 class AreaFactor:
     """Ratio of true contact area to computed contact area, which depends on uncertain inputs."""
 
-    # Uncertain inputs by name: hardness, creep exponent, moduli, junction growth and area loss.
+    # Uncertain inputs of a test by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
-    surfaces: Hashable  # key of the surfaces; only tests with equal keys share the area loss
+    surfaces: Hashable  # key of the surfaces; tests with equal keys have the same area loss
 
     def nuisance_name(self, name: str) -> Hashable:
         """Return the name of the nuisance parameter for an input. Tests with equal inputs share the parameter.
@@ -161,7 +161,7 @@ class _BallAreaFactor(AreaFactor):
     """Area factor of a Hertzian point contact. The area is proportional to E*^(-2/3)."""
 
     moduli: UncertainModulus
-    area_loss: float  # central value of the area loss
+    area_loss: float  # central area loss under shear
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
@@ -349,7 +349,7 @@ def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: fl
 
 def list_sliding_rules(result: Any) -> tuple[str, ...]:
     """Return the sliding rules for which a result contains values."""
-    if isinstance(result, Ball):  # both rules give the same friction, because a ball has a single contact
+    if isinstance(result, Ball):  # a ball has one contact, for which both sliding rules give the same friction
         return SLIDING_RULES
     if isinstance(result, FrictionCurve):
         return (str(getattr(result, "sliding", "all")),)

@@ -87,7 +87,7 @@ class Interface(InterfaceStrength):
         test_sums = evaluate_test_sums(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
         def draw_scores(name: Hashable) -> Floats:
-            # Use the samples of the fit for an input that also occurs in the tests.
+            # If the tests have the same input, use its samples from the fit.
             return fit.scores[name] if name in fit.scores else generator.standard_normal(len(fit.mu0))
 
         area_samples = np.exp(test_sums.scatter * draw_scores(test_sums.surfaces))
@@ -139,7 +139,7 @@ class Interface(InterfaceStrength):
         if not sums.study.is_measured:
             return value, lower, upper
         combined = predict_interval(sums, float(FrictionTest(result, load, coefficient=0.0).load), self)
-        # A mean over one position has no interval.
+        # The mean over a single position has no interval.
         return (value, lower, upper) if math.isnan(combined.lower + combined.upper) else (value, *combined)
 
     def _list_separate_nuisances(self, area_factor: AreaFactor) -> set[Hashable]:

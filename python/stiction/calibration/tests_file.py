@@ -69,7 +69,7 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
     try:
         reader = csv.reader((f"{line}\n" for _, line in lines), delimiter=separator)
         rows, line_numbers = [], []
-        # A row may extend over several lines, because cells in quotation marks may contain line breaks.
+        # A row may extend over several lines, because quoted cells may contain line breaks.
         for row in reader:
             rows.append(row)
             line_numbers.append(lines[reader.line_num - 1][0])
