@@ -38,9 +38,10 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-MAX_PICTURE_SIDE_POINTS = 512  # maximum number of rows or columns of a stored map
-LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads in the adhesion figure, in multiples of the pull-off force
-# Ratio of the size of the map to the size of the window that magnifies the largest contact.
+MAX_PICTURE_SIDE_POINTS = 512  # maximum number of rows or columns of a stored contact map
+# loads in the figure of an adhesive contact, in multiples of the pull-off force
+LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)
+# Side of the map divided by the side of the window that magnifies its largest contact.
 ZOOM_FACTOR = 8
 MIN_ZOOM_SIDE_POINTS = 16
 
@@ -58,7 +59,7 @@ _CONTACT_VARIABLE_SPECS = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-# Suffix with a unit that is appended to a dimension name to form a column name.
+# Suffix with a unit that turns the name of a dimension into a column name.
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 
@@ -167,7 +168,7 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 _CONTACT_PICTURE_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     "member": AttributeSpec(dtype=int, bounds=(0, ANY_STORED_VALUE[1])),
     "load_mN": AttributeSpec(bounds=POSITIVE_STORED_VALUE),
-    # The shift is NaN for surrogates, which have no position.
+    # Surrogates have no position, so their shift is NaN.
     "x": AttributeSpec(may_be_nan=True),
     "y": AttributeSpec(may_be_nan=True),
 }

@@ -41,17 +41,18 @@ if TYPE_CHECKING:
     from stiction.mechanics.onset import Onset
     from stiction.solve.store import StoredResult
 
-ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"  # first bytes by which the file of the table is recognised
+# first bytes of an onset table, by which its file is recognised
+ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members whose onset is computed: in general (first), and for maps with the half-space (second)."""
 
 
-NUM_SOLUTIONS_PER_ONSET = 8  # time of an onset curve on one core, as a multiple of the time of a contact solution
+NUM_SOLUTIONS_PER_ONSET = 8  # time of an onset curve on one core, in times of a contact solution
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Fractions of the sliding load at which the curve is evaluated."""
 
-TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions, with errors of about 1e-7 in displacements
+TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions, for which displacements have errors of about 1e-7
 _CURVE_TITLES = {
     "tangential_load": "tangential load",
     "displacement": "displacement",
@@ -124,7 +125,7 @@ def compute_member_onset(
             {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed_pair.curve, HalfSpaceCurve) else {}
         )
         onset = pressed_pair.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **options)
-    except (NoSolutionError, ValueError):  # raised if the solver failed or the contact law has no onset
+    except (NoSolutionError, ValueError):  # the solver failed, or the contact law has no onset of sliding
         return None
     curve: dict[str, Any] = {
         name: getattr(onset, name) for name in (*_CURVE_TITLES, *_ONSET_SCALAR_NAMES[:-1]) if name != "energy_lost"
@@ -152,7 +153,7 @@ def _average_onset_curves(study: Study, curves: Sequence[dict[str, Any]], attrib
             member_dependence.mean_with_interval(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds
         )
         variables[name] = (dims, values, quantity_attributes(name))
-    # The default long name refers to the onset of sliding, but the curve also contains smaller loads.
+    # Replace the default name "tangential load at the onset of sliding", because the curve contains smaller loads too.
     variables["tangential_load"][2]["long_name"] = "tangential load"
     coordinates: dict[str, Any] = {
         "fraction": (
@@ -190,9 +191,9 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
     try:
         iwan = fit_iwan(displacement, load, sliding_load=sliding_load, stiffness=float(curve["stiffness"]))
         lugre = fit_lugre(displacement, load, sliding_load=sliding_load)
-    except ValueError:  # raised if the curve of a free half-plane has no displacements
+    except ValueError:  # the curve of a free half-plane has no displacements
         return {}
-    chi = round(iwan.chi, 12) + 0.0  # adding 0.0 converts -0 to 0
+    chi = round(iwan.chi, 12) + 0.0  # adding 0.0 turns -0 into 0
     values = {
         "iwan": (sliding_load, iwan.stiffness, chi, iwan.beta, float(np.abs(iwan.residual).max() / sliding_load)),
         "lugre": (lugre.stiffness, float(np.abs(lugre.residual).max() / sliding_load)),
@@ -247,9 +248,9 @@ class OnsetCurvePoint:
 
     tangential_load: Estimate  # tangential load (mN)
     displacement: Estimate  # tangential displacement (µm)
-    slipped_area: Estimate  # fraction of the contact area that slips
-    slipped_load: Estimate  # fraction of the load that slipping contacts carry
-    energy_lost: Estimate  # energy (mN µm) that a load cycle dissipates if its amplitude is the load
+    slipped_area: Estimate  # slipping fraction of the contact area
+    slipped_load: Estimate  # fraction of the normal load on slipping contacts
+    energy_lost: Estimate  # energy (mN µm) dissipated in a cycle with the tangential load as amplitude
 
 
 @dataclass(frozen=True)
@@ -262,15 +263,15 @@ class OnsetValues:
     load: float  # normal load (mN)
     mu0: float
     tau0: float  # adhesive shear strength (GPa)
-    num_members: int  # number of members over which the values are averaged
+    num_members: int  # number of members over which the onset is averaged
     poisson_ratio: tuple[float, ...]  # Poisson's ratios of both bodies
-    is_poisson_ratio_given: bool  # False if `poisson_ratio` is the default value
+    is_poisson_ratio_given: bool  # False if the default Poisson's ratio was assumed
     sliding_load: Estimate  # tangential load at which the bodies slide (mN)
     displacement_at_sliding: Estimate  # tangential displacement at which the bodies slide (µm)
     stiffness: Estimate  # initial tangential stiffness (mN/µm)
     unloading_stiffness: Estimate  # normal stiffness during unloading (mN/µm)
-    curve: dict[float, OnsetCurvePoint]  # curve points by the ratio of the tangential load to the sliding load
-    models: dict[str, dict[str, float]]  # parameters of the fitted models, by model; empty if the fit failed
+    curve: dict[float, OnsetCurvePoint]  # points of the onset curve, by tangential load divided by sliding load
+    models: dict[str, dict[str, float]]  # parameters of each model fitted to the onset curve; empty if the fit failed
 
 
 def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
@@ -305,7 +306,7 @@ def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
 
 # ---- Files stored with a result -------------------------------------------------------------------------------------
 
-_INFINITE_BOUNDS = (-math.inf, math.inf)  # bounds of stiffnesses and interval limits, which may be infinite
+_INFINITE_BOUNDS = (-math.inf, math.inf)  # bounds of numbers that may be infinite, such as stiffnesses
 
 _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
     "fraction": VariableSpec(dims=("fraction",)),

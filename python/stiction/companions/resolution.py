@@ -42,12 +42,12 @@ if TYPE_CHECKING:
 
     from stiction.study.measured_bodies import ScanCutoffs
 
-CUTOFF_STUDY_DIRECTORY = "resolution"  # name of the subdirectory of a result that contains the cutoff study
-NUM_AREAL_MEMBERS = 4  # maximum number of members in a cutoff study of height maps
-NUM_LINE_MEMBERS = 16  # maximum number of members in a cutoff study of profiles
-MAX_CUTOFFS = 4  # maximum number of cutoffs above 0, each twice as long as the cutoff before
-FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number rounded to four digits
-MAX_RELATIVE_CUTOFF = 1 / 30  # maximum ratio of a cutoff to the shortest side of the scans
+CUTOFF_STUDY_DIRECTORY = "resolution"  # subdirectory of a result for the study of cutoffs
+NUM_AREAL_MEMBERS = 4  # maximum number of members in a study of cutoffs of height maps
+NUM_LINE_MEMBERS = 16  # maximum number of members in a study of cutoffs of profiles
+MAX_CUTOFFS = 4  # maximum number of cutoffs above 0; each is twice the previous one
+FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number due to rounding to four digits
+MAX_RELATIVE_CUTOFF = 1 / 30  # largest cutoff, as a fraction of the shortest side of the scans
 
 
 def build_cutoff_study(study: Study) -> Study | None:
@@ -72,7 +72,7 @@ def build_cutoff_study(study: Study) -> Study | None:
         if cutoffs[0] == 0
         else cutoffs[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
     )
-    # Round lengths up, because a grid cannot represent wavelengths shorter than two points.
+    # Round lengths up, so that none is shorter than two points, the shortest wavelength of a grid.
     rounded_cutoffs = [
         cutoffs[0],
         *(
@@ -121,7 +121,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
         return None
     try:
         cutoff_study = find_cutoff_study(study, result.path)
-    except ValueError:  # raised if files of the bodies are missing
+    except ValueError:  # files of the bodies are missing
         return None
     sums = None if cutoff_study is None else cutoff_study.open(allow_unfinished=True)
     if sums is None:
@@ -141,10 +141,10 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 class ResolvedRoughness:
     """Roughness of the gap at resolved wavelengths, extrapolated to shorter wavelengths. Outliers are interpolated."""
 
-    shortest: float  # shortest resolved wavelength (two grid spacings or the cutoff), µm
-    two_points: float  # shortest wavelength of the unfiltered scans, µm
+    shortest: float  # shortest resolved wavelength (µm): the cutoff, or two grid spacings
+    two_points: float  # two grid spacings, the shortest wavelength of unfiltered scans (µm)
     longest: float  # longest side of the pressed bodies, µm
-    gradient: float  # root-mean-square gradient of the gap of the first member
+    gradient: float  # rms gradient of the gap of the first member
     roughness: ScaleDependentRoughness
     estimate: HurstEstimate | None  # Hurst exponent of the gap, or None if the gap has no self-affine band
 
@@ -228,7 +228,7 @@ class YieldWavelengthEstimate:
     """Estimates for a hardness H (GPa): the wavelength (µm) at which the pressure reaches H, and mu0 + tau0/H."""
 
     hardness: float
-    wavelength: Estimate  # NaN if the pressure reaches H at no wavelength
+    wavelength: Estimate  # wavelength at which the elastic pressure reaches H; NaN if it never does
     friction: float
 
 
@@ -237,9 +237,9 @@ class CutoffResult:
     """Values computed at one combination of cutoff, load, mu0 and tau0."""
 
     at: dict[str, float]
-    values: dict[str, float]  # friction for each sliding rule, rms gradient, area fraction and pressure
+    values: dict[str, float]  # friction for each sliding rule, rms gradient, area fraction and pressure at a cutoff
     contact_status: str
-    cutoffs: ScanCutoffs  # cutoffs of all scans of the upper and of the lower body (µm)
+    cutoffs: ScanCutoffs  # cutoffs (µm) of all upper and all lower scans
 
 
 @dataclass(frozen=True, eq=False)
