@@ -46,21 +46,21 @@ Severity = Literal["caution", "fault"]
 YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 """Ratios of mean contact pressure to E*. Above the first, every material has yielded; above the second, most metals."""
 
-MIN_TOTAL_CONTACTS = 10  # minimum total number of contacts in all members for which a mean may be reported
+MIN_TOTAL_CONTACTS = 10  # minimum number of contacts in all members together for a mean that may be quoted
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 """Minimum mean contact counts per member for quoting a coefficient, and for quoting it without a caveat."""
 
-# Maximum fraction of the load on a single contact for which a coefficient is reported.
+# Largest fraction of the load on a single contact at which a coefficient may be quoted.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
-# A caveat is issued if contacts at the edge bear more than this fraction of the load.
+# fraction of the load on contacts at the edge above which the result has a caveat
 CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
-CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # a caveat is issued if one contact bears more than this fraction of the load
+CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # fraction of the load on a single contact above which the result has a caveat
 
-# Contacts are assumed to have merged if the ratio of true to nominal area exceeds this limit.
+# Above this ratio of true to nominal area, contacts are assumed to have merged.
 MIN_MERGED_AREA_FRACTION = 0.3
-# A problem causes a caveat if it affects more than this fraction of the load, the members or the scan length.
+# A problem has a caveat if it affects more than this fraction of the load, the members or the scan length.
 MAX_AFFECTED_FRACTION = 0.5
-MAX_INTERPOLATED_FRACTION = 0.02  # a caveat is issued if more than this fraction of scan points is interpolated
+MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated points in a scan above which the result has a caveat
 MAX_SCATTERED_MISSING_FRACTION = 0.02
 """Maximum fraction of scattered missing points. If more are missing, a caveat warns of holes in contacts."""
 MAX_AREA_LOSS_PER_HOLE = 1.3
@@ -72,11 +72,11 @@ With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1
 """
 MIN_DRIFT_EFFECT = 0.02
 """Minimum relative standard error, due to drift of the roughness, that causes a caveat."""
-MAX_SPACING_RATIO = 3.0  # a caveat is issued if the ratio of the grid spacings of two scans exceeds this limit
+MAX_SPACING_RATIO = 3.0  # ratio of the spacings of two scans above which the result has a caveat
 
-# An interface counts as nearly as strong as the bulk if the ratio of τ0 to H/√α exceeds this limit.
+# Above this ratio of τ0 to H/√α, the interface counts as nearly as strong as the bulk.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# An interval has no upper limit if more than this fraction of samples has no upper limit.
+# If more than this fraction of the samples has no upper limit, the interval has none.
 MAX_UNLIMITED_FRACTION = 0.025
 MIN_UNLIMITED_FRACTION = 0.01
 """Minimum fraction of input samples without an upper limit of friction that a caveat reports.
@@ -96,7 +96,7 @@ MIN_SIZE_EFFECT_MODULUS_RATIO = 25.0
 MIN_METAL_MODULUS = 20.0
 """Minimum E* (GPa) for which a body that yields and has no name is taken for a metal."""
 
-# A caveat is issued if adhesion adds more than this fraction of the applied load.
+# The result has a caveat if adhesion, which it neglects, would add more than this fraction of the applied load.
 MAX_NEGLECTED_ADHESION_FRACTION = 0.05
 TYPICAL_WORK_OF_ADHESION = 5e-5  # typical work of adhesion of solids in air, in mN/µm (50 mJ/m²)
 RIM_ATTRACTION_FACTOR = 4.3
@@ -105,9 +105,9 @@ RIM_ATTRACTION_FACTOR = 4.3
 docs/explanation/adhesion.md describes the fit.
 """
 
-MAX_DEVIATION_FROM_MU0 = 0.02  # a coefficient counts as equal to mu0 if the relative difference is below this limit
-ROUND_UP_FACTOR = 1 + 1e-12  # factor that makes ties such as 2.25 round up, in the same way as in the report
-MAX_RELATIVE_HALF_WIDTH = 0.5  # a caveat is issued if the relative half width of an interval exceeds this limit
+MAX_DEVIATION_FROM_MU0 = 0.02  # a coefficient that differs from mu0 by less than this fraction counts as equal to mu0
+ROUND_UP_FACTOR = 1 + 1e-12  # factor that makes ties such as 2.25 round up, as in the report
+MAX_RELATIVE_HALF_WIDTH = 0.5  # relative half width of an interval above which the result has a caveat
 
 
 @dataclass(frozen=True)
@@ -142,8 +142,8 @@ class LimitCheck(NamedTuple):
     text: str
     remedy: str
     severity: Severity = "fault"
-    shown: str = "digits"  # kind of the printed number, as for `list_number_formats`
-    # Name of the number that is mentioned in the text; by default, the number that is compared with the limit.
+    shown: str = "digits"  # kind of the printed number, as in `list_number_formats`
+    # Name of the number in the text, if it is not the number that is compared with the limit.
     about: str = ""
 
     @property
@@ -195,7 +195,7 @@ STATUS_EXPLANATIONS = {
 }
 """Meaning and remedy of each status of a point that lacks a coefficient or its upper limit."""
 
-WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check of the width of the interval of the mean
+WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check for a wide interval of the mean
 
 SINGLE_POSITION_CHECK = LimitCheck(
     "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
@@ -289,7 +289,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
     member, members = study.member_names
     total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"
-    if study.is_gap:  # a gap has a single position
+    if study.is_gap:  # a gap between two faces has only one relative position
         total_text, total_remedy = f"fewer than {MIN_TOTAL_CONTACTS} contacts in the gap: {{}}", _MORE_CONTACTS_REMEDY
     return (
         LimitCheck("contacts_missing_of_all", 0.0, total_text, total_remedy, about="contact_count"),
@@ -310,7 +310,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 def _build_contact_checks(study: Study) -> CheckGroups:
     """Return checks of the contacts and of the pull-off force."""
     text = "the pull-off force is a lower bound"
-    if not study.is_gap:  # a gap has a single position
+    if not study.is_gap:  # a gap between two faces has only one relative position
         text += f": {{}} of the {study.member_names.plural} have only a bound"
     remedy = "call half_space to see the reason as a warning"
     pull_off_check = _build_fraction_check("share_of_pull_off_bounds", text, remedy, "caution", 0.0)
@@ -343,7 +343,7 @@ def find_point_caveats(
         )
         return
     num_members = mean_over_directions(point, "members")
-    # Find the smallest number of solved members in any sliding direction.
+    # Number of solved members in the direction with the fewest.
     num_solved = float(point["ok"].min()) if "ok" in point else math.nan
     if num_solved < MAX_AFFECTED_FRACTION * num_members:
         text = f"only {num_solved:.0f} of {study.member_names.with_count(num_members)} have a coefficient"
@@ -419,7 +419,7 @@ def list_contact_check_names(study: Study) -> list[str]:
 def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> dict[str, Any]:
     area, count = mean_over_directions(point, "contact_area"), mean_over_directions(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    # Use the area of a grid cell for height maps in the half-space model, and NaN otherwise.
+    # Area of a grid cell for height maps in the half-space model; NaN for other studies.
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
     quantities = {name: mean_over_directions(point, name) for name in list_contact_check_names(study)}
     is_merged = _compute_area_fraction(point, study) > MIN_MERGED_AREA_FRACTION
@@ -515,7 +515,7 @@ def assess_ensemble_points(
     value_checks = (_build_value_checks(study), *pressure_checks, [EQUALS_MU0_CHECK])
     add_failed_checks((*value_checks, _build_contact_count_checks(study)), has_value)
     add_failed_checks(_build_contact_checks(study), has_value | unloaded_mask)
-    # Give each combination of reasons a code, because rows of numbers take much longer to sort.
+    # Give each combination of reasons a code, because sorting rows of numbers takes much longer.
     codes = np.zeros(status.shape, np.intp)
     for indices in reason_numbers:
         codes = codes * (len(reasons) + 1) + indices
@@ -569,7 +569,7 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
         f"body; junction growth, which is taken as 0, {effect_text}"
     )
     remedy = "use --junction-growth slip-line"
-    if study.contact.adheres:  # adhesive contacts do not grow under shear in the model
+    if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
         remedy = "compare with the pair without --adhesion, whose contacts grow"
     yield Caveat(text, remedy, "caution")
 
@@ -647,7 +647,7 @@ def _find_unlimited_caveats(
             + ("; the interval has no upper limit" if unlimited_fraction > MAX_UNLIMITED_FRACTION else "")
         )
         severity: Severity = "fault" if unlimited_fraction > MAX_UNLIMITED_FRACTION else "caution"
-        # At a smaller load, contacts still yield at the same pressure, but do not grow over the whole area.
+        # At a smaller load, contacts yield at the same pressure, but do not grow over the whole nominal area.
         is_load_limited = not growth.uses_slip_lines and strength_ratio < 1
         remedy = "measure the hardness, and determine μ0 and τ0 with stiction calibrate"
         yield Caveat(text, remedy + (", or reduce the load" if is_load_limited else ""), severity)
@@ -719,7 +719,7 @@ def estimate_adhesion_load_ratio(point: xarray.Dataset, study: Study) -> float:
         DEFAULT_ADHESION_RANGE,
         min_resolved_adhesion_range(TYPICAL_WORK_OF_ADHESION, spacing, effective_modulus_at(point, study)),
     )
-    are_strips = has_nominal_area(point, study) and not study.is_areal  # profiles have a width of 1 µm
+    are_strips = has_nominal_area(point, study) and not study.is_areal  # profiles are assumed to be 1 µm wide
     contact_width = area / count if are_strips else math.sqrt(area / count)
     rim_factor = RIM_ATTRACTION_FACTOR * (attraction_range / (slope * contact_width)) ** (2 / 3)
     return float(TYPICAL_WORK_OF_ADHESION / attraction_range / mean_contact_pressure(point) * (1 + rim_factor))
@@ -740,7 +740,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         yield Caveat(text, "scan both bodies with similar spacings", "caution")
     count = mean_over_directions(point, "contact_count")
     mean_contact_area = mean_over_directions(point, "contact_area") / count if count > 0 else math.nan
-    # The study of a gap contains the same map twice.
+    # In a study of a gap, both bodies have the same map.
     for side, name in [("upper", "gap")] if study.is_gap else zip(sides, sides, strict=True):
         interpolated_fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
         if interpolated_fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
@@ -800,7 +800,7 @@ def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[C
     surfaces: Any = study.surfaces
     ratios = [float(np.max(point.attrs[name])) for name in ("upper_lay", "lower_lay") if name in point.attrs]
     if len(ratios) == 2 and not (surfaces.rotate or surfaces.positions):
-        # Keep the text short, so that it fits in one line.
+        # Use a short text that fits in one line.
         text = f"one orientation of the lays (slope ratio {format_significant(min(ratios), 2)}) is pressed"
         yield Caveat(text, "try --rotate 180", "caution")
 

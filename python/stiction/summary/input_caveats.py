@@ -46,9 +46,10 @@ INSTRUMENT_LIMIT_REASON_TEXTS = {
 }
 """Explanations of why wavelengths are not attributed to the surface, keyed by the short name of the reason."""
 
-# Maximum plausible ratio of height to length. If the ratio is larger, the height unit must be wrong.
+# Largest plausible ratio of height to length of a scan. Above it, the height unit must be wrong.
 MAX_HEIGHT_OVER_EXTENT = 10.0
-MAX_PLAUSIBLE_MU0 = 2.0  # largest plausible mu0, above all published values, even for clean metals in vacuum
+# largest plausible mu0; all published coefficients are smaller, even for clean metals in vacuum
+MAX_PLAUSIBLE_MU0 = 2.0
 
 MAX_FORM_FRACTION = 0.6
 """Maximum fraction of the mean square height due to a fitted parabola.
@@ -63,14 +64,14 @@ MAX_STEP_FRACTION = 0.65
 The largest fraction of 540 simulated profiles and 540 simulated maps without a step was 0.62.
 """
 
-# Minimum fraction of the fourth spectral moment in a peak for which a caveat is issued.
+# A spectral peak has a caveat if it contributes more than this fraction of the fourth spectral moment.
 MAX_SPECTRAL_PEAK_FRACTION = 0.1
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_SPECTRA_RATIO = 2.0  # a caveat is issued if the ratio of the spectra of the same surface exceeds this limit
+MAX_SPECTRA_RATIO = 2.0  # ratio of the spectra of two scans of the same surface above which the result has a caveat
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Largest plausible ratio of nominal pressure to E*. A larger load is probably the load on the whole component."""
 
@@ -83,7 +84,7 @@ def find_input_caveats(
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
-    # No caveat about form error is issued if the form is subtracted, or for the gap between two faces.
+    # A gap between two faces has no caveat about form error, and neither have scans whose form is subtracted.
     is_form_subtracted = study.surfaces.level == "quadratic"
     is_vouched = bool(study.surfaces.vouched)
 
@@ -121,7 +122,7 @@ def find_input_caveats(
     unpaired_caveats = [
         [each for each in body_caveats if each not in paired_caveats] for body_caveats in (upper_caveats, lower_caveats)
     ]
-    # The study of a gap contains the same map twice.
+    # In a study of a gap, both bodies have the same map.
     names = ("gap" if study.is_gap else "both scans", "upper", "lower")
     named_caveats = zip(names, (merged_caveats, *unpaired_caveats), strict=True)
     caveats = [
@@ -352,7 +353,7 @@ def _find_instrument_caveats(
     """Yield caveats about wavelengths that come from the instrument, or that the tip does not resolve."""
     try:
         limit, tip_limit = defects.instrument_limit, defects.tip_limit
-    except ValueError:  # raised if the body is flat
+    except ValueError:  # a flat body raises a ValueError
         return
     shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
     if shortest_resolved:
@@ -379,7 +380,7 @@ def _find_instrument_caveats(
         text = f"{_describe_slope_fraction(tip_limit)}, which the tip does not resolve: the surface is steeper"
         note = f", and the interval {'includes an estimate of' if has_tip_estimate else 'does not include'} this"
         note = note if elastic or has_tip_estimate else ""
-        # Without a hardness, the true area decreases indefinitely with increasing slope.
+        # Without a hardness, finer scans have ever steeper slopes and an ever smaller true area.
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
         yield Caveat(text, remedy, peak_severity, tip_limit.cut_off, interval_note=note)
@@ -401,7 +402,7 @@ def _find_instrument_caveats(
 
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
     """Describe the fraction of the mean square slope that comes from unreliable wavelengths."""
-    # Round the fraction, so that similar scans have identical caveats.
+    # Round the fraction, so that similar scans have the same caveat.
     fraction_text = f"{100 * limit.slope_fraction:.0f} %"
     axis_text = f" along {limit.axis}" if limit.axis else ""
     wavelength_text = format_with_unit(limit.wavelength, "um")
