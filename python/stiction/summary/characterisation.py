@@ -30,9 +30,9 @@ from stiction.surfaces.sections import SectionLengthError, SectionParameters, se
 from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import Surface
 
-ASSUMED_MU0 = 0.4  # molecular friction coefficient mu0 that is assumed in the small-slope estimate
-RADIAL_BINS_PER_DECADE = 20  # number of bins per decade in the spectrum of a surface
-# Variance of the logarithmic density in a bin of a Hann-windowed spectrum, multiplied by the number of harmonics.
+ASSUMED_MU0 = 0.4  # molecular friction coefficient mu0 assumed in the small-slope estimate
+RADIAL_BINS_PER_DECADE = 20  # number of wave number bins per decade in the spectrum of a surface
+# After a Hann window, the variance of ln(density) in a bin is this number divided by the number of harmonics.
 _HANN_LOG_VARIANCE = 2.0
 
 
@@ -200,8 +200,8 @@ class Characterisation:
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
         """Small-slope estimates of friction along x and y between two equally rough bodies; empty for a flat body."""
-        # The mean square slope of the gap between two equally rough bodies is twice the mean square slope of one body.
-        # Reverse the list of slopes, so that the estimate along x comes first.
+        # The gap between two equally rough bodies has twice the mean square slope of one body.
+        # Reverse the slopes, so that the estimate along x comes first.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
         return tuple(
             float(

@@ -45,7 +45,7 @@ from stiction.summary.joint_table import (
 )
 from stiction.summary.summary import PointSummary, Summary, summarize
 
-MAX_REACHED_LOADS = 100_000  # maximum number of loads of `Result.reached_loads`
+MAX_REACHED_LOADS = 100_000  # maximum number of loads that `Result.reached_loads` returns
 
 if TYPE_CHECKING:
     import pandas
@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
     from stiction.solve.store import StoredResult
 
-# Number of fractal dimensions that represent a range in an overview.
+# Number of fractal dimensions that an overview shows of a range.
 NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
@@ -178,8 +178,8 @@ class Evaluation(MemberSums):
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return values
-        # If the fractal dimensions are a range, a few dimensions suffice for a curve.
-        # If the fractal dimensions are a list, all dimensions are needed.
+        # For a range of fractal dimensions, a few are enough for a curve.
+        # For a list of fractal dimensions, show all of them.
         num_dimensions = values.sizes["fractal_dimension"]
         shown_indices = np.unique(
             np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)
@@ -291,7 +291,7 @@ class Evaluation(MemberSums):
         else:
             values = at_load(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition, names=quantities)
             values = add_uncertainty(values, self, budget=budget)
-        return values.copy(deep=True)  # protect arrays that are shared with cached values
+        return values.copy(deep=True)  # the copy protects arrays that other cached results share
 
     def _evaluate_at_height_factors(
         self, factors: Any, load: Any, mu0: Any, tau0: Any, load_definition: Any, scaled: Any, compute: bool
@@ -415,7 +415,8 @@ class Evaluation(MemberSums):
         """
         if load is None and mu0 is None and tau0 is None:
             if isinstance(self._study_summary, ValueError):
-                raise self._study_summary.with_traceback(None)  # do not extend the same traceback in each call
+                # without `with_traceback`, the traceback would grow each time the error is raised
+                raise self._study_summary.with_traceback(None)
             summary = self._study_summary
             return replace(summary, at=summary.at.copy(), onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
         return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))
@@ -439,7 +440,7 @@ class Evaluation(MemberSums):
         """
         try:
             return self.summarize_dataset(self.at_study_loads)
-        except StoreError:  # do not cache a storage error, because the files may be repaired
+        except StoreError:  # do not cache a storage error, because the user may repair the files
             raise
         except ValueError as error:
             return error

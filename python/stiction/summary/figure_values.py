@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.surfaces.surface import Surface
 
-MAX_DRAWN_PROFILES = 5  # maximum number of fractal dimensions for which profiles are drawn
-MAX_DRAWN_CURVES = 8  # maximum number of fractal dimensions for which the area is drawn
-LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale for which a figure compares surfaces
+MAX_DRAWN_PROFILES = 5  # maximum number of fractal dimensions of the profiles in a figure
+MAX_DRAWN_CURVES = 8  # maximum number of fractal dimensions in the figure of the contact area
+LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale at which a figure compares surfaces
 MAX_SURFACE_SIDE_POINTS = 400  # maximum number of rows and of columns of a surface in a figure
-MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest
+MAX_DRAWN_STRENGTHS = 2  # maximum number of tau0 in a figure: the lowest and the highest
 CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 """Fractions of the logarithmic load range at which the onset of sliding is drawn."""
 

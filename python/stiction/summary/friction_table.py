@@ -23,12 +23,12 @@ from stiction.summary.summary import assess_coefficients
 if TYPE_CHECKING:
     import xarray
 
-FRICTION_TABLE_TITLE = "stiction table"  # `title` attribute of a friction table
+FRICTION_TABLE_TITLE = "stiction table"  # attribute `title` of a friction table
 MIN_NUM_PRESSURES_FOR_STIFFNESS = 3  # minimum number of pressures from which a stiffness is computed
-# Directions of motion (degrees) over which coefficients are averaged, because the surfaces are isotropic.
+# Directions of motion (degrees) over which a coefficient is averaged, because the surfaces are isotropic.
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-MAX_FITTED_AREA_FRACTION = 0.1  # maximum true area fraction of results that are used to fit the laws
-MAX_LAW_DEVIATION = 0.1  # a caveat is issued if the means deviate from a fitted law by more than this fraction
+MAX_FITTED_AREA_FRACTION = 0.1  # largest true area fraction of the results to which laws are fitted
+MAX_LAW_DEVIATION = 0.1  # relative deviation of the means from a fitted law above which the table has a caveat
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
@@ -218,10 +218,10 @@ def friction_table(
     )
     stiffness = np.full(approach.shape, np.nan)
     if pressure_steps.size >= MIN_NUM_PRESSURES_FOR_STIFFNESS:
-        # The approach is nearly linear in ln(load), so the derivative with respect to ln(load) is accurate.
+        # Differentiate the approach with respect to ln(load), in which it is nearly linear.
         approach_derivative = np.gradient(approach, np.log(pressure_steps), axis=-1, edge_order=2)
         stiffness = STIFFNESS_PER_AREA_FACTOR * pressure_steps / approach_derivative
-    # Report only results at the requested loads.
+    # Report only the loads that were requested.
     requested_loads = [float(load) for load in study.friction.load] or dataset["load"].values
     indices = np.flatnonzero(np.isin(dataset["load"].values, requested_loads))
     dataset, pressure = dataset.isel(load=indices), pressure_steps[indices]

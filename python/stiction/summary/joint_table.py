@@ -31,7 +31,7 @@ MAX_LOAD_RATIO = 10 ** (1 / 16)
 Other programs interpolate linearly between its rows; the closure of two profiles then deviates by less than 0.1 %.
 """
 MIN_PREDICTION_POSITIONS = 3
-MIN_DUNDURS_BETA = 0.005  # materials count as equal if Dundurs' second constant is below this limit
+MIN_DUNDURS_BETA = 0.005  # Dundurs' second constant below which the materials of two bodies count as equal
 UnitSystem = Literal["mm,N,MPa", "m,N,Pa", "um,mN,GPa"]
 """Consistent units of length, force and pressure of other programs."""
 
@@ -204,7 +204,7 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str) -> JointTabl
 
 def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
     """Return the estimates of a row in core units."""
-    pressure = float(f"{pressure:.12g}")  # remove the round-off of the quotient
+    pressure = float(f"{pressure:.12g}")  # remove round-off from the pressure
     estimates = {"nominal_pressure": Estimate(pressure, name="nominal_pressure", unit="GPa")}
     for name in (*JOINT_QUANTITIES, "friction_combined"):
         estimate = read_estimate(point[name]) if name in point else Estimate(math.nan, name=name)
@@ -247,7 +247,8 @@ def _explain_missing_percentiles(study: Study, at: xarray.Dataset) -> str:
     coefficients = at["friction_combined"].sel(statistic="mean").values
     if (np.abs(coefficients) < NEGLIGIBLE_COEFFICIENT).all():
         return "the coefficient is 0"
-    if int(at["members"]) < MIN_PREDICTION_POSITIONS and not study.is_gap:  # a gap has only one relative position
+    # a gap between two faces has only one relative position
+    if int(at["members"]) < MIN_PREDICTION_POSITIONS and not study.is_gap:
         return "a prediction needs at least three positions"
     return "a prediction needs a coefficient with an interval"
 

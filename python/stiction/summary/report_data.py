@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from stiction.summary.summary import Summary
     from stiction.surfaces.measured.reading import FileReading
 
-MAX_FILE_READINGS = 4  # maximum number of scans of a body for which a report shows how the files were read
+MAX_FILE_READINGS = 4  # maximum number of scans per body for which a report shows how their files were read
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -35,14 +35,15 @@ GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 Reports of generated surfaces have more loads, and therefore fewer values of mu0 and tau0.
 """
 
-MAX_TAU0_STEPS = {True: 6, False: 5}  # maximum number of steps of tau0, for measured (True) and generated surfaces
-MAX_STUDY_VALUES = 9  # maximum number of mu0 or tau0 of a study that a report shows; longer lists are thinned
-MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 of a report as a fraction of E*, unless the study has a larger tau0
+# maximum number of steps of tau0 in a report, for measured (True) and generated surfaces (False)
+MAX_TAU0_STEPS = {True: 6, False: 5}
+MAX_STUDY_VALUES = 9  # maximum number of mu0 or tau0 of a study that a report shows; more are thinned out
+MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 in a report, as a fraction of E*, unless the study has a larger one
 MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
 """Largest tau0 of a report relative to the hardness, unless the study has a larger value."""
 
-NUM_REPORT_LOADS = 40  # number of loads in a report of generated surfaces
-# Quantities of measured surfaces that are evaluated on the grid in addition to friction.
+NUM_REPORT_LOADS = 40  # number of loads in the report of generated surfaces
+# Quantities of measured surfaces that a report evaluates for all mu0 and tau0, besides friction.
 ADDITIONAL_QUANTITIES = ("contact_count", "gentle_friction")
 
 
@@ -125,7 +126,7 @@ class ReportGrid:
         tables = []
         for kind in self.member_kinds:
             with warnings.catch_warnings():
-                # The report itself marks each tau0 that is large relative to E*.
+                # The report itself marks each tau0 that is large compared with E*.
                 warnings.simplefilter("ignore", UserWarning)
                 at = at_load(self.result, self.loads, mu0=mu0, tau0=tau0, member_kind=kind, names=names)
             has_combined = kind != "surrogates"
@@ -148,7 +149,7 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     max_tau0 = MAX_TAU0_OVER_MODULUS * modulus
     max_tau0 = max_tau0 if hardness is None else min(max_tau0, MAX_TAU0_OVER_HARDNESS * float(hardness))
-    # If a study of generated surfaces has several tau0, the largest tau0 of the study is used.
+    # If a study of generated surfaces has several tau0, the report ends at the largest.
     max_tau0 = tau0[-1] if tau0.size > 1 and not is_measured else max(max_tau0, tau0[-1])
     round_tau0 = _round_steps(max_tau0, MAX_TAU0_STEPS[is_measured])
     round_mu0 = np.array(MEASURED_MU0_VALUES if is_measured else GENERATED_MU0_VALUES)

@@ -98,7 +98,7 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
     estimates, sampling, status_codes, num_solved, slopes = (
         np.stack(arrays) for arrays in zip(*(_stack_motions(values, grid.motions) for values in tables), strict=True)
     )
-    # Only the mean over all directions of the quoted kind of member has a combined interval.
+    # Combined intervals exist only for means over all directions and the quoted kind of member.
     has_combined = np.zeros((len(tables), len(grid.motions)), bool)
     has_combined[0] = [len(motion) == len(grid.motions[0]) for motion in grid.motions]
     estimates[
@@ -169,8 +169,8 @@ def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.int
 
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
-# Largest mean of overlap / radius for which the contact model is valid.
-# Quantities that are fractions of the load have the limit `MAX_AFFECTED_FRACTION` instead.
+# Mean ratio of overlap to radius above which the asperity model is invalid.
+# Fractions of the load have the limit `MAX_AFFECTED_FRACTION` instead.
 MAX_OVERLAP_RADIUS_RATIO = 0.1
 
 GENERATED_STATUSES = (

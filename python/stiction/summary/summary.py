@@ -64,9 +64,9 @@ if TYPE_CHECKING:
     from stiction.study.measured_bodies import ScanCutoffs
     from stiction.study.study import Study
 
-# Name of the budget entry for short wavelengths that the automatic cutoff removes, because they may be noise.
+# Budget name of the short wavelengths that the automatic cutoff removes, because they may be noise.
 POSSIBLE_NOISE_INPUT_NAME = "possible instrument noise"
-# Minimum relative reduction of the interval by an exact input, for an input that counts as dominant.
+# An input is dominant if its exact value would narrow the interval by more than this fraction.
 MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 
@@ -75,8 +75,8 @@ class UncertaintyBudgetEntry(Estimate):
     """Entry of the uncertainty budget: the coefficient with the interval that would remain if one input were exact."""
 
     _: KW_ONLY
-    label: str  # name of the input
-    width: float  # width of the interval, averaged over the values of the input
+    label: str  # label of an input in the uncertainty budget
+    width: float  # mean width of the interval that would remain if the input were exact
 
 
 @dataclass(frozen=True)
@@ -423,7 +423,7 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
 
     The list begins with the points at the first cutoff. The other points are marked as covered.
     """
-    cut_off = points[0].at["cut_off"]  # the coefficient at the first cutoff is reported
+    cut_off = points[0].at["cut_off"]  # the result quotes the coefficient at the first cutoff
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
     }
@@ -449,7 +449,7 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     """
     rules = tuple(_include_cutoff_value(*each) for each in zip(point.rules, other_point.rules, strict=True))
     other_budget = {entry.label: entry for entry in other_point.budget}
-    # With one or two positions, the width of the interval is infinite or NaN.
+    # With one or two positions, the interval is infinite or NaN.
     has_interval = math.isfinite(point.upper - point.lower)
     budget = [_build_entry_of_possible_noise(point)] if has_interval else []
     for entry in point.budget:
@@ -504,7 +504,7 @@ def summarize_point(
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     rule_with_interval_of_mean = _with_interval_of_mean(rules[0])
     has_interval_note = rules[0].has_interval and covers_alternatives
-    # A cutoff removes caveats only if the user requested the cutoff.
+    # A cutoff removes caveats only if the user requested it.
     kept_caveats = [
         replace(each, text=each.text + (each.interval_note if has_interval_note else ""), interval_note="")
         for each in input_caveats
