@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from stiction._checks import Floats
 
 HEIGHT_COLOUR_MAP = "gray"
-_MAX_NANOMETRE_RANGE = 0.5  # heights are drawn in nm if their range (µm) is below this limit
-_MAX_SCALE_BAR_FRACTION = 0.25  # maximum length of the scale bar, relative to the width of the map
+_MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which heights are drawn in nm
+_MAX_SCALE_BAR_FRACTION = 0.25  # maximum length of a scale bar, as a fraction of the width of the map
 PRESSURE_COLOUR_MAP = "inferno"
-MAX_LEGEND_LINES = 12  # maximum number of lines in a figure with a legend
+MAX_LEGEND_LINES = 12  # maximum number of curves in a figure with a legend
 
 
 def to_readable_height_unit(heights: Floats) -> tuple[Floats, str]:
@@ -53,7 +53,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     bin_wave_number, bin_density = bins
     is_positive_bin = bin_density > 0
     ax.loglog(bin_wave_number[is_positive_bin], bin_density[is_positive_bin], color="0.1", linewidth=1.4)
-    # Limit the axis, most of which would otherwise show harmonics due to round-off.
+    # Limit the axis, which would otherwise show mainly harmonics due to round-off.
     max_density = float(density.max())
     ax.set_ylim(max(float(bin_density[is_positive_bin].min()) / 3, 1e-16 * max_density), 3 * max_density)
     ax.set_xlabel("wave number q (1/µm)")

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCHES_PER_MILLIMETRE = 1 / 25.4
-# Width of a one-column figure, at which no text is smaller than 6 pt.
+# Width of a one-column figure, in which no text is smaller than 6 pt.
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
 PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width of a two-column figure
-MIN_MILLIMETRE_LENGTH = 1000.0  # minimum length (µm) of an axis that is labelled in mm
-MAX_LITERAL_TEXT_LENGTH = 300  # maximum number of characters of a text from a file or a user in a figure
+MIN_MILLIMETRE_LENGTH = 1000.0  # length (µm) above which an axis is labelled in mm
+MAX_LITERAL_TEXT_LENGTH = 300  # maximum number of characters that a figure shows of a text from a file or a user
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {
     **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize"), 7),
@@ -35,31 +35,31 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "figure.dpi": 300,
     "hatch.linewidth": 0.4,
-    "pdf.fonttype": 42,  # embed fonts, because journals require embedded fonts
+    "pdf.fonttype": 42,  # embed fonts, as journals require
     "svg.fonttype": "path",
-    "svg.hashsalt": "stiction",  # make the files of equal figures identical
+    "svg.hashsalt": "stiction",  # give equal figures identical files
     "axes.unicode_minus": True,
 }
 
-# Colours from Okabe and Ito (2008) and Tol (2021), which people with colour vision deficiencies can distinguish.
+# Colours for people with colour vision deficiencies, from Okabe and Ito (2008) and Tol (2021).
 OPPOSING_COLOUR = "#d55e00"
 NOT_OPPOSING_COLOUR = "#0072b2"  # colour of contacts whose slope does not oppose the motion
-ALL_CONTACTS_COLOUR = "#332288"  # colour of the sliding rule with friction at all contacts
+ALL_CONTACTS_COLOUR = "#332288"  # colour of results with friction at all contacts
 SLIDING_RULE_COLOURS = {
     "all": ALL_CONTACTS_COLOUR,
     "opposing": OPPOSING_COLOUR,
-}  # colours of the sliding rules, in the order of legends
+}  # colours of the sliding rules, in the order of a legend
 AREA_COLOUR = "#009e73"
 FORCE_COLOUR = "#000000"  # colour of elastic forces
 FRICTION_COLOUR = "#cc79a7"  # colour of friction forces
 UPPER_BODY_COLOUR = "#c6d9e7"
 LOWER_BODY_COLOUR = "#e3d5bb"
-SHEAR_STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of the lowest and the highest adhesive shear strength
-MAP_AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of the curves along the x axis and the y axis of a map
-SELF_LOCKED_COLOUR = "#7a0019"  # colour of cells in which friction is self-locked
+SHEAR_STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of results for the lowest and the highest tau0
+MAP_AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of curves along x and along y of a map
+SELF_LOCKED_COLOUR = "#7a0019"  # colour of map cells in which friction is self-locked
 FRICTION_COLOUR_MAP = "plasma"
 """Colour map of friction coefficients. Fractal dimensions use viridis, heights use grey, and pressures use inferno."""
-SLIP_COLOUR_MAP = "YlOrRd"  # colour map for the tangential load at which a point slips
+SLIP_COLOUR_MAP = "YlOrRd"  # colour map of the tangential load at which a point slips
 
 SLIDING_RULE_LABELS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}
 """Legend labels of the sliding rules."""
@@ -112,7 +112,8 @@ def axis_label(name: str) -> str:
 def literal_text(text: str) -> str:
     """Return text from a file or a user for a figure, in which Matplotlib interprets neither "$" nor a leading "_"."""
     escaped_text = printable_text(text, MAX_LITERAL_TEXT_LENGTH).replace("$", r"\$")
-    return f" {escaped_text}" if escaped_text.startswith("_") else escaped_text  # a legend omits labels such as "_a"
+    # a legend omits labels that start with "_"
+    return f" {escaped_text}" if escaped_text.startswith("_") else escaped_text
 
 
 def fractal_dimension_colours(dimensions: ArrayLike) -> Floats:

@@ -18,10 +18,10 @@ from stiction.views.style import (
     new_figure,
 )
 
-# Minimum relative reduction of the interval by an exact input, for an input that the figure shows.
+# The figure shows an input if its exact value would narrow the interval by more than this fraction.
 MIN_DRAWN_REDUCTION = 0.02
-MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure
-MAX_ROW_LABEL_WIDTH = 20  # maximum width of the labels of inputs in characters; longer labels are wrapped
+MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure of the uncertainty budget
+MAX_ROW_LABEL_WIDTH = 20  # maximum number of characters in a line of an input's label; longer labels are wrapped
 
 
 def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure:

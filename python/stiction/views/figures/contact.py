@@ -31,13 +31,15 @@ from stiction.views.style import (
     place_axes,
 )
 
-_MIN_FORCE_ZOOM_HALF_WIDTH = 40  # minimum half width of the magnified range in the figure of forces, in grid spacings
-_MAX_NANOMETRE_RANGE = 0.5  # the axis is labelled in nm if the range of heights (µm) is below this limit
-_MAX_ARROW_LENGTH = 0.45  # maximum length of an arrow, inches
-EDGE_CONTACT_COLOUR = "#e00030"  # colour of contacts that are cut by the edge of the map
-# Number of neighbouring contacts in the magnified range, in addition to the strongest contact.
+# minimum half width (grid spacings) of the magnified range in the figure of contact forces
+_MIN_FORCE_ZOOM_HALF_WIDTH = 40
+_MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which an axis is labelled in nm
+_MAX_ARROW_LENGTH = 0.45  # maximum length (inches) of the arrow of a force
+EDGE_CONTACT_COLOUR = "#e00030"  # colour of contacts that the edge of the map cuts
+# Number of contacts in the magnified range besides the contact with the largest force.
 NUM_NEIGHBOURING_CONTACTS = 5
-_MIN_PROFILE_ZOOM_HALF_WIDTH = 60  # minimum half width of the magnified range of two profiles, in grid spacings
+# minimum half width (grid spacings) of the magnified range in the figure of two profiles
+_MIN_PROFILE_ZOOM_HALF_WIDTH = 60
 
 
 def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
@@ -69,7 +71,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
         in_window = np.abs(x - zoom_centre) <= half_width
         zoomed_axes.set_title(
             "contact with the largest load", loc="left", fontsize=6, pad=3
-        )  # the layout must reserve space for the title
+        )  # the layout must reserve space for the title of the figure
         draw_bodies(zoomed_axes, x[in_window], *(body[in_window] for body in bodies))
         zoomed_axes.set_xlim(x[in_window][0], x[in_window][-1])
         overview_axes.axvspan(zoom_centre - half_width, zoom_centre + half_width, color="0.5", alpha=0.25, linewidth=0)
@@ -90,7 +92,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
         loc="outside lower center",
         ncols=len(handles),
     )
-    place_axes(figure)  # the arrow lengths depend on the final position of the axes
+    place_axes(figure)  # the lengths of arrows depend on the final position of the axes
     if contact_force.size:
         max_arrow_length = _make_room_for_arrows(zoomed_axes, unit_factor * float(centre_z[is_in_zoom].max()))
         (unit_x, _), (_, unit_y), (origin_x, origin_y) = zoomed_axes.transData.transform(
@@ -172,7 +174,7 @@ def _draw_forces(
     largest_force = max(float(np.hypot(*force[is_drawn].T).max(initial=0.0)) for force in (elastic, friction))
     for force, colour in ((elastic, FORCE_COLOUR), (friction, FRICTION_COLOUR)):
         is_nonzero = is_drawn & (np.hypot(*force.T) > 0)
-        # Define arrows in inches, so that their directions do not depend on the axis scales.
+        # Specify arrows in inches, because their directions must not depend on the scales of the axes.
         axes.quiver(
             *positions[is_nonzero].T,
             *force[is_nonzero].T,
@@ -190,7 +192,7 @@ def _draw_forces(
 # ---- All contacts of a member ---------------------------------------------------------------------------------------
 
 
-_MAX_MARKER_AREA = 60.0  # area of the largest marker (square points), for the contact with the largest load
+_MAX_MARKER_AREA = 60.0  # area (square points) of the marker for the contact with the largest load
 
 
 def contacts_and_pressure_figure(
@@ -362,12 +364,12 @@ def _draw_profile_contacts(
 ) -> None:
     """Draw both profiles at full length, and magnified around the contact with the largest load."""
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
-    is_finite = np.isfinite(gap)  # missing heights are interpolated between measured heights
+    is_finite = np.isfinite(gap)  # between measured heights, interpolate missing heights
     bodies = np.array([lower + np.interp(x, x[is_finite], gap[is_finite]).clip(0), lower]) * 1000
     centre_positions, width = (
         picture["contact_x"].values,
         picture["contact_patch_area"].values,
-    )  # contact areas in µm² equal contact widths in µm, because profiles are 1 µm wide
+    )  # profiles are assumed to be 1 µm wide, so a contact area in µm² equals the contact width in µm
     zoom_slice = slice(*np.searchsorted(x, _zoom_range(x, centre_positions, width, picture["contact_force"].values)))
     for axes, point_slice in zip(panels, (slice(None), zoom_slice), strict=True):
         draw_bodies(axes, x[point_slice], *bodies[:, point_slice])

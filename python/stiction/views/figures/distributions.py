@@ -22,7 +22,7 @@ from stiction.views.style import (
     new_figure,
 )
 
-MIN_COMPASS_DIRECTIONS = 3  # minimum number of directions for a compass figure
+MIN_COMPASS_DIRECTIONS = 3  # minimum number of directions of motion for a polar figure
 MAX_COMPASS_RINGS = 5
 
 

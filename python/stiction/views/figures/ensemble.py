@@ -49,9 +49,9 @@ FADING_PARAMETERS = (0.3, 1.2, 0.85)
 """Relative interval widths at which the fading of a cell begins and ends, and the strongest fading."""
 
 CURVE_LABEL_SPACING = 2.4  # distance between curve labels, mm
-# Maximum ratio of an axis limit to the extreme mean. Wider bands are cut off at the axis limit.
+# Largest ratio of an axis limit to the extreme mean: wider bands are cut off.
 MAX_DRAWN_BAND_RATIO = 2.0
-HEADING_HEIGHT = 4.0  # height of a heading line above a figure, mm
+HEADING_HEIGHT = 4.0  # height (mm) of a heading line above a figure
 MAX_LEGEND_COLUMNS = 4
 
 MIN_COLOUR_BAR_TICKS = 3
@@ -82,7 +82,8 @@ COLOUR_BAR_TICKS = (
 )
 """Round friction coefficients that may be ticks of a colour bar."""
 
-_LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])  # weights of red, green and blue in the luminance
+# contributions of red, green and blue to the luminance of a colour
+_LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 
 
 def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
@@ -173,7 +174,7 @@ def friction_figure(values: FrictionOverDimension) -> Figure:
         if row == 0:
             ax.set_title(f"at $F_N$ = {format_with_unit(load, 'mN')}", pad=2)
             draw_panel_letter(ax, len(strengths))
-            # Place the labels above the panel, where they cover no curve.
+            # Place the legend above the panel, where it covers no curve.
             ax.legend(loc="lower right", bbox_to_anchor=(1.02, 1.08), ncols=2, handlelength=1.2, borderaxespad=0)
         format_fractal_dimension_axis(ax, maps, last=is_last_row)
     _draw_colour_bar(
@@ -221,7 +222,7 @@ def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[st
         axes.plot(dimension, value[:, index], ":", **style)
         valid_curve = np.where(is_valid[:, index], value[:, index], np.nan)
         axes.plot(dimension, valid_curve, label=rf"$\tau_0$ = {strengths[index]}", **style)
-    # The vertical axis contains mu0, all valid coefficients, and at least half of the invalid coefficients.
+    # Include mu0, all valid coefficients, and at least half of the invalid coefficients.
     valid_ends, valid_values = (array[np.isfinite(array) & is_valid].max(initial=0.0) for array in (upper, value))
     median_value = float(np.median(value[np.isfinite(value)])) if np.isfinite(value).any() else 0.0
     upper_limit = 1.1 * max(mu0, float(min(valid_ends, MAX_DRAWN_BAND_RATIO * valid_values)), median_value) or 1.0
@@ -244,7 +245,7 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
     if len(ticks) < MIN_COLOUR_BAR_TICKS:
         round_values = MaxNLocator(5, steps=[1, 2, 5]).tick_values(norm.vmin, norm.vmax)
         ticks = [float(tick) for tick in round_values if norm.vmin <= tick <= norm.vmax]
-    ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # at most 8 ticks, so that their labels fit
+    ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # show at most 8 ticks, because more labels do not fit
     colour_bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     colour_bar.ax.minorticks_off()
     axes.xaxis.tick_top()
@@ -260,7 +261,7 @@ def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
     is_valid = is_positive & ~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)
     positive_values = values[is_valid if is_valid.sum() > 0.1 * is_positive.sum() else is_positive]
     low, high = np.quantile(positive_values, COLOUR_RANGE_QUANTILES) if positive_values.size else (0.1, 1.0)
-    step = 10.0 ** np.floor(np.log10(low)) / 2  # step of which the limits of the colour scale are multiples
+    step = 10.0 ** np.floor(np.log10(low)) / 2  # limits of the colour scale are multiples of this step
     low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
     return LogNorm(low, max(high, low + step))
 
@@ -274,7 +275,7 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     set_log_tick_labels(axes)
     axes.add_patch(_unreached_cell_patch((0, 0), 1, 1, transform=axes.transAxes))
     is_finite = np.isfinite(values)
-    # Draw a coefficient of 0, which has no logarithm, in the colour of the lowest coefficient.
+    # A coefficient of 0 has no logarithm, so draw it in the colour of the lowest coefficient.
     colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(is_finite, np.maximum(values, norm.vmin), norm.vmin)))
     colours[..., :3] = _fade_colours(colours[..., :3], _compute_fading(friction))
     colours[..., 3] = is_finite
@@ -304,11 +305,11 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]
         vertices += [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
     if vertices:
         codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
-        # Draw two lines, because one of their two colours is visible on any cell.
+        # Draw a black and a white line, one of which is visible on any cell.
         for colour, width in (("black", 0.7), ("white", 0.3)):
             patch = PathPatch(Path(vertices, codes), **_INVALID_CELL_STYLE | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
-            axes.add_artist(patch)  # `add_patch` would also compute the axis limits from thousands of cells
+            axes.add_artist(patch)  # `add_patch` would compute the axis limits from thousands of cells
 
 
 _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\", "linewidth": 0}
@@ -341,7 +342,7 @@ def _legend_handles(maps: xarray.Dataset, *, has_asperities: bool) -> list[Any]:
     handles: list[Any] = []
     if has_asperities and (find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION).any():
         invalid_label = "model not valid (dotted): most load on overlaps $> R/10$"
-        # The small patch of the legend needs denser lines than the map.
+        # Draw denser lines in the legend than in the map, because its patch is small.
         legend_style = {"facecolor": tuple(example_colour), "hatch": 2 * _INVALID_CELL_STYLE["hatch"]}
         handles.append(Patch(**_INVALID_CELL_STYLE | legend_style, label=invalid_label))
     fading = _compute_fading(maps["friction_coefficient"].transpose(..., "statistic").values)
@@ -420,7 +421,7 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
             ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
             continue
         ax.set_yscale("log")
-        # Compute the axis limits from the means only, so that very wide bands may be cut off.
+        # Compute the axis limits from the means only, so that very wide bands are cut off.
         values = (area_factor * area)[area > 0]
         ax.set_ylim(values.min() / MAX_DRAWN_BAND_RATIO, values.max() * MAX_DRAWN_BAND_RATIO)
         set_log_tick_labels(ax)

@@ -70,7 +70,8 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     low, high = area_axes.get_ylim()
     if area_axes.get_yscale() == "log" and high < 30 * low:
         format_log_axis(area_axes.yaxis)
-    if points.attrs["scaled"] == "both":  # the rms gradient is proportional to the height factor
+    # with scaled heights of both bodies, the rms gradient is proportional to the height factor
+    if points.attrs["scaled"] == "both":
         factor_axis = friction_axes.secondary_xaxis(
             "top", functions=(lambda x: x / measured_gradient, lambda x: x * measured_gradient)
         )

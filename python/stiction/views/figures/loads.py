@@ -33,7 +33,7 @@ from stiction.views.style import (
 MAX_FRICTION_AXIS_RATIO = 4.0
 """Maximum ratio of the friction axis limit to the highest mean; wide intervals from few members are cut off."""
 
-# Maximum number of directions that are drawn in addition to the mean over all directions.
+# Maximum number of single directions that a figure shows besides the mean over all directions.
 MAX_DRAWN_DIRECTIONS = 2
 
 MAX_PLAIN_LABEL_RATIO = 2e3
@@ -70,7 +70,7 @@ def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float]
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw closure and closure stiffness in an `at_load` dataset against nominal pressure, in a figure 80 mm wide."""
-    pressure_per_load = 1000 / float(points["nominal_area"])  # ratio of nominal pressure to load, MPa/mN
+    pressure_per_load = 1000 / float(points["nominal_area"])  # nominal pressure divided by the load, MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
         x = pressure_per_load * np.asarray(points["load"].values, dtype=np.float64)
@@ -91,7 +91,7 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
     """
     is_unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
-    # Find the loads that are within the axis limits.
+    # Select the loads within the axis limits.
     is_visible = load <= LOADS_RELATIVE_TO_PULL_OFF[-1] * -load.min() * 1.001
     prefix_factor, unit = choose_prefixed_unit(float(abs(load[is_visible]).max()), "mN")
     figure = new_figure(70)
@@ -146,12 +146,14 @@ def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
     return figure
 
 
-MIN_POSITION_RATIO = 1.05  # smallest ratio of two wavelengths whose points are visibly apart
+MIN_POSITION_RATIO = 1.05  # smallest ratio of two wavelengths whose markers do not overlap
 UNFILTERED_POSITION_RATIO = 1.5
 """Ratio of the shortest cutoff to the cutoff at which unfiltered scans are drawn if their resolution is unknown."""
 
-MAX_ESTIMATE_WAVELENGTH_RATIO = 8.0  # longest wavelength of the closed-form estimate, relative to the longest cutoff
-MIN_EXTRAPOLATED_WAVELENGTH_RATIO = 1 / 16  # shortest wavelength of extrapolated results, relative to the first cutoff
+# longest wavelength of the closed-form estimate, in multiples of the longest cutoff
+MAX_ESTIMATE_WAVELENGTH_RATIO = 8.0
+# shortest wavelength of extrapolated friction, as a fraction of the first cutoff
+MIN_EXTRAPOLATED_WAVELENGTH_RATIO = 1 / 16
 
 
 def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: ResolutionLimits, x: Floats) -> None:
@@ -199,7 +201,7 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Resolu
             linewidth=0.8,
         )
     if limits.shortest:
-        # Draw unfiltered scans left of the first cutoff, even if it is the shortest wavelength that they resolve.
+        # Draw unfiltered scans left of the first cutoff, even if they resolve no shorter wavelength.
         longest_unresolved = 0.97 * min(limits.shortest, x.min())
         for axes in (friction_axes, area_axes):
             axes.axvspan(1e-9, longest_unresolved, color="0.9", linewidth=0, zorder=-2, label="not resolved")
@@ -268,7 +270,7 @@ def _list_sliding_rules(points: xarray.Dataset) -> list[str]:
 
 def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colour: str) -> None:
     if not 1 < dataset.sizes.get("direction", 1) <= MAX_DRAWN_DIRECTIONS or colour == SLIDING_RULE_COLOURS["all"]:
-        return  # with friction at all contacts, both directions have the same results
+        return  # with friction at all contacts, both directions give the same friction
     for direction, line_style in zip(dataset["direction"].values, ("--", ":"), strict=False):
         mean = dataset["friction_coefficient"].sel(direction=direction, statistic="mean").values
         name = f"  upper body to {direction_text(float(direction))} alone"

@@ -98,7 +98,7 @@ def _prepend_zero(values: Floats) -> Floats:
     return np.concatenate([[0.0], np.asarray(values, dtype=np.float64)])
 
 
-NUM_CURVE_POINTS = 200  # number of points of an interpolated curve
+NUM_CURVE_POINTS = 200  # number of points of a curve between the computed points
 
 
 def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: float) -> tuple[Floats, Floats]:
@@ -119,7 +119,7 @@ def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple
 # ---- Slip map --------------------------------------------------------------------------------------------------------
 
 
-_MAX_MARKER_AREA = 60.0  # area of the largest marker (points²)
+_MAX_MARKER_AREA = 60.0  # area (square points) of the largest marker of a contact
 
 
 def contains_slip_map(onset: xarray.Dataset) -> bool:
@@ -207,7 +207,7 @@ _ONSET_PANELS = {
 }
 """Factor, axis label, and True for a logarithmic axis, for each panel."""
 
-LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of the curves, from low to high loads
+LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of the curves, from the lowest to the highest load
 
 
 def onset_by_dimension_figure(points: xarray.Dataset, study: Study) -> Figure:

@@ -21,10 +21,11 @@ from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import length_text, to_characterisation
 from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, MIN_MILLIMETRE_LENGTH, PAGE_WIDTH, new_figure
 
-MAX_DRAWN_PROFILE_POINTS = 1500  # maximum number of profile points in the figure; longer profiles are averaged
+# maximum number of points of a profile in a figure; in longer profiles, points are averaged
+MAX_DRAWN_PROFILE_POINTS = 1500
 NUM_HEIGHT_BINS = 40
 MEASURED_COLOUR, FITTED_COLOUR = "#0072b2", "#d55e00"
-TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # spacings of ticks, in units of a power of ten
+TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # distances between ticks that are allowed, in units of a power of ten
 
 
 def characterisation_figure(body: Profile | Surface | Characterisation, **options: Any) -> Figure:
@@ -84,7 +85,7 @@ def _draw_height_distribution(axes: Axes, heights: Floats) -> None:
     axes.set(xlabel=f"height ({height_unit})", ylabel=f"density (1/{height_unit})")
     axes.set_title("dashed: Gaussian", fontsize=6, pad=2)
     axes.locator_params(nbins=4, steps=TICK_STEPS)
-    axes.locator_params(axis="x", nbins=3)  # The panel of a profile is narrow.
+    axes.locator_params(axis="x", nbins=3)  # show few ticks, because the panel of a profile is narrow
 
 
 def _draw_spectrum(axes: Axes, result: Characterisation) -> None:
@@ -128,7 +129,7 @@ def _draw_line_spectrum(axes: Axes, line: LineRoughness, axis: str, colour: str)
         exponent, scatter = float(line.hurst_exponents.mean()), float(line.hurst_exponents.std())
         min_wave_number, max_wave_number = (2 * math.pi / end for end in line.band[::-1])
         is_in_band = has_power & (spectrum.wave_number >= min_wave_number) & (spectrum.wave_number <= max_wave_number)
-        # The level of the fitted line is the mean level of the spectrum in the band.
+        # Draw the fitted line at the mean level of the spectrum in the fitted band.
         mean_log_factor = np.log(
             spectrum.wave_number[is_in_band] ** (1 + 2 * exponent) * spectrum.density[is_in_band]
         ).mean()
@@ -153,7 +154,7 @@ def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
     height_factor, height_unit = choose_prefixed_unit(float(np.ptp(surface.heights)), "um")
     heights = (surface.heights - surface.heights.mean()) / height_factor
     length_y, length_x = (length / unit_length for length in surface.extent)
-    # Use quantiles, because single dust grains would otherwise dominate the colour range.
+    # Limit the colours by quantiles, because single dust grains would dominate the whole range.
     lowest_height, highest_height = np.quantile(heights, [0.001, 0.999])
     image = axes.imshow(
         heights, extent=(0, length_x, 0, length_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest_height,

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from stiction._number_format import choose_prefixed_unit
 from stiction.views.style import AREA_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, OPPOSING_COLOUR, new_figure
 
-MARKER_AREA = 2.0  # area of the marker of a contact point (points²)
+MARKER_AREA = 2.0  # area (square points) of the marker of a contact point
 PRESSURE_COLOURS = ListedColormap(mpl.colormaps["inferno"](np.linspace(0, 0.8, 256)), "pressure")
 """Colours of pressures, without the pale colours, which would not be visible on white."""
 
@@ -80,7 +80,7 @@ def _draw_contacts(axes: Axes, pressure: xarray.DataArray) -> None:
         return
     y = pressure["y"].values / factor
     rows, columns = np.nonzero(megapascals > 0)
-    # Markers are larger than grid points, because single points would not be visible.
+    # Draw markers larger than a grid point, because a single point would be invisible.
     image = axes.scatter(
         x[columns], y[rows], c=megapascals[rows, columns], s=MARKER_AREA, linewidth=0, cmap=PRESSURE_COLOURS, vmin=0
     )

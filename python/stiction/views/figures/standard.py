@@ -127,7 +127,7 @@ def _generated_surface_figures(result: Evaluation, study: Study) -> Iterator[tup
             case "area":
                 for suffix, motion_result in iterate_motions(result):
                     yield f"area{suffix}", partial(_area_figure, motion_result)
-            case "onset":  # the onset is stored only for a study with a single direction and friction at all contacts
+            case "onset":  # the onset is stored only for a study with one direction and friction at all contacts
                 yield "onset", partial(_onset_figure, next(iterate_motions(result))[1])
 
 
