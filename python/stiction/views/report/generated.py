@@ -147,7 +147,8 @@ def _has_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
 
 
 _WIDTH_FORMATS = (NumberFormat(0.0, 0.01, "±{} %", 2),)
-_MEAN_PERCENT_FORMATS = (NumberFormat(0.0, 0.01, "{} %", 2),)  # format of `stiction at --verbose`
+# formats of percentages, as printed by `stiction at --verbose`
+_MEAN_PERCENT_FORMATS = (NumberFormat(0.0, 0.01, "{} %", 2),)
 
 
 def _quantity_record(name: str, study: Study) -> dict[str, Any]:
@@ -175,7 +176,8 @@ def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Flo
         if not np.isfinite(positive_values).any():
             continue
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # points without a value cause warnings about NaN
+            # points without a coefficient cause NumPy's warnings about NaN
+            warnings.simplefilter("ignore", RuntimeWarning)
             low, high = np.nanquantile(positive_values, COLOUR_RANGE_QUANTILES, axis=(0, 4))
         ranges[name] = low, np.maximum(high, 1.05 * low)
     return ranges

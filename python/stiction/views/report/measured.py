@@ -187,7 +187,7 @@ def _heading_lines(data: MeasuredReportData) -> list[str]:
     ]
 
 
-MAX_LISTED_STEPS = 20  # maximum number of processing steps of a body on a page
+MAX_LISTED_STEPS = 20  # maximum number of processing steps of a body that a report lists
 
 
 def _history_markup(side: str, history: BodyHistory) -> str:

@@ -68,7 +68,7 @@ def read_package_file(name: str) -> str:
 
 def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> str:
     """Return markup with the scripts of a page and the data of a result: `facts` as JSON, and packed numbers."""
-    # Escape "<", so that the JSON text cannot close its HTML element or open another one.
+    # Escape "<", so that the JSON text cannot close or open an HTML element.
     facts_json = to_json(facts).replace("<", "\\u003c")
     script_template = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
     packed_numbers = "".join(script_template.format(*item) for item in packed_arrays.items())
@@ -78,7 +78,7 @@ def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> st
     )
 
 
-MAX_SHOWN_LINE_LENGTH = 400  # maximum number of characters of a line from a file that the page shows
+MAX_SHOWN_LINE_LENGTH = 400  # maximum number of characters that a report shows of a line from a file
 
 
 def escape_html(text: object) -> str:

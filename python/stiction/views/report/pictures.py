@@ -213,9 +213,9 @@ def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
 # ---- Inline SVG ------------------------------------------------------------------------------------------------------
 
 
-# Maximum number of vertices of an artist in vector graphics. Artists with more vertices are rasterized.
+# Maximum number of vertices of an element that a figure draws as vectors; larger elements become pixels.
 MAX_SVG_VERTICES = 1000
-RASTER_DPI = 200  # resolution of rasterized artists
+RASTER_DPI = 200  # resolution of figure elements that are drawn as pixels, in dots per inch
 
 _CSS_COLOURS = {
     **dict.fromkeys(("#000000", "#262626", "#404040", "#444444"), "var(--ink)"),

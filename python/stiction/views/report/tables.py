@@ -15,10 +15,10 @@ from stiction._checks import Floats
 from stiction._estimate import Estimate, count_estimate_decimals
 from stiction._number_format import MIN_ROUNDED_TO_ONE, NumberFormat
 
-# Number of leading bytes of a double that a page stores; four bytes give a relative precision of 5e-7.
+# Number of leading bytes of a double that a report stores: four bytes have a relative precision of 5e-7.
 STORED_FLOAT_BYTES = 4
 
-_COMPRESSION_LEVEL = 7  # zlib level that takes a sixth of the time of level 9 and produces 0.5 % more bytes
+_COMPRESSION_LEVEL = 7  # zlib level that is six times faster than level 9 and gives files only 0.5 % larger
 
 
 def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
@@ -140,7 +140,7 @@ def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
     return PackedArrays(offsets, formats, texts)
 
 
-QUANTITY_DIGITS = 2  # digits of the half-width of intervals of quantities, as on the terminal
+QUANTITY_DIGITS = 2  # number of printed digits of the half width of an interval, as on the terminal
 
 
 def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
