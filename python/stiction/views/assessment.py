@@ -18,8 +18,8 @@ from stiction.summary.assessment import ASSESSMENTS_BY_SEVERITY, WIDE_INTERVAL_C
 from stiction.summary.summary import POSSIBLE_NOISE_INPUT_NAME, PointSummary
 from stiction.views.layout import Paragraph, ShortenedList, WrappedText
 
-COMPLETE_OUTPUT_METHOD = "summary()"  # method of a result that prints all points and caveats
-MAX_CAVEAT_GROUPS = 6  # maximum number of printed groups of caveats if a result has several points
+COMPLETE_OUTPUT_METHOD = "summary()"  # method of a result that prints all points and all caveats
+MAX_CAVEAT_GROUPS = 6  # maximum number of groups of caveats that are printed for several points
 
 
 def assessment_paragraph(
@@ -114,7 +114,7 @@ def most_useful_measurement_text(point: PointSummary) -> str:
     if dominant_input is None or any(fault.name != WIDE_INTERVAL_CHECK_NAME for fault in point.faults):
         return ""
     reduced_limits = str(dominant_input.interval)
-    # An interval whose limits are equal after rounding has only one number.
+    # If both limits are equal after rounding, the interval is printed as one number.
     if reduced_limits == str(point.rules[0].interval) or " to " not in reduced_limits:
         return ""
     condition = _CONDITION_TEXTS.get(dominant_input.label, f"If {dominant_input.label} were known")

@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from stiction.calibration.friction_tests import FrictionTest
     from stiction.summary.evaluation import Evaluation
 
-MIN_PRINTED_AREA_RANGE = 1e-6  # the interval or range of A/F is printed if the relative range of A/F exceeds this limit
-# Minimum shift of a limit, relative to the width of the 95 % interval, for which tests narrow the interval.
+MIN_PRINTED_AREA_RANGE = 1e-6  # relative range of A/F above which its interval or range is printed
+# Tests narrow an interval if they move a limit by more than this fraction of its width.
 MIN_NARROWING = 0.05
-MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution that the figure shows
+MAX_SHOWN_SAMPLES = 800  # maximum number of pairs of mu0 and tau0 that a figure shows
 
 
 def calibration_text(interface: Interface, pair_notes: Sequence[str] = ()) -> str:

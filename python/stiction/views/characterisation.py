@@ -30,12 +30,12 @@ from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.spreadsheet import frame_to_csv
 
 NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
-# The contribution of unreliable wavelengths is ignored if it is less than this fraction of the mean square slope.
+# Unreliable wavelengths are not mentioned if they contribute less than this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
-_MIN_PEAK_RATIO = 3.0  # minimum ratio of the density of a peak to the density at longer wavelengths
-_MIN_LONGER_WAVELENGTHS = 4  # minimum number of wavelengths that are longer than a peak
-_MIN_PEAK_FRACTION = 0.1  # minimum fraction of m4 that a reported peak contributes
-# The scatter is reported if the dispersion of the spectrum relative to its fit exceeds this limit.
+_MIN_PEAK_RATIO = 3.0  # minimum density of a reported spectral peak, relative to the density at longer wavelengths
+_MIN_LONGER_WAVELENGTHS = 4  # minimum number of wavelengths of the spectrum that are longer than a reported peak
+_MIN_PEAK_FRACTION = 0.1  # fraction of the fourth spectral moment that a reported peak must contribute
+# The scatter of a spectrum is reported if its dispersion about the fit exceeds this limit.
 _MAX_DISPERSION = 2.0
 
 _UNIT_SYMBOLS = {
@@ -44,8 +44,8 @@ _UNIT_SYMBOLS = {
     "1/um": " 1/µm",
     "1/um2": " 1/µm²",
     "degrees": "°",
-}  # printed units by JSON unit
-_JSON_UNIT_EXCEPTIONS = {"": "1"}  # JSON unit of dimensionless parameters; `_json_unit` converts all other units
+}  # unit in printed tables for each unit in JSON
+_JSON_UNIT_EXCEPTIONS = {"": "1"}  # JSON unit of dimensionless parameters, which `_json_unit` does not convert
 
 
 class TableRow(NamedTuple):
@@ -54,7 +54,7 @@ class TableRow(NamedTuple):
     label: str
     texts: tuple[str, ...]
     values: tuple[Estimate, ...] = ()
-    is_detail: bool = False  # True if the first screen of a terminal omits the row
+    is_detail: bool = False  # True for a row that the first screen in a terminal leaves out
 
 
 HEADLINE_PARAMETERS = (
@@ -312,7 +312,7 @@ class CharacterisationTable:
         """
         spectrum = self.scan.binned_spectrum if self.scan.spectrum is None else self.scan.spectrum
         q, band_start = spectrum.wave_number, 2 * math.pi / longest
-        # Exclude wavelengths that are affected by the window and by levelling.
+        # Exclude wavelengths that the window or levelling affects.
         is_longer = (q > 2.5 * q[0]) & (q < band_start / 1.5)
         is_at_start = (q >= band_start / 1.2) & (q < band_start * 1.2)
         if is_longer.sum() < _MIN_LONGER_WAVELENGTHS or not is_at_start.any():
@@ -524,7 +524,7 @@ def _line_hurst_exponent_text(line: LineRoughness) -> str:
 
 # ---- JSON and CSV ----------------------------------------------------------------------------------------------------
 
-CharacterisedFiles = Sequence[tuple[str, Characterisation]]  # pairs of file name and characterisation
+CharacterisedFiles = Sequence[tuple[str, Characterisation]]  # file names with the characterisations of their scans
 
 
 def _list_values(result: Characterisation) -> list[Estimate]:

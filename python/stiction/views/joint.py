@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from stiction.summary.joint_table import JointRow, JointTable
 
-CARD_WIDTH = 100  # maximum number of characters in a comment line of a card
+CARD_WIDTH = 100  # maximum number of characters in a comment line of a finite-element input card
 CURVE_DIGITS = 6
 """Significant digits of pressures and closures in cards. Other programs compute stiffnesses from differences."""
 _ASCII_REPLACEMENTS = {

@@ -9,8 +9,8 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-MIN_TERMINAL_WIDTH = 40  # minimum text width in characters, also used if the terminal is narrower
-MIN_LABEL_WIDTH = 16  # minimum width of the first column of a table, in characters
+MIN_TERMINAL_WIDTH = 40  # minimum text width in characters, even if the terminal is narrower
+MIN_LABEL_WIDTH = 16  # minimum width of the first column of a printed table, in characters
 
 TextRows = Sequence[Sequence[str]]
 
@@ -21,7 +21,7 @@ class WrappedText:
 
     text: str
     indent: str = ""
-    hanging_indent: str = ""  # additional indent of all lines except the first
+    hanging_indent: str = ""  # additional indent of all lines of a paragraph except the first
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,8 @@ class ShortenedList:
     min_shown: int
     max_shown: int | None
     max_height: int | None
-    noun: str  # singular noun, such as "caveat", that follows the number of omitted lines
-    complete_command: str  # option, command or method that shows all lines
+    noun: str  # singular noun for the lines that a shortened list leaves out, such as "caveat"
+    complete_command: str  # option, command or method that prints the complete list
 
 
 Paragraph = Sequence[str | WrappedText | Table | ShortenedList]
@@ -106,7 +106,7 @@ def _format_shortened_list(shortened_list: ShortenedList) -> str:
     lines = texts[:num_shown]
     if num_omitted > 0:
         noun = shortened_list.noun + "s" * (num_omitted > 1)
-        # Do not wrap the line, so that the command can be copied.
+        # Do not wrap this line, because the user may copy the command.
         lines.append(f"  {num_omitted} more {noun}: {shortened_list.complete_command} shows all")
     return "\n".join(lines)
 

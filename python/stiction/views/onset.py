@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 HALF_SLIDING_LOAD_FRACTION = 0.5
-CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loading, relative to the sliding load
+CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loads, as fractions of the sliding load
 
 
 def onset_text(onset: OnsetValues) -> str:

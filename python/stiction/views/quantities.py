@@ -25,7 +25,7 @@ from stiction.views.point import coordinate_text, point_load_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-MAX_HEADING_WIDTH = 20  # maximum width of the heading of a column of numbers, in characters
+MAX_HEADING_WIDTH = 20  # maximum width of a heading above a column of numbers, in characters
 _VERBOSE_QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5), ("pressure", 0.9))
 
 
@@ -36,8 +36,9 @@ class QuantityRow:
     name: str
     label: str
     estimates: Sequence[Estimate]
-    num_digits: int | None = None  # number of digits of values without an interval, or None to print the intervals
-    statuses: Sequence[str] = ()  # statuses other than "ok", which are printed instead of the values
+    # number of printed digits of a number without interval; None if the intervals are printed
+    num_digits: int | None = None
+    statuses: Sequence[str] = ()  # statuses other than "ok", each printed instead of its number
 
 
 def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = False, cell: str = "") -> Paragraph:
@@ -94,7 +95,7 @@ def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence:
     """Return the names of the quantities to print, in the order of the table of quantities."""
     has_area_fraction = "contact_area_fraction" in point.quantities and not math.isnan(point.nominal_pressure)
     is_hidden = {
-        "mean_pressure": is_sentence,  # sentences omit the mean pressure, which follows from the printed load and area
+        "mean_pressure": is_sentence,  # a sentence leaves out the mean pressure, which follows from load and area
         "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
         **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or point.study.is_gap)),
         **dict.fromkeys(LOAD_INDEPENDENT_QUANTITIES, not verbose),

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-_POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")  # coordinates that identify a row of a CSV file
+_POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")  # columns of a CSV file that identify a row
 
 COORDINATE_ORDER = (
     "height_scale",
@@ -133,7 +133,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
     is_directed = name in QUANTITIES and QUANTITIES[name].is_directed
     for coordinate in COORDINATE_ORDER:
-        # A single sliding rule or a single direction, stored as a scalar coordinate, becomes a column too.
+        # A single sliding rule or direction, which is a scalar coordinate, becomes a column too.
         is_scalar = coordinate in dataset.coords and not dataset.coords[coordinate].ndim
         if coordinate in dims or (is_scalar and (is_directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])
@@ -159,7 +159,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     frames: list[pandas.DataFrame] = []
     for name, motion_label in _COEFFICIENT_COLUMNS.items():
         if name not in dataset or (name != "mean_friction" and frames and motion_label not in dataset[name].dims):
-            continue  # the values of a single direction equal the means over all directions
+            continue  # with a single direction, its coefficients equal the means over all directions
         selected_rows = rows[rows["name"] == name]
         motion_column = (
             selected_rows[motion_label].map(_DIRECTION_LABEL_FORMATTERS[motion_label])
@@ -292,7 +292,8 @@ def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     values = []
     for row in rows.to_dict("records"):
         selected_values = {name: row.pop(name) for name in _VALUE_COLUMNS}
-        coordinates = {name: value for name, value in row.items() if value == value}  # omit coordinates that are NaN
+        # leave out coordinates that are NaN
+        coordinates = {name: value for name, value in row.items() if value == value}
         values.append(Estimate(**selected_values).to_record(coordinates))
     return values
 
@@ -303,7 +304,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "at": point.at,
         # Cutoffs (µm) of all scans of each body.
         "cutoffs": None if point.cutoffs is None else _build_body_fields(map(list, point.cutoffs)),
-        # False for a variant of the filter whose value is covered by the interval of another point.
+        # False for a variant of the filter that the interval of another point covers.
         "reported": not point.covered,
         "status": point.status,
         "rules": [

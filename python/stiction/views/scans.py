@@ -35,13 +35,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MAX_SLOPE_ROWS = 12  # maximum number of wavelengths in the table of slopes
+MAX_SLOPE_ROWS = 12  # maximum number of wavelengths in a printed table of slopes
 
 COMPARED_MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
 """Materials for which the figure shows a line at hardness / E*, where E* is for two bodies of the material."""
 
 SCAN_COLOURS = (NOT_OPPOSING_COLOUR, AREA_COLOUR, OPPOSING_COLOUR, "#cc79a7", "#56b4e9", "#e69f00")
-MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name that a figure shows
+MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan's name in a figure
 
 
 # ---- Joined spectrum -------------------------------------------------------------------------------------------------

@@ -30,9 +30,9 @@ from stiction.views.pull_off import pull_off_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# The sentence defines the load if the relative effect of the load definition on the coefficient exceeds this limit.
+# The printed sentence defines the load if its definition changes the coefficient by more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
-# Minimum width of the range for finer scans that the text contains, relative to the interval width.
+# The range for finer scans is printed only if its width is at least this fraction of the interval's width.
 MIN_STATED_BRACKET_WIDTH = 0.05
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Largest relative deviation of A E* h'/F from its usual value at which the small-slope estimate still applies."""
@@ -49,7 +49,8 @@ def finer_scan_text(point: PointSummary) -> str:
     bounds_text = f"{low} (μ0 + τ0/{'H′' if point.has_junction_growth else 'H'})" + (
         f" to {high}" if low != high else ""
     )
-    bounds_text += ", unless small contacts are harder"  # the indentation size effect makes small contacts harder
+    # due to the indentation size effect, small contacts may be harder
+    bounds_text += ", unless small contacts are harder"
     return f"with H = {format_with_unit(point.hardness, 'GPa')} a finer scan would give {bounds_text}"
 
 
@@ -267,13 +268,13 @@ def shared_conditions_text(points: Sequence[PointSummary]) -> str:
 def _averaged_members_text(point: PointSummary) -> str:
     """Return text that counts the averaged members, as in "8 positions"."""
     study = point.study
-    # A dataset of a study with positions and surrogates contains members of one kind.
+    # A study with positions and surrogates evaluates the members of one kind at a time.
     names = study.member_names if study.surfaces.press != "areas" else POSITION_NAMES
     explanation = " (random surfaces with these spectra)" if study.surfaces.press == "surrogates" else ""
     return f"{point.members:.0f} {names[1]}{explanation}"
 
 
-PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes a width of 1 µm for profiles
+PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes that profiles are 1 µm wide
 
 
 def lay_assumption(study: Study) -> str:

@@ -29,15 +29,17 @@ if TYPE_CHECKING:
     import xarray
 
 MAX_PRINTED_DISPLACEMENTS = 13
-MIN_PRINTED_ANGLE_RANGE = 1.0  # smallest printed width (degrees) of an interval of the dilation angle
-MAX_EDGE_LOAD_FRACTION = 0.2  # a caveat is issued if the load fraction at the edges of the faces exceeds this limit
-MAX_HARDNESS_LOAD_FRACTION = 0.5  # a caveat is issued if the load fraction at the hardness exceeds this limit
-MAX_INITIAL_AREA_FRACTION = 0.5  # a caveat is issued if the initial ratio of contact area to overlap exceeds this limit
-MAX_USUAL_PEAK = math.tan(math.radians(70))  # largest peak that Barton and Choubey (1977) recommend to use
-# Registered faces have a caveat if their rms gap exceeds both limits.
-# The limits are a multiple of the gap noise, and a fraction of the rms height change over the sampling interval of Z2.
+MIN_PRINTED_ANGLE_RANGE = 1.0  # smallest width (degrees) of an interval of the dilation angle that is printed
+MAX_EDGE_LOAD_FRACTION = 0.2  # fraction of the load at the edges of the faces above which the result has a caveat
+MAX_HARDNESS_LOAD_FRACTION = 0.5  # fraction of the load at the hardness above which the result has a caveat
+# initial contact area, as a fraction of the overlap, above which the result has a caveat
+MAX_INITIAL_AREA_FRACTION = 0.5
+# largest friction coefficient at the peak that Barton and Choubey (1977) recommend to use
+MAX_USUAL_PEAK = math.tan(math.radians(70))
+# Registered faces have a caveat if the rms gap exceeds two limits:
+# a multiple of the gap noise, and a fraction of the rms height change over the sampling interval of Z2.
 MAX_GAP_NOISE_RATIO, MIN_GAP_FRACTION = 3.0, 0.01
-MIN_FIT_CORRELATION = 0.5  # a caveat is issued if the initial correlation of the slopes is below this limit
+MIN_FIT_CORRELATION = 0.5  # initial correlation of the slopes of both faces below which the result has a caveat
 
 _CSV_COLUMNS = {
     "friction_coefficient": ("mu", 1.0), "shear_stress": ("shear stress (MPa)", 1e3),

@@ -29,7 +29,7 @@ from stiction.study.study import (
 )
 from stiction.views.layout import wrap_text
 
-KeyTableRow = tuple[str, str, str, str]  # key, default, allowed values and meaning of an entry
+KeyTableRow = tuple[str, str, str, str]  # key of a study file, its default, its allowed values and its meaning
 
 _QUANTITY_RANGE_TEXTS: tuple[tuple[Any, str], ...] = (
     (values.Length, "a length above 0"),
@@ -95,7 +95,7 @@ def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
         classes_by_row: dict[KeyTableRow, list[type[values.SettingsSection]]] = {}
         for section_class in section_classes:
             for key, field in section_class.model_fields.items():
-                if field.repr:  # keys without `repr` describe bodies in memory and do not occur in study files
+                if field.repr:  # keys without `repr` belong to bodies in memory and do not occur in study files
                     default = PydanticUndefined if field.is_required() else field.default
                     classes_by_row.setdefault(_key_row(key, default, field, section_classes), []).append(section_class)
         keys, rows = list(dict.fromkeys(row[0] for row in classes_by_row)), []
@@ -234,9 +234,9 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
         for singular_phrase, plural_phrase in _NUMBER_LIST_TEXTS:
             text = text.replace(singular_phrase, plural_phrase)
         return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
-    if hasattr(annotation, "__metadata__"):  # the annotation is an alias of `Annotated`
+    if hasattr(annotation, "__metadata__"):  # the type is an alias of `Annotated`
         return _allowed_value_phrases(annotation.__origin__, annotation.__metadata__)
-    if get_origin(annotation) is not None:  # the annotation is a union
+    if get_origin(annotation) is not None:  # the type is a union
         alternatives = [_allowed_value_phrases(item) for item in get_args(annotation) if item is not type(None)]
         return list(dict.fromkeys(phrases for alternative in alternatives for phrases in alternative))
     bounds = {

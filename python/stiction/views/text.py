@@ -58,8 +58,8 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.summary.evaluation import Evaluation
 
-MIN_STATED_GROOVE_EFFECT = 0.01  # no grooves are reported if the relative difference of friction is below this limit
-MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table if a result has several points
+MIN_STATED_GROOVE_EFFECT = 0.01  # relative change of friction by grooves below which grooves are not mentioned
+MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table of a result with several points
 
 
 def study_result_text(
