@@ -28,18 +28,18 @@ from stiction.app.form import find_first_option_name, replace_option_names, repl
 from stiction.solve.executors import PROGRESS_PREFIX
 from stiction.solve.store import open_stored_result
 
-POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a command
-# Maximum time in seconds for which a stopped command may write its results before it is killed.
+POLL_INTERVAL = 0.4  # time (s) between two checks of the progress of a command
+# Time (s) in which a stopped command may write its results before it is killed.
 MAX_SHUTDOWN_TIME = 5.0
-KILLED_PROCESS_TIMEOUT = 1.0  # maximum time in seconds for which the app waits until a killed process has ended
+KILLED_PROCESS_TIMEOUT = 1.0  # time (s) for which the app waits for the end of a killed process
 MAX_WAITING_JOBS = 8
-MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command may print
-JOB_MEMORY_FRACTION = 0.5  # maximum fraction of the machine's memory that the running job may use
-# Maximum fraction of the machine's memory that each of the two reader processes and each preview may use.
+MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command may print in the app
+JOB_MEMORY_FRACTION = 0.5  # fraction of the machine's memory that a running command may use
+# Fraction of the machine's memory that each of two reader processes and each preview may use.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
 END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record, which a command prints before it draws figures
-# For each command that prints a JSON record: names of files for the user, with the names that the command uses.
+# Files that each command offers to the user, with the names under which the command writes them.
 FILES_BY_COMMAND = {
     "pair": {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"},
     "shear": {"page.html": "report.html", "result.csv": "shear.csv"},
@@ -65,18 +65,18 @@ class Job:
 
     number: int
     title: str
-    arguments: list[str]  # arguments of the `stiction` command
+    arguments: list[str]  # arguments of a `stiction` command
     directory: Path
-    preview: tuple[list[str], Any] | None = None  # scans and options of a preview with the asperity model
-    state: str = "waiting"  # "waiting", "running", "done", "stopped" or "failed"
-    file_stem: str = ""  # name, without extension, under which the files of the result are saved
+    preview: tuple[list[str], Any] | None = None  # scans and options of a preview in the asperity model
+    state: str = "waiting"  # state of a job: "waiting", "running", "done", "stopped" or "failed"
+    file_stem: str = ""  # name without extension under which the user saves the files of a result
     activity: str = ""
-    scope: str = ""  # description of the members of an intermediate result; empty for a final result
+    scope: str = ""  # description of the members of an intermediate result; empty for the final result
     finished: int = 0
     total: int = 0
     versions: int = 0
-    files: Path | None = None  # directory of the files that the user can save
-    record: Any = None  # values of the displayed result
+    files: Path | None = None  # directory with the files that the user can save
+    record: Any = None  # numbers of the displayed result
     error: str = ""
     is_ending: bool = False
     task: asyncio.Task[None] | None = None
@@ -134,7 +134,7 @@ class JobQueue:
         """
         if sum(job.state == "waiting" for job in self.jobs_by_number.values()) >= MAX_WAITING_JOBS:
             raise RejectedRequestError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
-        # The results of commands other than `shear` can be evaluated for other mu0 and tau0.
+        # Jobs that differ only in mu0 and tau0 share a stored result, except jobs of `shear`.
         is_shear = arguments[0] == "shear"
         identifying_arguments = [item for item in arguments if is_shear or not re.match("--(mu0|tau0)=", item)]
         digest = hashlib.sha256("\0".join(identifying_arguments).encode()).hexdigest()[:12]
@@ -164,7 +164,7 @@ class JobQueue:
         for job in self.jobs_by_number.values():
             job.stop()
             if job.state == "stopped" and job.task is not None:
-                job.task.cancel()  # the task of a stopped job may still be reading a result
+                job.task.cancel()  # the task of a stopped job may still be reading its result
         await asyncio.gather(*(job.task for job in self.jobs_by_number.values() if job.task), return_exceptions=True)
 
     async def _run_job(self, job: Job) -> None:
@@ -178,7 +178,7 @@ class JobQueue:
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
             job.state, job.activity = final_state, "reading the finished part"
-            # Exceptions are raised if there is no result, or if the surfaces do not touch.
+            # Ignore the errors of a run without a result, or of surfaces that do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 if has_begun and not self._is_ending:
                     await self._read_result(job)
@@ -245,7 +245,7 @@ class JobQueue:
     async def _show_files(self, job: Job, record: str) -> None:
         """Copy the files that a finished command wrote, and show them with the values in its JSON record."""
         files = self._choose_directory()
-        # The thread must not change the job, because the thread continues even after the job was stopped.
+        # The thread must not change the job, because it continues after the job is stopped.
         counts = await asyncio.to_thread(self._copy_files, job, files, record)
         job.show(_read_answer(job, record), files, counts=counts)
 
@@ -263,10 +263,10 @@ class JobQueue:
 
     async def _monitor_progress(self, job: Job) -> None:
         """Monitor the progress of a command. Whenever the number of members has doubled, read the result."""
-        num_reported = 2  # an interval requires at least two members
+        num_reported = 2  # an interval needs at least two members
         while True:
             await asyncio.sleep(POLL_INTERVAL)
-            # Exceptions are raised if there is no result yet, or if the surfaces do not touch.
+            # Ignore the errors of a run that has no result yet, or of surfaces that do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 stored_result = await asyncio.to_thread(open_stored_result, job.directory)
                 job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
@@ -283,9 +283,11 @@ class JobQueue:
                    "command": "" if scope else job.arguments[0],
                    "files": str(files), "root": str(self.root)}  # fmt: skip
         arguments = ["stiction.app.result_worker", json.dumps(request | source)]
-        memory = READER_MEMORY_FRACTION if source else JOB_MEMORY_FRACTION  # a preview runs in addition to the command
+        # a preview runs beside the command, so it gets less memory
+        memory = READER_MEMORY_FRACTION if source else JOB_MEMORY_FRACTION
         response = json.loads(await run_module(arguments, memory=memory))
-        if response is None or (source and job.versions):  # no preview, or a result of the command is already shown
+        # there is no preview, or the page already shows a result of the command
+        if response is None or (source and job.versions):
             return
         job.show(
             response["answer"],
@@ -401,7 +403,7 @@ async def _start_module(
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            with suppress(TimeoutError):  # close the transport before the event loop
+            with suppress(TimeoutError):  # close the connection to the process before the event loop
                 await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
         error_task.cancel()
 

@@ -26,9 +26,9 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.registration import do_faces_fit
 from stiction.surfaces.roughness import reject_flat_or_small_surface, rms_gradient, roughness_parameters
 
-# Maximum number of rows or columns of a map preview. A profile preview may have three times as many points.
+# Maximum number of rows or columns of a map preview; a profile preview may have three times as many points.
 MAX_PREVIEW_SIDE_POINTS = 160
-# Colours of the lower and the upper line, which are visible on light and dark backgrounds.
+# Colours of the lower and the upper line, visible on light and on dark backgrounds.
 LINE_COLOURS = ("#7a8490", "#8a63c7")
 
 
@@ -120,7 +120,7 @@ def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes
 
 def main() -> None:
     """Print the preview of a scan, or the comparison of two scans, as JSON."""
-    # `read_measurement` requires tuples, which JSON stores as lists.
+    # `read_measurement` requires tuples, but JSON has only lists.
     files, options = sys.argv[1::2], [
         {name: tuple(value) if isinstance(value, list) else value for name, value in json.loads(text).items()}
         for text in sys.argv[2::2]

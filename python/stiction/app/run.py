@@ -23,9 +23,9 @@ WORKING_DIRECTORY_PREFIX = "stiction-app-"
 SERVER_IDLE_TIMEOUT = 90.0
 """Time (s) without a request until the server exits. Browsers limit hidden windows to one request per minute."""
 
-FIRST_WINDOW_TIMEOUT = 600.0  # time in seconds within which the first browser window must connect
+FIRST_WINDOW_TIMEOUT = 600.0  # time (s) in which the first browser window must connect to the app
 
-REQUEST_HEADER_TIMEOUT = 20.0  # time in seconds within which a connection must send its request headers
+REQUEST_HEADER_TIMEOUT = 20.0  # time (s) in which a browser must send the headers of a request
 MAX_IDLE_CONNECTIONS = 64
 """Maximum number of connections without a complete request head; if there are more, the oldest is closed."""
 
@@ -40,7 +40,7 @@ class TimeLimitedConnection(H11Protocol):
         super().connection_made(transport)
         self.idle_timers[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
         if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:
-            # Delay the check by a second callback, so that the event loop first reads the requests that have arrived.
+            # Check after the next turn of the event loop, so that the requests that have arrived are read first.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:
@@ -88,7 +88,7 @@ def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool 
             timeout_graceful_shutdown=2,
             h11_max_incomplete_event_size=2**14,
         )
-        # Hide the warning that Uvicorn prints for each malformed request, which any local program can send.
+        # Hide Uvicorn's warning about malformed requests, which any program on this machine can send.
         logging.getLogger("uvicorn.error").setLevel(logging.ERROR)
         http_server = uvicorn.Server(config)
         print_message(f"{address}\nThis address works once, in one browser. Press Ctrl-C to stop the server.")
@@ -107,7 +107,7 @@ async def _serve(
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, request_shutdown)
-    # Uvicorn's handlers would raise the signal again, so that the directory would not be removed.
+    # Replace Uvicorn's signal handlers, which would raise the signal again before the directory is removed.
     http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
     server.last_request_time = loop.time()
     task = asyncio.create_task(http_server.serve(sockets=[listener]))

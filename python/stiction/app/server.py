@@ -49,17 +49,17 @@ from stiction.study.interfaces import interfaces
 from stiction.study.pair_study import MeasuredPair
 from stiction.surfaces.pairing import SIDES
 
-MAX_SCAN_BYTES = 300_000_000  # maximum size of an uploaded scan in bytes, equal to the readers' limit for text files
-MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # maximum total size of all uploaded scans in bytes
-MAX_REQUEST_BYTES = 2**16  # maximum size in bytes of a request that does not upload a scan
-MAX_REQUEST_TIME = 120.0  # maximum time in seconds for a request and its response
-MAX_CONCURRENT_REQUESTS = 64  # maximum number of simultaneous requests; a browser sends at most six at a time
-MAX_SCAN_NAME_LENGTH = 60  # maximum number of characters of a scan name
-MAX_LISTED_RESULTS = 100  # maximum number of results in the list of results
-MAX_PREVIEWED_SCAN_POINTS = 2**21  # maximum number of points of a scan for which a preview is drawn
+MAX_SCAN_BYTES = 300_000_000  # maximum size (bytes) of an uploaded scan, as for text files of the readers
+MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # maximum size (bytes) of all uploaded scans together
+MAX_REQUEST_BYTES = 2**16  # maximum size (bytes) of a request, except for uploads of scans
+MAX_REQUEST_TIME = 120.0  # maximum time (s) for a request and its response
+MAX_CONCURRENT_REQUESTS = 64  # maximum number of simultaneous requests to the app; a browser sends at most six
+MAX_SCAN_NAME_LENGTH = 60  # maximum number of characters of a scan's name in the app
+MAX_LISTED_RESULTS = 100  # maximum number of results that the app lists
+MAX_PREVIEWED_SCAN_POINTS = 2**21  # maximum number of points of a scan for which the app draws a preview
 REQUEST_EXCEPTIONS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 ACCESS_KEY_HEADER = "x-stiction-key"
-# Paths that can be requested without the key, because they contain no private content.
+# Paths that need no key, because they contain nothing private.
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")
 
 ALLOWED_OPTIONS_BY_COMMAND = {
@@ -171,7 +171,7 @@ class Server:
         finally:
             self._running_requests.discard(task)
         if rejection is not None:
-            with suppress(RuntimeError):  # raised if the response has already started
+            with suppress(RuntimeError):  # the response may have started already
                 await rejection(scope, receive, send_with_headers)
 
     def _rejection_response(self, request: Request) -> Response | None:
@@ -271,8 +271,8 @@ class Server:
             partial_path.rename(path)
             self.scans[scan_identifier] = path
         except OSError as error:
-            with suppress(RuntimeError):  # raised if the request has already ended
-                # Read the rest of the upload, because the browser would otherwise not receive the error message.
+            with suppress(RuntimeError):  # the request may have ended already
+                # Read the rest of the upload, because otherwise the browser would not receive the error message.
                 async for _ in request.stream():
                     pass
             raise RejectedRequestError(f"the scan cannot be stored: {error.strerror}") from None
@@ -442,7 +442,7 @@ def _stored_result_list_entry(name: str, directory: Path) -> dict[str, Any]:
 
 
 def _read_package_file(name: str) -> str:
-    # Use `resources.files("stiction")`, because importing `stiction.views.report` would load Matplotlib and pandas.
+    # Importing `stiction.views.report` would load Matplotlib and pandas, so use `resources.files`.
     return (resources.files("stiction") / name).read_text("utf-8")
 
 
