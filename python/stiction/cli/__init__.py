@@ -24,7 +24,7 @@ With Python's default, 700 in Python 3.11, the collector traverses the objects o
 def main() -> None:
     """Run the command and exit with status 0, status 2 after a message for bad input, or status 130 after Ctrl-C."""
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION)
-    # Prevent the import of Dask, which only clusters use. The first array of xarray would import it in about 0.3 s.
+    # Prevent the import of Dask, which only clusters use. Otherwise xarray would import it, which takes 0.3 s.
     sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     _redirect_closed_streams()
     if (address_space := _address_space_limit()) < MIN_ADDRESS_SPACE:
@@ -37,11 +37,12 @@ def main() -> None:
         sys.exit(EXIT_BAD_INPUT)
     try:
         with exit_on_interrupt():
-            from stiction.cli.application import run_command_line  # Ctrl-C is handled during the import, too
+            # imported here, so that Ctrl-C during the import is handled too
+            from stiction.cli.application import run_command_line
         status = run_command_line()
-    except KeyboardInterrupt:  # raised if Ctrl-C is pressed during the import of libraries
+    except KeyboardInterrupt:  # Ctrl-C was pressed during the import of libraries
         status = EXIT_INTERRUPTED
-    if status == EXIT_INTERRUPTED:  # exit without waiting for threads that still run a computation
+    if status == EXIT_INTERRUPTED:  # exit without waiting for threads that are still computing
         with suppress(OSError):
             sys.stdout.flush()
             sys.stderr.flush()
@@ -55,7 +56,8 @@ def _redirect_closed_streams() -> None:
         try:
             os.fstat(number)
         except OSError:
-            null_device = os.open(os.devnull, os.O_RDWR)  # the lowest free descriptor is the closed one
+            # the null device gets the lowest free descriptor, which is the closed one
+            null_device = os.open(os.devnull, os.O_RDWR)
             setattr(sys, name, os.fdopen(null_device, "w" if number else "r"))
 
 
@@ -63,7 +65,7 @@ def _address_space_limit() -> float:
     """Return the address-space limit of this process in bytes, or infinity if there is none."""
     try:
         import resource
-    except ImportError:  # raised on Windows, which has no module `resource`
+    except ImportError:  # Windows has no module `resource`
         return math.inf
     soft_limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     return math.inf if soft_limit == resource.RLIM_INFINITY else soft_limit

@@ -40,13 +40,13 @@ def print_message(text: str, kind: str = "") -> None:
     try:
         _clear_line()
         print("\n".join(lines), file=sys.stderr, flush=True)
-    except OSError:  # raised if standard error is closed, or redirected to a full disk
+    except OSError:  # standard error is closed, or its disk is full
         _redirect_to_null_device(sys.stderr)
 
 
 def _redirect_to_null_device(stream: TextIO) -> None:
     """Redirect a stream after a failed write, because flushing the stream at exit would raise the same error."""
-    with suppress(OSError):  # raised for a stream that has no file descriptor
+    with suppress(OSError):  # a stream may have no file descriptor
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
@@ -138,10 +138,10 @@ def format_help_epilog(*lines: str) -> str:
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-# Pattern of a default that is specified as text, which typer prints in parentheses.
+# Matches a default given as text, which typer prints in parentheses.
 _DEFAULT_VALUE_PATTERN = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS_PATTERN = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
-_OPTION_TYPE_PATTERN = re.compile(r" <[\w\[\] ]+>$")  # pattern of the type that typer appends to an option
+_OPTION_TYPE_PATTERN = re.compile(r" <[\w\[\] ]+>$")  # matches the type that typer appends to the name of an option
 
 
 SHOW_ALL_OPTIONS_KEY = "stiction.show_all"
@@ -157,12 +157,12 @@ def option_was_given(context: typer.Context, name: str) -> bool:
 class _CommandWithHelpPanels(TyperCommand):
     """Command whose help lists the options in panels. Value types and ranges are not shown."""
 
-    common: Collection[str] = ()  # parameters listed in the short help of a command that has many parameters
+    common: Collection[str] = ()  # options that the short help of a command lists, if the command has many
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         values = [text.partition("=")[2] if text.startswith("--") and "=" in text else text for text in args]
         remainder = super().parse_args(ctx, args)
-        # Reject the empty string, because Path("") is the current directory.
+        # Reject an empty text, because Path("") is the current directory.
         if "" in values and "." not in values:
             for parameter in cast("list[Any]", self.params):
                 value = ctx.params.get(parameter.name)
@@ -224,7 +224,7 @@ class _LazyCommandGroup(TyperGroup):
             raise report_interruption() from None
 
 
-# Disable rich markup, because importing rich would take half of the time needed to print the help.
+# Disable rich markup: importing rich takes half of the time to print the help.
 _TYPER_OPTIONS: dict[str, Any] = {
     "rich_markup_mode": None, "pretty_exceptions_enable": False, "add_completion": False,
     "context_settings": {"help_option_names": ["-h", "--help"]},
@@ -244,8 +244,8 @@ app = typer.Typer(
     **(_TYPER_OPTIONS | {"add_completion": True}),
 )
 
-_COMMAND_APPLICATIONS: dict[str, typer.Typer] = {}  # applications by command name
-_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # parameters listed in the short help, by command name
+_COMMAND_APPLICATIONS: dict[str, typer.Typer] = {}  # typer applications by the name of their command
+_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # options that the short help lists, by command
 
 
 def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[Function], Function]:
@@ -266,7 +266,7 @@ def _option_name(argument: str) -> str:
     """Return the command line option that corresponds to an argument in Python."""
     if argument in _OPTION_NAMES_BY_ARGUMENT:
         return _OPTION_NAMES_BY_ARGUMENT[argument]
-    # Import the module only when an option is named, so that the help needs no numeric package.
+    # Import the options only when one is needed, so that the help needs no numeric package.
     pair_options = import_module("stiction.study.pair_options")
     return str(pair_options.format_command_line_name(argument))
 
@@ -275,17 +275,17 @@ def run_command_line() -> int:
     """Run the command in `sys.argv` and return the exit status."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # print "?" instead of characters that the encoding does not support
+            stream.reconfigure(errors="replace")  # print "?" for characters that the encoding lacks
     warnings.showwarning = print_warning
     _PRINTED_WARNINGS.clear()
-    # Suppress NumPy's warnings about NaN, because the output explains missing values.
+    # Suppress NumPy's warnings about NaN, because the output explains missing results.
     warnings.filterwarnings("ignore", category=RuntimeWarning)
     sys.unraisablehook = _handle_unraisable
     try:
         with _reraise_hidden_interrupts():
             status = int(app(standalone_mode=False, prog_name="stiction") or 0)
             with suppress(BrokenPipeError):
-                sys.stdout.flush()  # help texts are not flushed when they are printed
+                sys.stdout.flush()  # flush the help text, which printing does not do
             return status
     except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":
@@ -310,12 +310,12 @@ def run_command_line() -> int:
         print_message(error.translated_message(_option_name))
     except (ValueError, ImportError) as error:
         print_message(str(error) or type(error).__name__)
-    # Both errors mean that a thread cannot start, or that a library is out of memory.
+    # Either a thread could not start, or a library ran out of memory.
     except (RuntimeError, SystemError) as error:
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:
         return report_interruption().exit_code
-    except SystemExit:  # raised by the parser if the pipe for the help text is closed
+    except SystemExit:  # raised by typer if the pipe that reads the help text is closed
         return 0
     finally:
         _discard_unwritable_output()

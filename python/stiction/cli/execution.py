@@ -91,7 +91,7 @@ def compute_result_in_directory(
         raise error.with_remedy(_conflict_advice(error, study, is_replaceable=is_replaceable)) from None
     except KeyboardInterrupt:
         detail = ""
-        with contextlib.suppress(StoreError):  # raised if no result is stored yet
+        with contextlib.suppress(StoreError):  # no result is stored yet
             stored_result = open_stored_result(directory)
             count_text = study.member_names.with_count(stored_result.study.ensemble.repetitions)
             progress = f"{stored_result.num_finished} of {count_text} are finished and stored"

@@ -9,8 +9,8 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-EXIT_INTERRUPTED = 130  # exit status after Ctrl-C, the same as in shells
-EXIT_BAD_INPUT = 2  # exit status after an error in the input
+EXIT_INTERRUPTED = 130  # exit status after Ctrl-C, as in shells
+EXIT_BAD_INPUT = 2  # exit status after an invalid input
 
 
 @contextmanager
@@ -29,7 +29,7 @@ def exit_on_interrupt() -> Iterator[None]:
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield  # keep a custom handler; in a background job, keep ignoring SIGINT
+        yield  # leave a custom handler in place, and ignore SIGINT in a background job
         return
     try:
         signal.signal(signal.SIGINT, exit_process)

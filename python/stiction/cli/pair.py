@@ -156,8 +156,8 @@ def pair(
     for file in measured_pair.files:
         show_reader_import_status(Path(file.file))
     studies = measured_pair.studies
-    find_body_attributes(studies[0])  # check the surfaces before any file is written
-    # Omit the first remark if it states the source of the elasticity, which the result states too.
+    find_body_attributes(studies[0])  # check the surfaces before a file is written
+    # Leave out the first remark if it is the source of the elasticity, which the result prints too.
     first_remark = 0 if verbose else bool(measured_pair.elasticity.source)
     for remark in measured_pair.remarks[first_remark:]:
         print_message(remark)
@@ -230,7 +230,7 @@ def submit_preview(study: Study | None, executor: Executor) -> None:
     """Compute and print a preview of a study in one worker. Without a study or a terminal, do nothing."""
 
     def print_preview(future: Future[str]) -> None:
-        if not future.cancelled() and future.exception() is None:  # the future fails if the surfaces do not touch
+        if not future.cancelled() and future.exception() is None:  # the computation fails if the surfaces do not touch
             print_message(future.result())
 
     if study is not None and is_stderr_terminal():

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from stiction.summary.summary import Summary
 
 
-# Maximum number of caveat lines. With more, the output of `pair` and `run` would exceed 24 terminal lines.
+# Maximum number of lines with caveats: more would make the output of `pair` and `run` longer than 24 lines.
 MAX_CAVEAT_LINES = 5
 
-VERBOSE_OPTION = "--verbose"  # option that shows all points and caveats
+VERBOSE_OPTION = "--verbose"  # option that prints all points and all caveats
 
 
 def complete_output_command(result: Result) -> str:
@@ -84,7 +84,7 @@ def _summarize(result: Result) -> Summary:
     import xarray
 
     try:
-        # The warning about tau0 was already printed when the study was created.
+        # Creating the study has already printed the warning about tau0.
         with warnings.catch_warnings(action="ignore"):
             return result.summary()
     except StoreError:
@@ -113,7 +113,7 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     print_written(f"wrote {file_names[0]} (open it), {' and '.join(file_names[1:])}")
 
 
-MAX_OUTPUT_ATTEMPTS = 4  # maximum number of attempts to write files while the study keeps changing
+MAX_OUTPUT_ATTEMPTS = 4  # maximum number of attempts to write files while another run changes the study
 
 
 def _write_result_files(result: Result, directory: Path) -> list[str]:

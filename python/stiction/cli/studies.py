@@ -101,7 +101,7 @@ def _load_study(text: str) -> tuple[Study, Path]:
     if (path / "study.toml").is_file():
         return Study.from_toml(path / "study.toml"), path
     if path.suffix or path.exists() or len(path.parts) > 1:
-        # If the study file is in a directory with results, the computation resumes in the directory.
+        # A study file beside stored results belongs to these results, so the computation resumes there.
         return Study.from_toml(path), path.parent if (path.parent / "blocks").is_dir() else Path(path.stem)
     try:
         return Study.named(text), path

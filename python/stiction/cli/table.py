@@ -123,7 +123,7 @@ def table_command(
         seed=seed,
         **friction_parameters,
     )
-    signatures = {  # first bytes of the files of an earlier table, which may be overwritten
+    signatures = {  # first bytes of the files of an earlier table, which may be replaced
         NETCDF_FILE_NAME: CHECKSUM_PREFIX,
         CSV_FILE_NAME: b"stiffness over area (",
         LAWS_FILE_NAME: b"b of k/A0 = b p^c",
