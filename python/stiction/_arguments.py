@@ -23,7 +23,7 @@ def split_values(value: Any) -> list[Any]:
 def _count_dimensions(value: Any) -> int | None:
     try:
         return np.ndim(value)
-    except ValueError:  # raised if the rows of a nested list have different lengths
+    except ValueError:  # the rows of a nested list have different lengths
         return None
 
 

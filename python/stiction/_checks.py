@@ -33,13 +33,13 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
         array = np.asarray(values)
         if array.dtype.kind not in "iuf" and array.size:
             raise TypeError
-        with np.errstate(over="ignore"):  # a long double may overflow to infinity, which is rejected
+        with np.errstate(over="ignore"):  # a long double may become infinite, which is rejected
             array = array.astype(np.float64, order="C", copy=False)
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None
     if ndim is not None and array.ndim != ndim:
         raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
-    # Test the sum, which is faster than testing each element. A finite sum implies finite elements.
+    # Test the sum instead of each element, which is faster: a finite sum means that all elements are finite.
     with np.errstate(over="ignore", invalid="ignore"):
         total = array.sum()
     if not np.isfinite(total) and (is_nonfinite := ~np.isfinite(array)).any():
@@ -126,7 +126,7 @@ def parse_path(name: str, value: Any) -> Path:
     path = Path(value)
     try:
         is_possible = b"\0" not in os.fsencode(path)
-    except UnicodeEncodeError:  # raised for lone surrogates, which occur in no file name
+    except UnicodeEncodeError:  # the path contains a lone surrogate, which no file name has
         is_possible = False
     if not is_possible:
         raise ValueError(f"{name} must be a path of printable characters, got {short_repr(os.fspath(path))}")

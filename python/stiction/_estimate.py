@@ -13,12 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, choose_prefixed_unit, format_significant
 
-MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is very narrow
-UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
-# The upper limit of an interval is printed with one digit if it exceeds this multiple of the value.
+# maximum number of significant digits of a printed number, even if its interval is very narrow
+MAX_SIGNIFICANT_DIGITS = 4
+UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper limit of an interval without upper limit
+# The upper limit is printed with one digit if it exceeds this multiple of the central number.
 MAX_FULL_PRECISION_END_RATIO = 100.0
-NO_INTERVAL_CODE = -128  # replaces the number of decimals of the upper end if no interval is printed
-# Code instead of a number of decimals, for an upper end with one digit and an exponent, as in "5e+09".
+NO_INTERVAL_CODE = -128  # code in place of the decimals of an upper limit, if no interval is printed
+# Code instead of the number of decimals of an upper limit with one digit and an exponent, as in "5e+09".
 EXPONENT_CODE = -127
 MAX_DECIMALS = 100  # numbers of decimals, which may be negative, are limited to -MAX_DECIMALS ... MAX_DECIMALS
 
@@ -245,10 +246,10 @@ def _count_significant_decimals(value: Floats, digits: int) -> Floats:
     """Count the decimals of values that are rounded to `digits` digits, without trailing zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
-        # Compute the rounded digits as a whole number, such as 123 for 0.01234.
+        # Write the rounded digits as a whole number, such as 123 for 0.01234.
         digit_values = np.round(np.abs(value) / 10.0 ** (exponents - digits + 1))
         quotients = [digit_values / 10**count for count in range(1, digits + 1)]
-        # Compare quotients, because the remainder of a division takes ten times as long to compute.
+        # Compare quotients: computing the remainder of a division takes ten times as long.
         trailing_zeros = sum((quotient - np.floor(quotient) == 0).astype(float) for quotient in quotients)
     return np.asarray(np.where(value == 0, 0.0, digits - 1 - exponents - trailing_zeros))
 
@@ -258,7 +259,7 @@ def _find_decimal_exponents(value: Floats) -> Floats:
     size = np.abs(value)
     with np.errstate(divide="ignore"):
         exponents = np.where(size == 0, 0.0, np.floor(np.log10(size)))
-    # The logarithm of a power of ten may be slightly too small.
+    # Round-off may make the logarithm of a power of ten too small.
     return np.asarray(np.where(size >= 10.0 ** (exponents + 1), exponents + 1, exponents))
 
 

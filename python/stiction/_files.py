@@ -23,13 +23,13 @@ PARTIAL_FILE_NAME_PATTERN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9
 The name contains the machine, the process id, the run and a random number.
 """
 
-# A partial file that another machine left counts as stale if its age in seconds exceeds this limit.
+# Age (s) above which a partial file of another machine counts as left over.
 MAX_PARTIAL_FILE_AGE = 3600.0
-# Time (s) between two refreshes of a claim, so short that a claim survives a few failed refreshes.
+# Time (s) between two refreshes of a directory claim: the claim survives a few failed refreshes.
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-_PROCESS_TOKEN = secrets.token_hex(4)  # random token that identifies the run; a process id may be reused
-# Number of bytes at the start and at the end of a file in which the mark of the file is searched for.
+_PROCESS_TOKEN = secrets.token_hex(4)  # random text that identifies this run, because a process id may be reused
+# Number of bytes at each end of a file in which its signature is searched for.
 _NUM_SEARCHED_BYTES = 2**16
 
 
@@ -40,7 +40,7 @@ _NUM_SEARCHED_BYTES = 2**16
 def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator[Path]:
     """Yield a temporary file that is renamed to `path` when complete. Raise `error_type` if `path` already exists."""
     check_creatable(path, error_type)
-    # Use `os.link`, which never replaces a file, unlike `os.rename`.
+    # `os.link` never replaces a file, unlike `os.rename`.
     with _translate_os_errors(path, error_type), _open_partial_file(path, os.link) as partial_path:
         yield partial_path
 
@@ -90,7 +90,7 @@ def create_atomically(path: Path, content: bytes) -> None:
             partial_path.write_bytes(content)
     except FileExistsError:
         raise
-    except OSError:  # raised if the disk is full or the file system has no hard links
+    except OSError:  # the disk is full, or the file system has no hard links
         if os.path.lexists(path):
             raise
         write_atomically(path, content)
@@ -106,7 +106,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) -> Iterator[Path]:
     """Yield an empty file in the directory of `path`. Rename it to `path` on success, and remove it otherwise."""
     partial_path = path.parent / new_partial_file_name()
-    try:  # inside `try`, the file is removed even if Ctrl-C arrives immediately afterwards
+    try:  # inside `try`, the file is removed even if Ctrl-C arrives immediately
         os.close(os.open(partial_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial_path
         move_file(partial_path, path)
@@ -154,7 +154,7 @@ class DirectoryClaim:
     def _refresh_regularly(self) -> None:
         while not self._has_ended.wait(CLAIM_REFRESH_INTERVAL):
             with suppress(OSError):
-                # If another machine has removed this claim as stale, create the file again.
+                # Create the claim again if another machine has removed it as left over.
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:

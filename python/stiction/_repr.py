@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-NOTEBOOK_IMAGE_DPI = 110  # resolution of a notebook image in dots per inch
-NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # width and height of a notebook image in inches
-# Maximum width (inches) of one-column figures, which get a higher resolution than wider figures.
+NOTEBOOK_IMAGE_DPI = 110  # resolution of images in a notebook, in dots per inch
+NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # width and height of images in a notebook, in inches
+# Maximum width (inches) of a one-column figure. Narrow figures get a higher resolution in a notebook.
 MAX_ONE_COLUMN_WIDTH = 4.0
-# Level of zlib at which compression takes half as long as at level 6, and map images are 10 % larger.
+# zlib level that takes half the time of level 6, and makes images of maps 10 % larger.
 PNG_COMPRESSION = 4
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}

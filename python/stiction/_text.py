@@ -6,11 +6,11 @@ import math
 import os
 import unicodedata
 
-MAX_PATH_LENGTH = 300  # maximum number of characters of a path in a message
-MAX_WORD_LENGTH = 80  # maximum number of characters of a key, version or name in a message
-MAX_QUOTED_LINE_LENGTH = 1000  # maximum number of characters of a line from a file in a message
+MAX_PATH_LENGTH = 300  # maximum number of characters of a file path in a message
+MAX_WORD_LENGTH = 80  # maximum number of characters of a key, a version or a name in a message
+MAX_QUOTED_LINE_LENGTH = 1000  # maximum number of characters that a message quotes from a line of a file
 
-# Unicode categories that are escaped: control and format characters, surrogates, line and paragraph separators.
+# Categories of Unicode characters that are escaped: control and format characters, surrogates, separators of lines.
 _UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 

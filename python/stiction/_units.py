@@ -91,7 +91,7 @@ def quantity(text: object, kind: str) -> Quantity:
         raise ValueError(
             f"has the unit {unit!r}, which is not a unit of {kind} ({allowed}), got {short_repr(text)}{hint}"
         )
-    # Decimal arithmetic ensures that "100 nm" and "0.1 um" give the same number.
+    # With decimal arithmetic, "100 nm" and "0.1 um" give the same number.
     value = float(Decimal(digits.replace("_", "")) * Decimal(units[unit]))
     return _check_magnitude(Quantity(value, f"{digits} {unit}"), kind, text)
 
@@ -140,7 +140,7 @@ def loads_to_core_units(name: str, value: Any, area: float) -> Any:
         return value
     for kind, factor in (("force", 1.0), ("pressure", area)):
         try:
-            return float(f"{quantity(value, kind) * factor:.12g}")  # remove digits that are due to round-off
+            return float(f"{quantity(value, kind) * factor:.12g}")  # remove digits that are round-off
         except ValueError:
             continue
     raise ValueError(f'{name} must be a force or a pressure with its unit, as in "10 mN" or "10 MPa", got {value!r}')
@@ -176,6 +176,6 @@ def short_repr(value: object) -> str:
         RecursionError,
     ):  # `repr` fails for numbers with thousands of digits and for deeply nested containers
         text = type(value).__name__
-    if "\n" in text:  # an array or a result is represented by several lines
+    if "\n" in text:  # the text of an array or a result has several lines
         text = " ".join(text.split())
     return text if len(text) <= 40 else text[:37] + "..."

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from stiction.result import Result
 
 
-# The script packaging/pair_options.py generates the parameters, their descriptions and the call to `PairOptions`.
+# packaging/pair_options.py generates the parameters of `pair`, their descriptions and the call of `PairOptions`.
 def pair(
     first: BodyScans | None = None,
     second: BodyScans | None = None,
@@ -274,7 +274,7 @@ def pair(
     result_directory = (
         Path(tempfile.mkdtemp(prefix="stiction-")) if directory is None else parse_path("directory", directory)
     )
-    if directory is None:  # a temporary directory is removed when Python exits
+    if directory is None:  # Python removes a temporary directory when it exits
         atexit.register(shutil.rmtree, result_directory, ignore_errors=True)
     try:
         with convert_validation_errors():

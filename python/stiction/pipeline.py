@@ -48,9 +48,9 @@ from stiction.summary.input_caveats import find_alternatives
 if TYPE_CHECKING:
     import xarray
 
-LinePrintFunction = Callable[[str], Any]  # function that prints a line
+LinePrintFunction = Callable[[str], Any]  # function that prints a line of text
 
-MIN_ANNOUNCED_TIME = 20.0  # if the computing time (s) exceeds this limit, its estimate is always printed
+MIN_ANNOUNCED_TIME = 20.0  # estimated computing time (s) above which the estimate is always printed
 
 _COMPANION_FILES = {
     CONTACT_PICTURE_FILE: CHECKSUM_PREFIX,
@@ -203,7 +203,7 @@ def _compute_alternatives(
     """
     try:
         names = find_alternatives(stored_result.study)
-    except ValueError:  # raised if files of the bodies are missing
+    except ValueError:  # files of the bodies are missing
         return
     for name in names:
         label = ALTERNATIVE_LABELS[name]
@@ -248,12 +248,13 @@ def compute_companion_files(
         stored_onset = load_stored_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
             if stored_onset is not None and (stored_result.path / ONSET_TABLE_FILE).exists():
-                _write_onset_table(result, stored_onset)  # the coefficient of the result may have changed
+                # rewrite the table, because the coefficient of the result may have changed
+                _write_onset_table(result, stored_onset)
             return
         announce("onset of sliding")
         _print_time_if_long(print_remark, "onset of sliding", estimate_onset_time(stored_result.study, onset))
         new_onset = compute_onset(stored_result.study, executor, members=onset)
-    except ValueError as error:  # raised if files of the bodies are missing
+    except ValueError as error:  # files of the bodies are missing
         print_remark(f"cutoff study and onset are not computed: {error}")
         return
     if new_onset is not None:

@@ -85,13 +85,13 @@ class Result(Evaluation):
         return figure
 
     def _list_drawing_functions(self) -> Sequence[tuple[str, Any]]:
-        from stiction.views.figures.standard import select_figures  # imports Matplotlib
+        from stiction.views.figures.standard import select_figures  # imported here, because it imports Matplotlib
 
         return list(select_figures(self))
 
     def save_report(self, path: str | Path) -> Path:
         """Save the interactive HTML report of the result, and return its path."""
-        from stiction.views.report import save_report  # imports Matplotlib
+        from stiction.views.report import save_report  # imported here, because it imports Matplotlib
 
         path = parse_path("path", path)
         save_report(self, path, name=self.path.resolve().name if self.path else "result")
@@ -129,7 +129,7 @@ class Result(Evaluation):
         """Return the text that is shown if the result is printed on a terminal."""
         try:
             return study_result_text(self.summary()).rstrip()
-        except ValueError as error:  # raised if there is no contact or no finished member
+        except ValueError as error:  # the surfaces do not touch, or no member is finished
             return f"no answer: {error}"
 
     def _repr_html_(self) -> str:
