@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -23,7 +22,6 @@ from stiction._units import VALID_QUANTITY_RANGES, exact_quantity, quantity, sho
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, BoundaryCondition, TiltMode
 from stiction.mechanics.law import CONTACT_LAWS_BY_NAME, HertzCylinder, JacksonGreen, LawName, parse_contact_law
 from stiction.mechanics.model import (
-    PROFILE_WIDTH,
     ContactModel,
     CurvatureRequirement,
     DetectionMethod,
@@ -665,16 +663,11 @@ def parse_contact_settings(
         isinstance(contact, HalfSpaceSettings)
         and contact.hardness is not None
         and not isinstance(surfaces, MeasuredSurfaceSettings)
+        and not contact.loading_steps()[-1] < (max_load := float(contact.hardness) * surfaces.nominal_area)
     ):
-        nominal_area = (
-            float(surfaces.extent) * PROFILE_WIDTH
-            if isinstance(surfaces, GeneratedProfileSettings)
-            else math.prod(surfaces.extents())
+        raise make_key_error(
+            "load", f"must be below hardness times area ({max_load:g} mN), got {contact.loading_steps()[-1]:g} mN"
         )
-        if not contact.loading_steps()[-1] < (max_load := float(contact.hardness) * nominal_area):
-            raise make_key_error(
-                "load", f"must be below hardness times area ({max_load:g} mN), got {contact.loading_steps()[-1]:g} mN"
-            )
     return contact
 
 

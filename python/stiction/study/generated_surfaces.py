@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -9,6 +10,7 @@ from pydantic import Field, model_validator
 
 from stiction._checks import Floats
 from stiction._units import exact_quantity_text, quantity, short_repr
+from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.study.member_names import REPETITION_NAMES, MemberNames
 from stiction.study.values import (
     MAX_PARAMETER_VALUES,
@@ -137,6 +139,11 @@ class GeneratedProfileSettings(CommonGeneratedSurfaceSettings):
         """Distance between neighbouring points (µm)."""
         return float(self.extent) / self.points
 
+    @property
+    def nominal_area(self) -> float:
+        """Nominal area (µm²) of a profile that is `PROFILE_WIDTH` wide."""
+        return float(self.extent) * PROFILE_WIDTH
+
 
 class GeneratedMapSettings(CommonGeneratedSurfaceSettings):
     """Keys of `[surfaces]` that all generated height maps share: side lengths and shape of the grid."""
@@ -155,6 +162,11 @@ class GeneratedMapSettings(CommonGeneratedSurfaceSettings):
         """Return the lengths (µm) of a surface along y and x."""
         along_y, along_x = self.extent
         return float(along_y), float(along_x)
+
+    @property
+    def nominal_area(self) -> float:
+        """Nominal area (µm²) of a map."""
+        return math.prod(self.extents())
 
     def spacings(self) -> tuple[float, float]:
         """Return the grid spacings (µm) along y and x."""

@@ -23,7 +23,6 @@ from pydantic_core import PydanticCustomError
 from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes
 from stiction._text import MAX_PATH_LENGTH, printable_path, printable_text
 from stiction._units import Quantity, exact_quantity_text, quantity, short_repr
-from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.quantities import (
     ADHESION_QUANTITIES,
     AREAL_SUM_QUANTITIES,
@@ -298,7 +297,7 @@ def _add_bracketing_loads(
 def _compute_nominal_area(surfaces: Mapping[str, Any]) -> float:
     """Return the nominal area (µm²) of generated surfaces from the section that describes them."""
     section: Any = select_surface_settings_class(surfaces).model_validate(surfaces)
-    return math.prod(section.extents()) if section.is_areal else float(section.extent) * PROFILE_WIDTH
+    return float(section.nominal_area)
 
 
 def _build_empty_section() -> Any:

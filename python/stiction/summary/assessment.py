@@ -840,4 +840,4 @@ def _compute_area_fraction(point: xarray.Dataset, study: Study) -> float:
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
         return mean_over_directions(point, "contact_area_fraction")
     surfaces: Any = study.surfaces
-    return mean_over_directions(point, "contact_area") / float(np.prod(surfaces.extents()))
+    return mean_over_directions(point, "contact_area") / float(surfaces.nominal_area)

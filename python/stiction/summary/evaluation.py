@@ -316,7 +316,7 @@ class Evaluation(MemberSums):
         if self.study.is_measured:
             return float(self.head["nominal_area"])
         surfaces: Any = self.study.surfaces
-        return float(np.prod(surfaces.extents())) if self.study.is_areal else None
+        return float(surfaces.nominal_area) if self.study.is_areal else None
 
     def _to_forces(self, load: Any) -> Any:
         """Convert loads to mN. Pressures are multiplied by the nominal area."""

@@ -294,7 +294,7 @@ def _compute_checked_numbers(
     mu0, tau0 = (_transpose(table[name]) for name in ("mu0", "tau0"))
     area = estimates["area"][..., 0]
     surfaces: Any = study.surfaces
-    nominal_area = float(np.prod(surfaces.extents())) if study.is_areal else math.inf
+    nominal_area = float(surfaces.nominal_area) if study.is_areal else math.inf
     value, lower, upper = np.moveaxis(estimates["friction"], -1, 0)
     quantities = {
         name: _broadcast_means(table[name], area.shape) for name in list_contact_check_names(study) if name in table
