@@ -125,6 +125,21 @@ def test_tangential_stiffness_of_grooves_is_the_normal_stiffness_while_unloading
     assert f"beta is {abs(beta):.1g}," in note
 
 
+def test_joint_table_assesses_the_coefficient_at_each_pressure(result, directory, table):
+    loads = [row.load for row in table.rows]
+    expected = [point.assessment for point in result.summarize_dataset(result.at(loads)).reported_points]
+    assert {"Do not quote", "Quote with care"} <= set(expected)
+    assert [row.assessment for row in table.rows] == expected
+    frame = pandas.read_csv(io.StringIO(export_text(result, directory / "joint.csv", joint=True)))
+    assert frame["assessment"].tolist() == expected
+    card_lines = export_text(result, directory / "joint.inp", joint=True).splitlines()
+    rows = [line.rsplit("; ", 1)[1] for line in card_lines if line.endswith(("; Do not quote", "; Quote with care"))]
+    assert rows == expected
+    assert any(
+        f"Do not quote ({expected.count('Do not quote')} of {len(expected)} pressures)" in each for each in table.notes
+    )
+
+
 def test_joint_table_of_maps_states_mindlins_ratio_and_missing_percentiles():
     bodies = [
         self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, side=side)
@@ -162,7 +177,7 @@ def test_numbers_in_all_joint_files_are_in_the_csv_file(result, directory, units
     estimates = [each for row in table.rows for each in row.estimates.values()]
     values = [number for each in estimates for number in (each.value, each.lower, each.upper) if not np.isnan(number)]
     in_rows = {f"{value:.9g}" for value in values}
-    assert cells - in_rows == {"0", "1", "combined", "prediction"}
+    assert cells - in_rows == {"0", "1", "combined", "prediction", "Do not quote", "Quote with care"}
     assert in_rows <= cells
     assert len(frame) == len(table.rows)
     assert frame.filter(like="kind").nunique().eq(1).all()
@@ -243,6 +258,7 @@ def test_joint_record_contains_units_notes_and_kinds(result, directory, table):
     assert percentiles == {percentile: table.reference.friction(percentile).value for percentile in (5, 50, 95)}
     (closure,) = [each for each in values if each["name"] == "closure"]
     assert (closure["unit"], closure["kind"]) == ("um", "combined")
+    assert record["assessments"] == [{"load": row.load, "assessment": row.assessment} for row in table.rows]
 
 
 def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, directory):

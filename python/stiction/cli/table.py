@@ -179,12 +179,7 @@ def _tabulate_measured_pair(options: dict[str, Any], output: Path, workers: int 
     for mu0 in map(float, result.study.friction.mu0):
         for tau0 in map(float, result.study.friction.tau0):
             table = result.joint_table(mu0=mu0, tau0=tau0)
-            points = result.summarize_dataset(result.at([row.load for row in table.rows], mu0=mu0, tau0=tau0))
-            assessments = {point.at["load"]: point.assessment for point in points.reported_points}
-            columns = {
-                "mu0": mu0, "tau0 (MPa)": 1000 * tau0, "assessment": [assessments[row.load] for row in table.rows],
-            }  # fmt: skip
-            frames.append(joint_frame(table).assign(**columns))
+            frames.append(joint_frame(table).assign(**{"mu0": mu0, "tau0 (MPa)": 1000 * tau0}))
     replace_text_file(output / CSV_FILE_NAME, frame_to_csv(pandas.concat(frames)), signature)
     print_output(f"wrote {printable_path(output / CSV_FILE_NAME)}")
 

@@ -37,7 +37,6 @@ from stiction.summary.assessment import Caveat
 from stiction.summary.input_caveats import find_study_caveats
 from stiction.summary.joint_table import (
     DEFAULT_JOINT_UNITS,
-    JOINT_QUANTITIES,
     JointTable,
     UnitSystem,
     build_joint_table,
@@ -392,11 +391,13 @@ class Evaluation(MemberSums):
             "mu0": friction.mu0[:1] if mu0 is None else mu0,
             "tau0": friction.tau0[:1] if tau0 is None else tau0,
         }
-        at = self.at(loads, **strengths, quantities=JOINT_QUANTITIES)
+        at = self.at(loads, **strengths)
         for name, values in strengths.items():
             if at.sizes.get(name, 1) > 1:
                 raise ValueError(f"{name} must be a single value, got {short_repr(values)}")
-        return build_joint_table(at, self.study, units)
+        points = self.summarize_dataset(at).reported_points
+        assessments = {float(point.at["load"]): point.assessment for point in points}
+        return build_joint_table(at, self.study, units, assessments)
 
     # ---- Reported values ---------------------------------------------------------------------------------------------
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
@@ -19,6 +20,7 @@ from stiction.evaluate.point import list_sliding_rules_reported_first, read_esti
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT
 from stiction.mechanics.onset import DEFAULT_POISSON_RATIO, parse_poisson_ratios
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR
+from stiction.summary.assessment import ASSESSMENTS_BY_SEVERITY
 
 if TYPE_CHECKING:
     import xarray
@@ -95,11 +97,14 @@ class JointRow:
         "tangential_stiffness_per_area", "contact_area_fraction" (true area over nominal area), "friction_combined"
         (coefficient of static friction), and its percentiles "friction_5", "friction_50" and "friction_95" in a single
         test.
+    assessment : str
+        Assessment of the coefficient: "Quote it", "Quote with care" or "Do not quote".
     """
 
     load: float
     is_computed: bool
     estimates: Mapping[str, Estimate]
+    assessment: str
 
     @property
     def pressure(self) -> Estimate:
@@ -160,10 +165,11 @@ def build_joint_study(study: Study, nominal_area: float | None) -> Study:
     return study.with_changes({"contact.load": [f"{load!r} mN" for load in loads]})
 
 
-def build_joint_table(at: xarray.Dataset, study: Study, units: str) -> JointTable:
+def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments: Mapping[float, str]) -> JointTable:
     """Build the joint table of a dataset that `Result.at` returned for a measured pair, at its first mu0 and tau0.
 
-    Loads at which the pair has no closure are omitted.
+    `assessments` contains the assessment of the coefficient at each load (mN). Loads at which the pair has no closure
+    are omitted.
 
     Raises
     ------
@@ -179,7 +185,7 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str) -> JointTabl
         estimates = _read_row(at.sel(load=load), load / area)
         if math.isfinite(estimates["closure"].value):
             converted_estimates = {name: parsed_units.convert(each) for name, each in estimates.items()}
-            rows.append(JointRow(load, bool(np.isin(load, steps)), converted_estimates))
+            rows.append(JointRow(load, bool(np.isin(load, steps)), converted_estimates, assessments[load]))
         else:
             omitted_loads.append(load)
     if not rows:
@@ -188,6 +194,7 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str) -> JointTabl
     reference = min(rows, key=lambda row: abs(math.log(row.load / first_load)))
     notes = (
         *_describe_definitions(study, at),
+        _describe_assessments(rows),
         *_describe_range(rows, parsed_units),
         *(
             []
@@ -280,6 +287,15 @@ def _compute_dundurs_beta(poisson: Any, compliance_share: float) -> float:
     """Return |β| of Dundurs in plane strain, for Poisson's ratios and the lower body's fraction of the compliance."""
     factors = [(1 - 2 * ratio) / (1 - ratio) for ratio in parse_poisson_ratios(poisson)]
     return abs((1 - compliance_share) * factors[0] - compliance_share * factors[1]) / 2
+
+
+def _describe_assessments(rows: Sequence[JointRow]) -> str:
+    """Return each assessment that occurs, with the number of its pressures."""
+    counts = Counter(row.assessment for row in rows)
+    texts = [
+        f"{text} ({counts[text]} of {len(rows)} pressures)" for text in ASSESSMENTS_BY_SEVERITY.values() if counts[text]
+    ]
+    return f"Assessment of the coefficient: {', '.join(texts)}; for the reasons at a pressure, run stiction at."
 
 
 def _describe_range(rows: Sequence[JointRow], units: JointUnits) -> list[str]:

@@ -43,6 +43,7 @@ def joint_frame(table: JointTable) -> pandas.DataFrame:
             columns[titles["upper"]] = [each.upper for each in estimates]
         if any(each.kind for each in estimates):
             columns[f"{title}: kind"] = [each.kind for each in estimates]
+    columns["assessment"] = [row.assessment for row in table.rows]
     columns["computed"] = [int(row.is_computed) for row in table.rows]
     return pandas.DataFrame(columns)
 
@@ -62,7 +63,14 @@ def joint_json(table: JointTable, source: str) -> str:
             is_percentile = estimate.name == "friction_percentiles"
             values.append(estimate.to_record(at | ({"percentile": float(name[9:])} if is_percentile else {})))
     units = {"length": table.units.length, "force": table.units.force, "pressure": table.units.pressure}
-    return record_json("export", values, kind="joint", units=units, notes=list(table.notes), sentence=source) + "\n"
+    assessments = [{"load": row.load, "assessment": row.assessment} for row in table.rows]
+    return (
+        record_json(
+            "export", values, kind="joint", units=units, assessments=assessments, notes=list(table.notes),
+            sentence=source,
+        )
+        + "\n"
+    )  # fmt: skip
 
 
 # ---- Cards -----------------------------------------------------------------------------------------------------------
@@ -228,7 +236,7 @@ def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) 
 
     names = [name for name in _CARD_COLUMNS if is_listed(name)]
     titles = "; ".join("interval of the " * (name in given) + JOINT_TITLES[name] for name in names)
-    lines = _format_comment(f"Table: {titles}. In brackets: 95 % intervals.", prefix)
+    lines = _format_comment(f"Table: {titles}; assessment of mu_s. In brackets: 95 % intervals.", prefix)
     for row in table.rows:
         cells = []
         for name in names:
@@ -236,5 +244,5 @@ def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) 
             value = _format_value(estimate) if name == "nominal_pressure" else f"{estimate.value:.{digits}g}"
             interval = f"[{estimate.lower:.{digits}g}, {estimate.upper:.{digits}g}]" if estimate.has_interval else ""
             cells.append(interval if name in given else f"{value} {interval}".rstrip())
-        lines.append(prefix + "; ".join(cells))
+        lines.append(prefix + "; ".join([*cells, row.assessment]))
     return lines
