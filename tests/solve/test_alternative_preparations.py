@@ -109,7 +109,7 @@ def spiked_result(spiked_scans, tmp_path_factory):
     return pair(*spiked_scans, cutoff="none", directory=tmp_path_factory.mktemp("spikes") / "result", **PAIR_OPTIONS)
 
 
-def test_interval_of_elastic_pair_includes_result_without_blunt_tip(blunt_result, true_value):
+def test_interval_of_an_elastic_pair_includes_the_result_for_scans_corrected_for_the_tip(blunt_result, true_value):
     result_without_estimate = open_without_alternatives(blunt_result)
     assert blunt_result.value == result_without_estimate.value > true_value
     assert contains(blunt_result.interval, true_value)
@@ -141,7 +141,7 @@ def test_interval_of_pair_with_spikes_includes_result_for_masked_outliers(spiked
 
 
 @pytest.mark.parametrize("name", ["blunt_result", "spiked_result"])
-def test_interval_with_alternative_is_the_same_in_all_outputs(name, request):
+def test_interval_that_includes_an_alternative_preparation_is_the_same_in_all_outputs(name, request):
     result = request.getfixturevalue(name)
     for each in (result, open_result(result.path)):
         point = each.summary().first
@@ -163,7 +163,7 @@ def test_interval_with_alternative_is_the_same_in_all_outputs(name, request):
 
 
 @pytest.mark.parametrize("name", ["blunt_result", "spiked_result"])
-def test_interval_of_the_true_area_includes_the_alternative(name, request):
+def test_interval_of_the_true_area_includes_the_result_of_an_alternative_preparation(name, request):
     result = request.getfixturevalue(name)
     own = open_without_alternatives(result).summary().first
     (alternative,) = result.alternatives.values()
@@ -174,7 +174,7 @@ def test_interval_of_the_true_area_includes_the_alternative(name, request):
         assert contains(estimate.interval, alternative.summary().first.quantities[quantity].value)
 
 
-def test_figure_states_that_the_area_band_includes_errors_of_the_scans(blunt_result):
+def test_legend_of_the_friction_figure_states_that_intervals_include_errors_of_the_scans(blunt_result):
     legend_titles = [
         result.figure("friction").legends[0].get_title().get_text()
         for result in (blunt_result, open_without_alternatives(blunt_result))
@@ -182,7 +182,7 @@ def test_figure_states_that_the_area_band_includes_errors_of_the_scans(blunt_res
     assert ["errors of the scans" in title for title in legend_titles] == [True, False]
 
 
-def test_budget_lists_the_interval_without_the_alternative(blunt_result):
+def test_budget_lists_the_interval_without_the_alternative_preparation(blunt_result):
     budget = blunt_result.budget.set_index("input")
     own_interval = open_without_alternatives(blunt_result).interval
     row = budget.loc[ALTERNATIVE_LABELS["tip"]]
@@ -191,7 +191,7 @@ def test_budget_lists_the_interval_without_the_alternative(blunt_result):
     assert (budget["width"] <= blunt_result.interval[1] - blunt_result.interval[0]).all()
 
 
-def test_combined_interval_covers_alternatives_at_every_load_and_strength(blunt_result):
+def test_combined_interval_includes_alternative_preparations_at_every_load_and_mu0_and_tau0(blunt_result):
     loads, strengths = [0.1, 0.2], {"mu0": [0.1, 0.3], "tau0": [0.0, 0.05]}
     combined, other = (
         each.at(loads, **strengths, budget=True)["friction_combined"].values
@@ -205,7 +205,7 @@ def test_combined_interval_covers_alternatives_at_every_load_and_strength(blunt_
     np.testing.assert_array_equal(combined[..., 2], np.maximum(own[..., 2], other[..., 2]))
 
 
-def test_alternative_is_evaluated_once_for_the_interval_and_the_caveats_of_a_summary(blunt_result, monkeypatch):
+def test_alternative_preparation_is_evaluated_once_for_the_interval_and_caveats_of_a_summary(blunt_result, monkeypatch):
     counts, expected = Counter(), (blunt_result.interval, blunt_result.caveats)
 
     def count_and_evaluate(sums, *args, **kwargs):
@@ -222,7 +222,7 @@ def test_alternative_is_evaluated_once_for_the_interval_and_the_caveats_of_a_sum
 
 
 @pytest.mark.parametrize("is_evaluated", [True, False])
-def test_caveat_mentions_the_alternative_only_where_the_interval_covers_it(spiked_result, is_evaluated):
+def test_caveat_mentions_the_alternative_preparation_only_if_the_interval_includes_it(spiked_result, is_evaluated):
     at, study = spiked_result.at(), spiked_result.study
     other_at = add_uncertainty(at_load(spiked_result.alternatives["spikes"], at["load"].values), spiked_result)
     if not is_evaluated:
@@ -234,13 +234,13 @@ def test_caveat_mentions_the_alternative_only_where_the_interval_covers_it(spike
     assert ("the interval includes the result for masked outliers" in spike_caveat.text) == is_evaluated
 
 
-def test_pair_without_spikes_and_tip_has_no_alternatives(true_surfaces, tmp_path):
+def test_pair_without_spikes_and_tip_radius_has_no_alternative_preparations(true_surfaces, tmp_path):
     result = pair(*true_surfaces, directory=tmp_path / "result", **PAIR_OPTIONS)
     assert result.alternatives == {}
     assert not (result.path / ALTERNATIVES_DIRECTORY).exists()
 
 
-def test_area_interval_of_pair_with_hardness_includes_result_without_blunt_tip(true_surfaces, tmp_path):
+def test_area_interval_of_a_yielding_pair_includes_the_result_for_scans_corrected_for_the_tip(true_surfaces, tmp_path):
     options, tip_radius = PAIR_OPTIONS | {"hardness": "2 GPa"}, 4 * TIP_RADIUS
     scans = [scan_with_tip(surface, tip_radius) for surface in true_surfaces]
     result = pair(*scans, tip=tip_radius, directory=tmp_path / "result", **options)
@@ -257,7 +257,7 @@ def test_area_interval_of_pair_with_hardness_includes_result_without_blunt_tip(t
     assert tip_caveat.severity == "caution"
 
 
-def test_wide_interval_without_spikes_does_not_change_the_most_useful_measurement(spiked_result):
+def test_wide_interval_without_spikes_does_not_change_the_recommended_measurement(spiked_result):
     point = replace(spiked_result.summary().first, caveats=())
     expected_text = most_useful_measurement_text(point)
     assert expected_text.startswith("With a scan without spikes")
@@ -277,7 +277,9 @@ def test_budget_at_a_load_of_the_study_does_not_depend_on_another_load(spiked_re
         np.testing.assert_allclose(points[name].values, expected_points[name].values, rtol=1e-12)
 
 
-def test_result_without_stored_alternative_has_own_interval_until_pair_runs_again(blunt_result, blunt_scans, tmp_path):
+def test_result_without_a_stored_alternative_preparation_includes_it_after_pair_runs_again(
+    blunt_result, blunt_scans, tmp_path
+):
     directory = tmp_path / "result"
     shutil.copytree(blunt_result.path, directory)
     shutil.rmtree(directory / ALTERNATIVES_DIRECTORY)
@@ -288,7 +290,9 @@ def test_result_without_stored_alternative_has_own_interval_until_pair_runs_agai
     assert resumed_result.interval == open_result(directory).interval == blunt_result.interval
 
 
-def test_failure_of_an_alternative_keeps_the_result(blunt_scans, blunt_result, monkeypatch):
+def test_pair_returns_its_result_with_a_caveat_if_an_alternative_preparation_fails(
+    blunt_scans, blunt_result, monkeypatch
+):
     def fail(*_):
         raise ValueError("no memory")
 
@@ -298,7 +302,7 @@ def test_failure_of_an_alternative_keeps_the_result(blunt_scans, blunt_result, m
     assert any("the interval does not include this" in caveat.text for caveat in result.caveats)
 
 
-def test_alternative_study_masks_outliers_and_corrects_scans_with_tip_radius(blunt_result, spiked_result):
+def test_alternative_preparation_masks_outliers_and_corrects_scans_for_the_tip(blunt_result, spiked_result):
     study = build_alternative_study(blunt_result.study, "tip")
     assert {study.surfaces.upper.tip_correction, study.surfaces.lower.tip_correction} == {TIP_CORRECTION}
     assert build_alternative_study(spiked_result.study, "tip").surfaces.upper.tip_correction is None
@@ -316,7 +320,7 @@ def test_study_file_contains_the_tip_correction(blunt_result, tmp_path):
 
 
 @pytest.mark.parametrize("mechanics", ["asperities", "half-space"])
-def test_interval_of_profiles_includes_result_without_spikes(mechanics):
+def test_interval_of_profiles_includes_the_result_without_spikes(mechanics):
     profiles = [rough_profile(seed, points=400) for seed in (3, 4)]
     heights = profiles[0].heights.copy()
     heights[[100, 250]] += 10 * heights.std()
@@ -345,7 +349,7 @@ def test_spikes_do_not_improve_the_assessment(seed):
     assert same_point.caveats == point.caveats
 
 
-def test_sharpened_scan_with_factor_one_equals_tip_reconstruction(blunt_scans):
+def test_scan_sharpened_by_one_tip_correction_equals_the_tip_reconstruction(blunt_scans):
     scan = levelled(blunt_scans[0], "plane")
     reconstruction, _ = tip_reconstructed(scan, TIP_RADIUS)
     np.testing.assert_allclose(sharpened(scan, TIP_RADIUS, 1.0).heights, reconstruction.heights, atol=1e-12)
@@ -353,7 +357,7 @@ def test_sharpened_scan_with_factor_one_equals_tip_reconstruction(blunt_scans):
     np.testing.assert_allclose(doubled, 2 * reconstruction.heights - scan.heights, atol=1e-12)
 
 
-def test_sharpened_scan_keeps_missing_points_and_features_that_the_tip_resolves():
+def test_tip_correction_keeps_missing_points_and_features_that_the_tip_resolves():
     x = np.arange(81) * SPACING
     missing = np.zeros(x.size, bool)
     missing[7] = True
@@ -363,7 +367,7 @@ def test_sharpened_scan_keeps_missing_points_and_features_that_the_tip_resolves(
     assert np.abs(sharp_profile.heights - smooth_profile.heights).max() < 0.05 * 0.01
 
 
-def test_sharpened_scan_does_not_depend_on_tilt(blunt_scans):
+def test_tip_correction_of_a_scan_does_not_depend_on_its_tilt(blunt_scans):
     scan = levelled(blunt_scans[0], "plane")
     tilt = 0.3 * SPACING * np.arange(scan.heights.shape[0])[:, np.newaxis]
     tilted_scan = scan.changed(scan.heights + tilt, "tilted")
@@ -371,7 +375,7 @@ def test_sharpened_scan_does_not_depend_on_tilt(blunt_scans):
     np.testing.assert_allclose(sharp_heights, sharpened(scan, TIP_RADIUS, 3.0).heights, atol=1e-12)
 
 
-def test_interval_with_uncertain_hardness_and_dwell_times_covers_the_alternative(spiked_scans):
+def test_interval_at_each_dwell_time_includes_the_alternative_preparation(spiked_scans):
     options = PAIR_OPTIONS | {"hardness": "1..3 GPa", "wait": "1 h", "junction_growth": 9, "creep": "0.02..0.05"}
     result = pair(*spiked_scans, cutoff="none", **options)
     alternative = result.alternatives["spikes"]
@@ -389,7 +393,7 @@ def test_interval_with_uncertain_hardness_and_dwell_times_covers_the_alternative
     assert (rows.loc[shared, "upper"] >= own_rows["upper"]).all()
 
 
-def test_report_area_and_friction_cover_the_alternative(blunt_result):
+def test_intervals_in_a_report_include_the_alternative_preparation(blunt_result):
     values = evaluate_measured_report(ReportGrid(blunt_result))
     load = float(blunt_result.study.friction.load[0])
     load_index = values.loads.tolist().index(load)
