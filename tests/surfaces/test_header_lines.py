@@ -298,7 +298,7 @@ def test_last_word_of_a_column_name_is_not_always_a_unit(read_text, name):
     assert read_text(f"x (mm);{name}\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
 
 
-def test_unit_with_a_power_of_ten_after_the_names_is_read(read_text):
+def test_unit_with_a_power_of_ten_after_the_column_names_is_read(read_text):
     rows = "".join(f"{500 * at};{1000 * z:.1f}\n" for at, z in enumerate(PROFILE))
     reading = read_text(f"x in 1e-9 m;z in 1e-9 m\n{rows}")
     assert reading.body.spacing == pytest.approx(0.5)

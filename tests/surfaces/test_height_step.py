@@ -19,7 +19,7 @@ def round_to_levels(heights, num_levels):
 
 @pytest.mark.parametrize("num_levels", [8, 32, 256])
 @pytest.mark.parametrize("shape", [(2048,), (96, 96)])
-def test_step_of_rounded_heights_is_found_after_levelling(num_levels, shape):
+def test_rounding_step_of_heights_is_found_after_levelling(num_levels, shape):
     body_class, forms = (Profile, ("line", "quadratic")) if len(shape) == 1 else (Surface, ("plane", "quadratic"))
     for seed, shortest in ((1, None), (2, 16)):
         smooth_heights = 0.1 * filtered_noise(np.random.default_rng(seed), shape, 0.8, shortest=shortest)
@@ -33,14 +33,14 @@ def test_step_of_rounded_heights_is_found_after_levelling(num_levels, shape):
 
 @pytest.mark.parametrize("machining", MACHINED_SURFACES)
 @pytest.mark.parametrize("dimensions", [1, 2])
-def test_unrounded_heights_have_no_step(machining, dimensions):
+def test_unrounded_heights_have_no_rounding_step(machining, dimensions):
     for seed in range(3):
         heights = MACHINED_SURFACES[machining](np.random.default_rng(seed), dimensions)
         assert find_height_step(heights) < 1e-5 * np.ptp(heights)
 
 
 @pytest.mark.parametrize("shape", [(2048,), (64, 64)])
-def test_flat_scan_with_equal_spikes_has_no_step(shape):
+def test_flat_scan_with_equal_spikes_has_no_rounding_step(shape):
     heights = np.zeros(shape)
     assert find_height_step(heights) == find_height_step(np.full(shape, np.nan)) == 0
     heights[..., 5::17] = heights[..., 6::17] = 1.0  # pairs of saturated points
@@ -48,7 +48,7 @@ def test_flat_scan_with_equal_spikes_has_no_step(shape):
     assert find_height_step(np.array([1.0, 2.0])) == 0
 
 
-def test_clipped_map_of_unrounded_heights_has_no_step():
+def test_clipped_map_of_unrounded_heights_has_no_rounding_step():
     heights = gaussian_filter(np.random.default_rng(1).normal(size=(1024, 1024)), 4)
     clipped_heights = np.maximum(heights, np.quantile(heights, 0.95))
     assert find_height_step(clipped_heights) == 0

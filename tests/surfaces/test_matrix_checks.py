@@ -151,7 +151,7 @@ def test_several_rows_of_statistics_are_not_read_as_heights(tmp_path):
 
 
 @pytest.mark.parametrize("heights", [np.tile(HEIGHTS[0], (12, 1)), np.pad(HEIGHTS, 2), np.eye(12), np.zeros((9, 9))])
-def test_maps_that_agree_with_their_own_statistics_are_read(tmp_path, heights):
+def test_maps_whose_last_rows_or_columns_resemble_statistics_are_read(tmp_path, heights):
     path = tmp_path / "a.csv"
     path.write_text(to_text(heights, ","))
     assert np.array_equal(read_surface(path, **OPTIONS, accept="repeated-height").heights, heights)

@@ -32,7 +32,7 @@ def scan_directory(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_height_step_of_a_scan_is_found_once(monkeypatch):
+def test_search_for_the_rounding_step_of_a_scan_runs_only_once(monkeypatch):
     steps = []
 
     def find_step(heights):
@@ -51,7 +51,7 @@ def test_height_step_of_a_scan_is_found_once(monkeypatch):
     assert steps == [pytest.approx(1e-3)]
 
 
-def test_defects_of_each_scan_are_found_once(scan_directory, monkeypatch):
+def test_search_for_defects_of_each_scan_runs_only_once(scan_directory, monkeypatch):
     num_calls = Counter()
 
     def count_calls(name):
