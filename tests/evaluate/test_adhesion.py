@@ -67,7 +67,7 @@ def adhesive_result():
     return run_pair(**ADHESION_OPTIONS)
 
 
-def test_adhesive_member_equals_half_space_solution_of_its_surfaces(adhesive_result):
+def test_sums_of_an_adhesive_pair_equal_its_half_space_solution(adhesive_result):
     data, contact = adhesive_result.dataset.isel(cut_off=0, repetition=1), adhesive_result.study.contact
     bodies = load_bodies(adhesive_result.study).member(1, 0.0).pair
     directions = {"direction": data["direction"].values.tolist(), "sliding": "all"}
@@ -101,7 +101,7 @@ def test_friction_coefficient_with_adhesion_increases_as_the_load_decreases(adhe
     assert table["mean_pressure"].sel(statistic="mean").values == pytest.approx(contact_load / area, rel=0.2)
 
 
-def test_pull_off_force_is_shown_in_rows_and_text_and_the_report_and_a_figure(adhesive_result, tmp_path):
+def test_pull_off_force_is_shown_in_table_and_text_and_report_and_figure(adhesive_result, tmp_path):
     text = repr(adhesive_result)
     assert text.startswith("Sticks without a load: yes. Pull-off force ")
     for term in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
@@ -126,7 +126,7 @@ def test_pull_off_force_is_shown_in_rows_and_text_and_the_report_and_a_figure(ad
     assert len(adhesive_result.figure("adhesion").axes) == 2
 
 
-def test_friction_at_no_load_has_the_combined_interval_of_independent_samples(adhesive_result):
+def test_interval_of_friction_at_zero_load_agrees_with_independent_samples_of_the_inputs(adhesive_result):
     """The friction at no load is linear in μ0 and τ0. The positions add a relative error to it."""
     result = run_pair(**ADHESION_OPTIONS, mu0="0.2..0.4", tau0="10..40 MPa")
     values = result.at()["friction_at_no_load"].isel(cut_off=0).squeeze(drop=True)
@@ -146,7 +146,7 @@ def test_friction_at_no_load_has_the_combined_interval_of_independent_samples(ad
         assert interval == pytest.approx(np.quantile(samples, [0.025, 0.975]), abs=0.03 * np.ptp(interval))
 
 
-def test_friction_at_no_load_is_zero_without_mu0_and_tau0():
+def test_friction_at_zero_load_is_zero_if_mu0_and_tau0_are_zero():
     result = run_pair(**ADHESION_OPTIONS | {"mu0": 0, "tau0": 0, "effective_modulus": "60..100 GPa", "load": "2 MPa"})
     friction = result.at()["friction_at_no_load"].sel(sliding="all").values
     assert (friction == 0).all()

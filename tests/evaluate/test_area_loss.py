@@ -51,7 +51,7 @@ def test_area_loss_reduces_the_contribution_of_tau0():
     ({"effective_modulus": "2 MPa", "hardness": "5 MPa"}, None), ({"mechanics": "asperities"}, None),
     ({"effective_modulus": "2 MPa", "area_loss": "0.05..0.1"}, "0.05..0.1"),
 ])  # fmt: skip
-def test_soft_elastic_bodies_lose_area_by_default(options, text):
+def test_soft_elastic_bodies_have_an_area_loss_under_shear_by_default(options, text):
     loss = press(**options | {"shifts": 2}).study.contact.area_loss
     assert (loss and loss.text) == text
 

@@ -64,9 +64,7 @@ def profile_study_and_dataset(tmp_path_factory):
     return study, run(study).dataset
 
 
-def test_friction_of_profiles_at_a_load_equals_the_mean_over_positions_of_results_from_the_press_function(
-    profile_study_and_dataset,
-):
+def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_positions(profile_study_and_dataset):
     study, result = profile_study_and_dataset
     pairs = [load_bodies(study).member(index, 0.0).pair for index in range(12)]
     order = np.argsort(result["x"].values)  # The interval of the mean depends on the order of positions.
@@ -103,7 +101,7 @@ def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_stu
     }  # fmt: skip
 
 
-def test_effect_of_the_load_definition_is_not_infinite_at_zero_friction(areal_study_and_dataset):
+def test_relative_effect_of_the_load_definition_is_finite_at_zero_friction(areal_study_and_dataset):
     _, result = areal_study_and_dataset
     table = at_load(result, [2.0], mu0=[0.0, 0.3], tau0=[0.0])
     assert abs(table["mean_friction"].sel(sliding="all", mu0=0.0, statistic="mean").item()) < 1e-12
@@ -184,7 +182,7 @@ def test_data_frame_and_csv_file_of_an_ensemble_contain_every_quantity(name):
 
 
 @pytest.mark.filterwarnings("ignore:adhesion_range")
-def test_measured_and_generated_surfaces_both_have_all_ratios_of_quantities(
+def test_results_of_measured_and_generated_surfaces_contain_every_ratio_of_quantities(
     areal_study_and_dataset, profile_study_and_dataset
 ):
     measured = {
@@ -205,7 +203,7 @@ def test_mean_pressure_of_an_ensemble_is_the_load_divided_by_the_mean_area():
     )
 
 
-def test_mean_pressure_of_an_ensemble_has_three_digits_in_tables_as_in_caveats():
+def test_mean_pressure_of_an_ensemble_has_three_digits_in_tables_and_in_caveats():
     point = run_generated_study("yielding").summary().points[0]
     (table,) = quantities_paragraph([point])
     (text,) = (row[1] for row in table.rows if row[0].startswith("mean pressure"))
@@ -523,7 +521,7 @@ def test_upper_end_of_the_interval_of_a_fraction_is_at_most_one(areal_study_and_
     assert lower < mean < upper == 1.0
 
 
-def test_interval_of_the_true_area_ends_at_the_nominal_area():
+def test_interval_of_the_true_area_does_not_exceed_the_nominal_area():
     upper, lower = (
         self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(32, 32), spacing=0.1, side=side)
         for side in ("upper", "lower")
@@ -551,7 +549,7 @@ def test_evaluation_computes_every_quantity_that_is_shown_to_users():
     assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated == set()
 
 
-def test_budget_limit_counts_only_loads_that_are_not_in_the_study(areal_study_and_dataset, monkeypatch):
+def test_limit_on_the_number_of_budgets_does_not_apply_to_loads_of_the_study(areal_study_and_dataset, monkeypatch):
     study, dataset = areal_study_and_dataset
     other, *study_loads = study.contact.loading_steps()[:3].tolist()
     changes = {"friction.load": [f"{load!r} mN" for load in study_loads]}
@@ -562,7 +560,7 @@ def test_budget_limit_counts_only_loads_that_are_not_in_the_study(areal_study_an
     assert np.isfinite(widths).all(["cut_off", "mu0", "tau0"]).values.tolist() == [True, False, False]
 
 
-def test_interpolation_error_equals_that_of_independent_random_values():
+def test_interpolation_error_midway_between_loads_is_root_three_quarters_of_the_half_change():
     """In the middle between two points, the error is sqrt(3/4) of the half width of the changes."""
     below = np.array([1.0, -1.0, 2.0, -2.0])
     means = include_interpolation_error(

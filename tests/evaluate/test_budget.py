@@ -95,7 +95,7 @@ def test_friction_interval_equals_the_interval_of_mu0_if_only_mu0_is_uncertain()
     assert uniform_result.value == pytest.approx(0.2, rel=1e-3)
 
 
-def test_adhesive_friction_at_the_ends_of_the_interval_is_proportional_to_tau0() -> None:
+def test_limits_of_the_adhesive_friction_interval_are_proportional_to_the_limits_of_tau0() -> None:
     result = pair(
         *rough_surfaces(rms=0.001), load="2 MPa", mu0=0.2, tau0="20..80 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS
     )  # fmt: skip
@@ -106,7 +106,7 @@ def test_adhesive_friction_at_the_ends_of_the_interval_is_proportional_to_tau0()
     )
 
 
-def test_replacing_a_result_also_replaces_its_solutions_at_other_hardnesses(tmp_path) -> None:
+def test_replacing_a_result_also_replaces_its_stored_solutions_for_other_hardnesses(tmp_path) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", hardness="1..3 GPa", **THREE_POSITION_OPTIONS)
     pair(*rough_surfaces(), effective_modulus="80 GPa", directory=tmp_path, **kwargs)
     softer_result = pair(*rough_surfaces(), effective_modulus="20 GPa", directory=tmp_path, replace=True, **kwargs)
@@ -148,7 +148,7 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
 
 
 @pytest.mark.parametrize("infinite", [0, 300, 500])
-def test_ends_of_the_combined_interval_equal_quantiles_of_the_samples(infinite) -> None:
+def test_limits_of_the_combined_interval_equal_quantiles_of_the_samples(infinite) -> None:
     samples = np.random.default_rng(3).lognormal(size=2**14)
     samples[:infinite] = np.inf
     method = "inverted_cdf" if infinite else "linear"
@@ -429,7 +429,7 @@ def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
     assert budget_fractions.min() >= 0
 
 
-def test_budget_of_a_yielding_pair_lists_positions_and_unresolved_roughness() -> None:
+def test_budget_of_a_yielding_pair_has_rows_for_positions_and_unresolved_roughness() -> None:
     result = pair(
         *rough_surfaces(), load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="1 GPa",
         yield_exponent=1.15, junction_growth=0, **PAIR_OPTIONS,

@@ -73,7 +73,7 @@ def test_prediction_interval_uses_the_direction_with_the_fewest_pairs():
     assert np.log(intervals.predict_percentiles()) == pytest.approx(np.log(percentiles), abs=QUANTILE_ERROR)
 
 
-def test_drift_of_the_roughness_counts_twice_in_a_prediction():
+def test_prediction_interval_includes_the_roughness_drift_of_both_the_mean_and_the_new_test():
     intervals = build_intervals(drifts={UPPER_SCANS_INPUT_NAME: 0.1}, half_width=1e-6)
     limits = norm.ppf([0.025, 0.975])
     assert log_width(intervals.interval()) == pytest.approx(0.1 * np.ptp(limits), rel=QUANTILE_ERROR)
@@ -96,7 +96,7 @@ def test_combined_interval_adds_input_error_and_scatter_in_quadrature():
 
 
 @pytest.mark.usefixtures("all_input_samples")
-def test_budget_width_is_averaged_over_the_values_of_the_exact_input():
+def test_budget_averages_the_remaining_width_over_possible_values_of_the_exact_input():
     """A wide log-normal tau0 scales the effect of the modulus, so the mean width exceeds the width at the median."""
     changes = {"friction.tau0": "0.002..0.2 GPa", "contact.effective_modulus": "50..200 GPa"}
     intervals = build_intervals(changes, mu0=0.2, tau0=0.02)
@@ -176,7 +176,7 @@ def test_dwell_time_reduces_the_hardness_by_each_sample_of_the_creep_exponent():
 
 
 @pytest.mark.parametrize(("tau0", "limit", "dwell_time"), [(0.1883, 0.1885, 1.0), (0.182, 0.1823, 2.0)])
-def test_friction_interval_has_no_upper_end_if_the_softer_body_shears_at_the_central_inputs(tau0, limit, dwell_time):
+def test_friction_interval_has_no_upper_limit_if_the_softer_body_shears_at_central_values(tau0, limit, dwell_time):
     """The softer body shears at the central tau0, but in less than 2.5 % of the samples."""
     changes = {
         "friction.wait": ["2 s"], "friction.creep": 0.05, "contact.junction_growth": "slip-line 5.6",

@@ -109,7 +109,7 @@ def test_contact_area_and_stiffness_before_shear_are_independent_of_junction_gro
         assert growth_result.at()[name].equals(result_without_growth.at()[name])
 
 
-def test_friction_interval_contains_results_at_both_ends_of_the_junction_growth_range():
+def test_friction_interval_contains_results_at_both_limits_of_junction_growth():
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth="0..27")
     results_at_ends = [
         pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth=value)
@@ -122,7 +122,9 @@ def test_friction_interval_contains_results_at_both_ends_of_the_junction_growth_
     assert result.budget["input"].iloc[0] == "the junction growth α"
 
 
-def test_junction_growth_of_zero_with_a_range_widens_only_the_upper_end(growth_result, result_without_growth):
+def test_range_of_junction_growth_above_zero_widens_only_the_upper_limit_of_the_interval(
+    growth_result, result_without_growth
+):
     study = growth_result.study.with_changes({"contact.junction_growth": "0 (0..27)"})
     result = Result.of(growth_result.with_study(study))
     assert result.value == pytest.approx(result_without_growth.value, rel=1e-12)
@@ -182,7 +184,7 @@ def test_member_that_loses_its_normal_load_as_contacts_grow_is_self_locked(growt
 
 
 @pytest.mark.parametrize(("tau0", "has_end"), [("60..90 MPa", True), ("70..130 MPa", False)])
-def test_friction_interval_has_no_upper_end_if_seizure_occurs_in_many_samples(tau0, has_end):
+def test_friction_interval_has_no_upper_limit_if_seizure_occurs_in_many_samples(tau0, has_end):
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": tau0}, junction_growth="20..27")
     assert np.isfinite(result.interval[1]) == has_end
     assert np.isfinite(result.interval[0])
@@ -216,7 +218,7 @@ def test_junction_growth_after_a_dwell_uses_the_reduced_hardness():
     ({"effective_modulus": 100.0}, None), ({"upper": "steel", "lower": "brass", "junction_growth": 0}, None),
     ({"upper": "steel", "lower": "brass", "work_of_adhesion": "50 mJ/m^2"}, None),
 ])  # fmt: skip
-def test_bodies_that_yield_use_slip_lines_by_default(options, text):
+def test_bodies_that_yield_use_slip_line_theory_by_default(options, text):
     result = pair(*rough_surfaces(), load="1 MPa", mu0=0.2, tau0=0.001, shifts=2, cutoff="none", **options)
     growth = result.study.contact.junction_growth
     assert (growth and growth.text) == (text or growth)
@@ -247,7 +249,7 @@ def test_pressure_under_shear_satisfies_the_yield_condition(alpha):
 WEAK_INTERFACE = {"mu0": 0.2, "tau0": 0.03}
 
 
-def test_slip_lines_give_the_friction_of_fully_plastic_contacts():
+def test_slip_line_theory_gives_the_closed_form_friction_of_fully_plastic_contacts():
     options = PLASTIC_OPTIONS | WEAK_INTERFACE | {"effective_modulus": 1e4, "junction_growth": "slip-line 5.6"}
     expected = FrictionLaw(0.2, 0.03, 5.6, uses_slip_lines=True).plastic_coefficient(0.5)
     assert mean_coefficient(pair(*rough_surfaces(0.01), **options)) == pytest.approx(float(expected), rel=0.01)
@@ -279,7 +281,7 @@ def solve_slip_lines(hardness, mu0, tau0, ratio):
 
 
 @pytest.mark.parametrize(("tau0", "limits"), [(0.025, (0.02, 0.03)), (0.05, (0.04, 0.06))])
-def test_interval_with_slip_lines_agrees_with_a_brute_force_calculation_if_all_contacts_yield(tau0, limits):
+def test_slip_line_interval_agrees_with_a_brute_force_calculation_if_all_contacts_yield(tau0, limits):
     text = f"uniform {limits[0]} GPa .. {limits[1]} GPa"
     options = PLASTIC_OPTIONS | {"effective_modulus": 1e4, "hardness": "0.5 GPa ± 5 %", "mu0": 0.2, "tau0": text}
     result = pair(*rough_surfaces(0.01), **options, junction_growth="slip-line")
@@ -298,7 +300,7 @@ def test_interval_with_slip_lines_agrees_with_a_brute_force_calculation_if_all_c
 
 
 @pytest.mark.parametrize("strength", [{"mu0": 0.2, "tau0": 0.11}, {"mu0": 0.6, "tau0": 0.0}])
-def test_interface_stronger_than_the_softer_body_gives_a_lower_limit(strength):
+def test_coefficient_is_a_lower_limit_if_the_interface_is_stronger_than_the_softer_body(strength):
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | strength, junction_growth="slip-line")
     assert (result.at()["status"] == "bulk-shear").all()
     assert 2 / 6.05 < result.value < 1.05 * 2 / 5.6 + 0.02
@@ -361,7 +363,7 @@ def test_range_for_finer_scans_is_omitted_if_yielding_contacts_would_shear_the_b
     assert (point.roughness_contribution is None) == (mu0 > 2 / 5.6)
 
 
-def test_elastic_pair_with_high_mu0_is_independent_of_slip_lines():
+def test_slip_line_theory_does_not_change_the_friction_of_an_elastic_pair_with_high_mu0():
     options = PLASTIC_OPTIONS | {"mu0": 0.6, "tau0": 0.0, "hardness": 60.0}
     result, without_growth = (pair(*rough_surfaces(), **options, junction_growth=each) for each in ("slip-line", 0))
     assert (result.at()["status"] == "ok").all()

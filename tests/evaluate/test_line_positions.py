@@ -69,7 +69,7 @@ def result(profile_pair):
 
 @pytest.mark.parametrize("shear", ["+x", "-x"])
 @pytest.mark.parametrize("offset", [0.0, 4.0, 10.0])
-def test_functions_pair_and_press_give_equal_results_for_profiles_at_each_position(profile_pair, result, shear, offset):
+def test_pair_and_press_give_equal_results_for_profiles_at_each_position(profile_pair, result, shear, offset):
     upper, lower = profile_pair
     counterface = cropped(lower, offset, offset + 20)
     model = {"detection": "gap-minimum", "shear": shear}
@@ -246,7 +246,7 @@ def test_positions_without_friction_have_a_status_and_are_omitted_from_the_mean(
     assert values[1:].isnull().all()  # The mean of a single position has no interval.
 
 
-def test_result_at_several_mu0_and_tau0_equals_results_at_single_values(profile_pair):
+def test_result_for_arrays_of_mu0_and_tau0_equals_results_for_single_values(profile_pair):
     result = run_pair(*profile_pair, LOADS, mu0=[0.3, 0.5], tau0=[0.0, 0.1], positions=np.arange(9.0))
     values, mean = result.at(per_member=True), result.at()
     for mu0 in (0.3, 0.5):
@@ -401,7 +401,7 @@ def two_rough_profiles():
     )
 
 
-def test_load_fraction_of_opposing_contacts_equals_the_sum_over_contacts():
+def test_load_fraction_of_opposing_contacts_equals_a_sum_over_the_listed_contacts():
     upper, lower = two_rough_profiles()
     slider = cropped(upper, 0, 15)
     result = read_member_values(run_pair(slider, lower, [0.3], mu0=0.3, positions=[1.0])).isel(x=0, load=0)

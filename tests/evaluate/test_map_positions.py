@@ -355,7 +355,7 @@ def test_caveat_about_scattered_missing_points_estimates_the_lost_area():
 
 
 @pytest.mark.parametrize("shortest_wavelength", [2.0, 8.0])
-def test_area_lost_by_scattered_missing_points_is_within_the_limit_of_the_caveat(shortest_wavelength):
+def test_contact_area_lost_at_scattered_missing_points_is_below_the_limit_of_the_caveat(shortest_wavelength):
     rng = np.random.default_rng(3)
     maps = [
         self_affine_surface(

@@ -42,7 +42,7 @@ def test_motion_that_needs_a_negative_tangential_load_has_no_coefficient(mated_f
     assert (friction["spread_low"] >= 0).all()
 
 
-def test_mean_over_directions_with_a_downhill_direction_is_not_reported(mated_faces):
+def test_mean_coefficient_is_not_reported_if_the_slider_moves_downhill_in_one_direction(mated_faces):
     result = press_mated_faces(mated_faces, "15.625 um", mu0=0.2)
     assert np.isnan(result.value)
     assert result.assessment == "Do not quote"
@@ -52,7 +52,7 @@ def test_mean_over_directions_with_a_downhill_direction_is_not_reported(mated_fa
     assert point.rules[1].value > 0  # friction only at opposing contacts is never negative
 
 
-def test_single_downhill_direction_has_no_coefficient(mated_faces):
+def test_result_for_a_direction_that_leads_downhill_has_no_coefficient(mated_faces):
     options = {"direction": 180, "mu0": 0.2, "load": "1 MPa", "young": "30 GPa", "poisson": 0.25, "onset": 0}
     point = pair(*mated_faces, positions=["15.625 um,0 um"], **options).at().sel(sliding="all")
     assert (point["status"] == "downhill").all()
@@ -60,7 +60,7 @@ def test_single_downhill_direction_has_no_coefficient(mated_faces):
     assert point["mean_friction"].isnull().all()
 
 
-def test_small_mu0_of_rough_faces_has_a_coefficient_although_some_directions_lean_downhill():
+def test_rough_faces_with_small_mu0_have_a_coefficient_although_some_directions_lead_downhill():
     """Check this because the mean over positions of a direction can be below 0 by chance."""
     faces = [
         self_affine_surface(7, side=side, hurst_exponent=0.8, rms=0.05, shape=(96, 96), spacing=0.1)
@@ -93,7 +93,7 @@ def test_profiles_that_fit_into_each_other_add_a_caveat(mated_faces):
         assert any("the faces fit into each other" in text for text in texts)
 
 
-def test_random_maps_with_the_spectra_of_two_scans_have_no_caveat_about_faces_that_fit():
+def test_maps_generated_from_two_spectra_have_no_caveat_about_faces_that_fit():
     profile = self_affine(5, hurst_exponent=0.8, rms=0.02, points=64, spacing=0.1, longest_wavelength=3.2)
     options = {"load": "1 MPa", "effective_modulus": "10 GPa", "mu0": 0.6, "onset": 0, "mechanics": "asperities"}
     caveats = pair(profile, profile, lay="isotropic", **options).input_caveats

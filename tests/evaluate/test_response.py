@@ -143,14 +143,14 @@ def test_area_at_other_inputs_equals_the_area_of_a_direct_solution(result, chang
     assert float(ratio) == pytest.approx(expected, rel=0.01)  # this pair has few contacts
 
 
-def test_area_function_is_bounded_by_the_nominal_area():
+def test_true_area_as_a_function_of_load_does_not_exceed_the_nominal_area():
     area = AreaFunction(np.array([1.0, 10.0]), np.array([2.0, 15.0]), 20.0, 0.5, 1.25)
     assert area([1.0, 10.0, 1e6]).tolist() == [pytest.approx(float(yielded_area(2.0, 1.0, 0.5, 1.25))), 20.0, 20.0]
     assert area.elastic_area(np.sqrt(10.0)) == pytest.approx(np.sqrt(30.0))
 
 
 @pytest.mark.usefixtures("all_input_samples")
-def test_interval_of_the_area_covers_the_areas_at_the_ends_of_the_hardness_range():
+def test_interval_of_the_area_contains_the_areas_at_both_limits_of_the_hardness():
     ranged = press("0.8..1.25 GPa", yield_exponent=1.25)
     estimate = ranged.at()["contact_area"].squeeze()
     value, lower, upper = (float(estimate.sel(statistic=name)) for name in ("mean", "lower", "upper"))
@@ -165,7 +165,7 @@ def test_interval_of_the_area_covers_the_areas_at_the_ends_of_the_hardness_range
 @pytest.mark.parametrize(
     ("name", "limits", "rms"), [("hardness", (0.7, 1.3), 0.05), ("effective_modulus", (64.0, 96.0), 0.005)]
 )
-def test_interval_of_the_closure_ends_at_the_closures_for_the_limits_of_an_input(name, limits, rms):
+def test_limits_of_the_closure_interval_are_the_closures_at_the_limits_of_an_input(name, limits, rms):
     """A gap has a single position, so that its interval contains only the inputs."""
     upper, _ = rough_maps(5, hurst_exponent=0.7, rms=rms, points=128, spacing=0.05, shortest_wavelength=0.3)
     options = {"hardness": 1.0, "effective_modulus": 80.0, "load": "50 MPa", "cutoff": "none", "onset": 0, "mu0": 0.2}
@@ -198,7 +198,7 @@ def test_kind_of_interval_of_a_quantity_is_the_same_in_all_outputs(hardness):
     assert {table[name].kind for name in combined & set(table)} == {"combined"}
 
 
-def test_joint_table_has_the_first_load_of_the_study_as_reference():
+def test_reference_load_of_a_joint_table_is_the_first_load_of_the_study():
     result = press(load=["10 MPa", "40 MPa"])
     first, second = map(float, result.study.friction.load)
     assert result.joint_table([first, second]).reference.load == pytest.approx(first)

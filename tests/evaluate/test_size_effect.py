@@ -71,7 +71,7 @@ def test_hardness_test_as_shallow_as_the_contacts_leaves_friction_nearly_unchang
     assert result.interval == pytest.approx(press().interval, rel=0.01)
 
 
-def test_interval_with_an_indentation_agrees_with_results_at_the_ends_of_the_size_effect():
+def test_interval_with_an_indentation_agrees_with_results_at_the_limits_of_the_size_effect():
     result = press(indent="2 um")
     _, *hardnesses = result.at()["contact_hardness"].values.ravel()
     ends = [press(hardness=float(hardness)) for hardness in hardnesses]
@@ -105,7 +105,7 @@ def test_very_hard_metal_with_a_given_indentation_has_a_caveat():
 
 
 @pytest.mark.parametrize("name", ["closure", "closure_stiffness", "normal_stiffness", "unloading_stiffness"])
-def test_closure_and_stiffness_keep_the_measured_hardness(name):
+def test_closure_and_stiffness_are_computed_without_the_size_effect(name):
     without_indent, result = (each.at()[name].values.ravel() for each in (press(), press(indent="2 um")))
     assert result == pytest.approx(without_indent, rel=1e-3)
 
