@@ -234,7 +234,7 @@ def test_table_command_starts_with_the_sliding_rule_of_the_interface(tmp_path, r
     assert frame["contacts with friction"].iloc[0] == rule
 
 
-def test_table_command_tabulates_measured_profiles_as_their_joint_table(tmp_path):
+def test_table_command_writes_the_joint_table_of_measured_profiles(tmp_path):
     write_profiles(tmp_path)
     options = ["--unit", "um", "--spacing", "0.02 um", "--upper", "steel", "--lower", "brass", "--hardness", "2 GPa"]
     arguments = ["--mu0", "0.2,0.3", "--tau0", "50 MPa", "--load", "5 MPa,50 MPa"]

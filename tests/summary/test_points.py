@@ -37,7 +37,7 @@ def test_kappa_equals_true_area_times_modulus_times_gradient_divided_by_load():
 
 
 @pytest.mark.parametrize(("fraction", "is_dominant"), [(0.95, False), (0.85, True)])
-def test_input_is_called_dominant_if_knowing_it_narrows_the_interval_by_a_tenth(fraction, is_dominant):
+def test_input_is_called_dominant_if_its_exact_value_would_narrow_the_interval_by_a_tenth(fraction, is_dominant):
     dataset = measured_result(half_width_ratio=0.05)
     dataset["friction_at_cutoff"] = dataset["mean_friction"]
     dataset["remaining_interval"] = dataset["mean_friction"].expand_dims(input=["hardness"])
@@ -51,7 +51,7 @@ def test_input_is_called_dominant_if_knowing_it_narrows_the_interval_by_a_tenth(
 @pytest.mark.parametrize(
     ("fraction", "severity"), [(0.009, None), (0.011, "caution"), (0.024, "caution"), (0.026, "fault")]
 )
-def test_samples_without_an_upper_limit_are_a_fault_if_the_interval_has_none(fraction, severity):
+def test_samples_of_unlimited_friction_are_a_fault_if_the_interval_has_no_upper_limit(fraction, severity):
     study = measured_study(hardness=2.0).with_changes({"contact.junction_growth": "slip-line"})
     dataset = measured_result(load_share_at_hardness=0.5)
     dataset["fraction_unlimited"] = xarray.full_like(dataset["spread_low"], fraction)
@@ -80,14 +80,16 @@ def test_area_with_limited_pressure_has_a_caveat_near_half_the_hardness(pressure
 
 
 @pytest.mark.parametrize(("load_fraction_at_hardness", "has_caveat"), [(0.0, True), (0.9, False)])
-def test_roughness_drift_has_a_caveat_unless_most_of_the_load_is_plastic(load_fraction_at_hardness, has_caveat):
+def test_roughness_drift_has_a_caveat_unless_plastic_contacts_carry_most_of_the_load(
+    load_fraction_at_hardness, has_caveat
+):
     dataset = measured_result(all_contacts=0.4, load_share_at_hardness=load_fraction_at_hardness)
     point = summarize_point(dataset.assign_attrs(upper_drift=(0.1, 0.5)))
     assert bool(caveats_with(point, "rms slope changes by a factor of 1.1")) == has_caveat
 
 
 @pytest.mark.parametrize(("ratio", "has_caveat"), [(2.5, False), (3.5, True)])
-def test_scan_coarser_by_more_than_a_factor_of_three_has_a_caveat(ratio, has_caveat):
+def test_scan_more_than_three_times_coarser_than_the_other_scan_has_a_caveat(ratio, has_caveat):
     dataset = measured_result().assign_attrs(upper_spacing_um=0.1 * ratio, lower_spacing_um=0.1)
     assert bool(caveats_with(summarize_point(dataset), "times coarser than the lower")) == has_caveat
 

@@ -71,7 +71,7 @@ def test_measured_report_data_equal_the_result(maps_dataset):
     assert single_member.positions is None
 
 
-def test_report_data_of_generated_surfaces_without_contact_have_no_values_at_nodes():
+def test_report_data_of_generated_surfaces_without_contact_contain_no_coefficients():
     data = collect_report_data(Result.of(empty_dataset(SMALL_STUDY)))
     assert data.loads.size == 0
     assert (data.contact_forces, data.onset) == (None, None)

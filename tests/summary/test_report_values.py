@@ -32,12 +32,12 @@ def table():
     return table
 
 
-def test_mean_over_directions_has_the_smallest_number_of_members_of_a_direction(table):
+def test_member_count_of_a_mean_over_directions_is_the_smallest_count_of_a_direction(table):
     num_solved = evaluate_report(table).num_solved
     assert num_solved[0, 0, 0, :, 0, 0, 0].tolist() == [16, 16, 32, 48, 64]
 
 
-def test_mean_over_directions_is_a_lower_limit_if_the_body_shears_in_one_of_them(table):
+def test_mean_coefficient_is_a_lower_limit_if_the_softer_body_shears_in_one_direction(table):
     table["status"].loc[{"direction": 90.0}] = "bulk-shear"
     codes = evaluate_report(table).status_codes[0, 0, 0, :, 0, 0, 0]
     assert [ORDERED_STATUSES[code] for code in codes] == ["bulk-shear", "ok", "bulk-shear", "ok", "ok"]

@@ -158,7 +158,7 @@ def test_caveat_about_steep_scans_contains_the_rms_gradient_of_the_summary():
     assert caveat.value > 1
 
 
-def test_result_without_contact_caches_the_error_that_states_the_reason():
+def test_summary_of_a_result_without_contact_raises_the_same_error_on_every_call():
     result = Result(empty_dataset(TINY_STUDY))
     errors, traceback_lengths = [], set()
     for _ in range(3):

@@ -73,7 +73,7 @@ def test_summary_of_generated_surfaces_reports_friction_at_opposing_contacts():
     assert "elastic" not in inputs_text(points[0])
 
 
-def test_summary_contains_an_assessment_for_every_condition():
+def test_summary_contains_an_assessment_for_every_combination_of_load_and_mu0_and_tau0():
     points = summarize(measured_result(loads=(1.0, 10.0), mu0=(0.2, 0.3), tau0=(0.0, 0.05)), measured_study()).points
     assert [(point.at["load"], point.at["mu0"], point.at["tau0"]) for point in points] == [
         (load, mu0, tau0) for load in (1.0, 10.0) for mu0 in (0.2, 0.3) for tau0 in (0.0, 0.05)
@@ -94,7 +94,7 @@ def test_summary_contains_an_assessment_for_every_condition():
         (((0.0, 1.0), (1.0, 0.0)), "none to 1 µm"),
     ],
 )
-def test_text_about_cutoffs_contains_both_cutoffs_if_they_differ(cut_offs, expected_text):
+def test_text_about_cutoffs_lists_the_cutoffs_of_both_scans_if_they_differ(cut_offs, expected_text):
     assert cutoff_text(cut_offs) == expected_text
 
 
@@ -226,7 +226,7 @@ def test_assessment_on_a_result_without_caveats_recommends_quoting_the_result(nu
 
 
 @pytest.mark.parametrize("kind", ["measured", "generated"])
-def test_pressure_caveat_is_absent_for_rubber_like_materials(kind):
+def test_rubber_like_material_has_no_caveat_about_high_pressure(kind):
     dataset, study = (
         (measured_result(), measured_study()) if kind == "measured" else (generated_result(), generated_study())
     )
@@ -333,7 +333,7 @@ def test_text_about_the_small_slope_estimate_lists_neglected_effects():
     )
 
 
-def test_caveat_about_the_interval_is_part_of_the_text_only_at_points_with_an_interval():
+def test_note_on_the_interval_is_part_of_a_caveat_only_at_loads_with_an_interval():
     note = "; the interval includes the result for masked outliers"
     caveat = Caveat("2 points are sharp", "mask them", "caution", interval_note=note)
     dataset = measured_result(loads=(1.0, 10.0))

@@ -64,7 +64,7 @@ def list_figure_names(dataset, picture=None):
     return [name for name, _ in select_figures(dataset, picture)]
 
 
-def test_figures_to_draw_are_selected_by_the_study(generated_dataset):
+def test_study_determines_which_figures_are_drawn(generated_dataset):
     assert list_figure_names(generated_dataset) == ["friction_mu0_0.1", "friction_mu0_0.4", "friction_mu0_1", "area"]
     study = parse_study_of_dataset(generated_dataset).with_changes({"figures.draw": ["profiles", "length-scales"]})
     assert list_figure_names(generated_dataset.assign_attrs(study=study.to_toml())) == ["profiles", "length_scales"]
@@ -445,7 +445,7 @@ def test_force_arrows_stay_inside_their_frame(create_circular_arc, tmp_path):
     save_figure(contact_forces_figure(forces), tmp_path / "contact.png")
 
 
-def test_figure_with_automatic_layout_is_drawn_once_as_inline_svg(monkeypatch):
+def test_conversion_to_inline_svg_draws_a_figure_with_automatic_layout_only_once(monkeypatch):
     draw, num_draws = Figure.draw, 0
 
     def count_draws(figure, renderer):

@@ -386,7 +386,7 @@ def test_faces_that_fit_better_when_mirrored_add_a_caveat_with_both_gaps_and_a_r
     assert mirror_caveats(Surface(matching_face[::-1, ::-1], spacing=2.0), lower, rotate=180) == []
 
 
-def test_faces_without_a_match_or_at_other_positions_add_no_caveat_about_mirroring():
+def test_faces_that_do_not_match_or_have_given_positions_add_no_caveat_about_mirroring():
     upper, lower = (Surface(short_wave_map(seed, 96), spacing=2.0) for seed in (7, 8))
     assert mirror_caveats(upper, lower) == []
     matching_face = Surface(flipped(lower).heights[::-1], spacing=2.0)

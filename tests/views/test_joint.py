@@ -169,7 +169,7 @@ def read_card_numbers(card):
 
 
 @pytest.mark.parametrize("units", UNIT_SYSTEMS)
-def test_numbers_in_all_joint_files_are_in_the_csv_file(result, directory, units):
+def test_csv_file_of_a_joint_contains_the_numbers_of_all_its_other_files(result, directory, units):
     table = result.joint_table(units=units)
     csv = export_text(result, directory / "joint.csv", joint=True, units=units)
     frame = pandas.read_csv(directory / "joint.csv")
@@ -240,7 +240,7 @@ def test_result_evaluates_a_single_quantity_with_its_combined_interval(result):
     np.testing.assert_array_equal(closure, result.at()["closure"].squeeze())
 
 
-def test_exported_joint_files_state_units_materials_range_and_values_that_their_format_omits(result, directory):
+def test_comments_in_exported_joint_files_state_units_and_materials_and_range_of_validity(result, directory):
     texts = {ending: export_text(result, directory / f"card{ending}") for ending in (".inp", ".mac", ".liggghts")}
     for text in texts.values():
         words = " ".join(re.sub("(?m)^(\\*\\*|!|#) ", "", text).split())
@@ -249,7 +249,7 @@ def test_exported_joint_files_state_units_materials_range_and_values_that_their_
     assert "Set FKN and FKT of the contact to minus the" in " ".join(re.sub("(?m)^! ", "", texts[".mac"]).split())
 
 
-def test_joint_record_contains_units_notes_and_kinds(result, directory, table):
+def test_json_file_of_a_joint_contains_units_and_notes_and_kinds_of_intervals(result, directory, table):
     record = json.loads(export_text(result, directory / "joint.json", joint=True, units="um,mN,GPa"))
     assert record["units"] == {"length": "um", "force": "mN", "pressure": "GPa"}
     assert record["notes"][0] == table.notes[0]
@@ -300,7 +300,7 @@ def small_pair(rms=0.3, **options):
         ({"mu0": 2, "rms": 60.0, "shifts": 16}, "a prediction needs a coefficient with an interval"),  # sticks
     ],
 )
-def test_joint_without_percentiles_states_their_reason_in_the_notes_and_on_the_card(tmp_path, options, reason):
+def test_notes_and_card_of_a_joint_state_why_percentiles_are_missing(tmp_path, options, reason):
     result = small_pair(**options)
     assert [note for note in result.joint_table().notes if "No percentiles" in note] == [f"No percentiles: {reason}."]
     card = export_text(result, tmp_path / "card.inp")

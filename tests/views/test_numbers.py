@@ -124,7 +124,7 @@ def test_report_script_prints_numbers_of_caveats_like_the_terminal(report_evalua
     assert texts == [check.to_caveat({"name": value}).text for value in values]
 
 
-def test_report_scripts_define_no_number_of_digits():
+def test_report_scripts_contain_no_fixed_number_of_printed_digits():
     scripts = [
         (resources.files("stiction.views.report") / f"{name}.js").read_text("utf-8") for name in ("numbers", "result")
     ]

@@ -241,7 +241,7 @@ def test_report_of_a_scan_has_a_table_and_a_small_slope_estimate(driver, pages, 
 # ---- Generated profiles ---------------------------------------------------------------------------------------------
 
 
-def test_readout_under_the_pointer_equals_library_values(generated_report, generated_dataset):
+def test_numbers_shown_at_the_mouse_pointer_equal_library_values(generated_report, generated_dataset):
     random = np.random.default_rng(5)
     dimensions, loads = (
         generated_dataset["fractal_dimension"].values,
@@ -491,7 +491,7 @@ def test_report_shows_the_coefficient_for_the_sliding_rule_of_the_interface_firs
     assert log_is_empty(driver)
 
 
-def test_compass_sets_direction_and_tooltip_shows_numbers(maps_report):
+def test_arrow_key_on_the_compass_changes_the_direction_and_tooltip_shows_numbers(maps_report):
     from selenium.webdriver.common.keys import Keys
 
     for expected_text in ("to +x", "to +y"):
@@ -569,7 +569,7 @@ def test_report_is_readable_at_double_font_size_and_on_a_phone(driver, pages):
         assert driver.execute_script("return document.documentElement.scrollWidth") <= 1280
 
 
-def test_texts_of_the_compass_do_not_overlap_on_a_phone(driver, pages):
+def test_labels_of_the_compass_figure_do_not_overlap_on_a_phone(driver, pages):
     browser.open_page(driver, pages["maps"], width=360, height=740)
     overlapping_texts = driver.execute_script(
         "const texts = [...document.querySelectorAll('#compass text')]"

@@ -70,7 +70,7 @@ def expected_point(table, facts, rule, cell, load, way):
     return [float(point.sel(statistic=each)) for each in ("mean", "lower", "upper")]
 
 
-def test_report_agrees_with_the_library_at_random_settings(result_and_driver):
+def test_numbers_in_a_report_agree_with_the_library_at_random_settings(result_and_driver):
     result, driver = result_and_driver
     facts, parameters, loads = driver.execute_script("return [facts, parameters, loads]")
     random, num_values = np.random.default_rng(7), 0

@@ -57,7 +57,7 @@ def test_data_frame_contains_all_numeric_variables():
     assert set(friction["sliding"]) == {"all", "opposing"}
 
 
-def test_kind_of_an_interval_is_an_attribute_of_its_variable():
+def test_table_of_values_states_the_kind_of_each_interval():
     dataset = measured_result()
     combined_dataset = dataset.assign(
         {name: dataset[name].assign_attrs(interval_kind="combined") for name in ("contact_area", "mean_pressure")}

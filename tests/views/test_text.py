@@ -122,7 +122,7 @@ def test_text_of_profiles_with_asperity_model_has_no_area_fraction():
         assert ("A/A0" in result_text(summarize(DATASETS_AND_STUDIES["lines"][0], study))) == has_area_fraction
 
 
-def test_result_text_has_one_line_for_each_condition():
+def test_result_text_has_one_line_for_each_combination_of_load_and_mu0_and_tau0():
     lines = result_text(summarize(measured_result(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study())).splitlines()
     assert lines[0].split()[:2] == ["load", "τ0"]
     assert [line.split()[:2] for line in lines[1:5]] == [["1", "mN"], ["1", "mN"], ["10", "mN"], ["10", "mN"]]
@@ -130,7 +130,7 @@ def test_result_text_has_one_line_for_each_condition():
     assert "with μ0 = 0.2, E* = 100 GPa" in " ".join(lines[5:7])
 
 
-def test_caveat_that_applies_to_some_of_the_conditions_states_their_number():
+def test_caveat_that_applies_to_some_loads_states_the_number_of_these_loads():
     dataset = measured_result(loads=(1.0, 10.0))
     dataset["share_at_edge"].loc[{"load": 1.0}] = 0.6
     text = result_text(summarize(dataset, measured_study()))
@@ -281,7 +281,7 @@ def test_grouped_caveats_state_the_range_of_their_numbers():
         (("from 1...2 GPa", "from 1...3 GPa"), "from 1...2 to 3 GPa"),
     ],
 )
-def test_grouped_caveats_accept_dates_and_exponents(texts, expected_text):
+def test_caveats_that_contain_dates_or_exponents_can_be_grouped(texts, expected_text):
     points = summarize(generated_result(dimensions=(1.1, 1.2)), generated_study()).points
     points = [
         replace(point, caveats=(Caveat(text, "check it", "caution"),))
@@ -309,7 +309,7 @@ def test_study_result_text_is_an_overview_only_for_generated_surfaces():
     assert texts == (overview_text(generated, 1), overview_text(generated))
 
 
-def test_result_text_for_many_conditions_has_at_most_40_lines():
+def test_result_text_for_many_loads_and_mu0_and_tau0_has_at_most_40_lines():
     dataset = generated_result(loads=tuple(np.linspace(0.01, 1, 15)), dimensions=tuple(np.linspace(1.1, 1.5, 15)))
     summary = summarize(dataset, generated_study())
     lines = result_text(summary, complete_command="--verbose").splitlines()
