@@ -138,7 +138,7 @@ def test_names_of_contact_sums_match_the_core_and_names_of_contact_laws_are_uniq
             stiction._core.force_and_area(law.name, {}, overlap=0.1, radius=1.0)
 
 
-def test_combined_status_names_the_first_failed_condition():
+def test_status_of_a_coefficient_states_the_first_condition_that_fails():
     arguments = [
         (False, False, False, False), (True, True, False, False), (True, False, True, False),
         (True, False, False, True), (True, False, False, False),

@@ -100,7 +100,7 @@ def test_free_tilt_moves_the_summit_of_a_ball_to_the_middle(is_areal):
     assert np.isfinite(curve.closure).all()
 
 
-def test_free_tilt_balances_a_single_contact_point():
+def test_free_tilt_centres_the_resultant_force_on_a_single_contact_point():
     x = (np.arange(65) - 32) * 0.1
     ball = Surface(-((x - 1.3) ** 2) / 40 - x[:, np.newaxis] ** 2 / 40, spacing=0.1)
     curve = half_space(Surface(0 * ball.heights, spacing=0.1), ball, [1e-9], tilt="free")
@@ -139,7 +139,7 @@ def test_free_tilt_at_vanishing_load_touches_at_the_facet_of_the_convex_hull_und
 
 @pytest.mark.parametrize("hardness", [None, 0.05])
 @pytest.mark.parametrize("relative_pressure", [1e-6, 1e-5, 1e-4])
-def test_free_tilt_balances_low_loads(relative_pressure, hardness):
+def test_free_tilt_centres_the_resultant_force_at_low_loads(relative_pressure, hardness):
     rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (48, 48), "spacing": 0.1}
     for seed in range(6):
         upper, lower = (self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower"))
