@@ -295,7 +295,9 @@ def test_preview_uses_the_latest_options_if_an_older_response_arrives_last(empty
     assert texts["wrong"] == ""
 
 
-def test_reading_options_that_an_unreadable_scan_opens_are_closed_by_a_readable_scan(empty_page, map_files, tmp_path):
+def test_panel_of_reading_options_opens_for_an_unreadable_scan_and_closes_for_a_readable_scan(
+    empty_page, map_files, tmp_path
+):
     text_file = tmp_path / "plain.txt"
     np.savetxt(text_file, np.random.default_rng(0).standard_normal((24, 24)))
     is_open = "return document.querySelector('#lower-drop details').open"

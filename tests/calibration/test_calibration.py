@@ -86,7 +86,7 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
     assert interface.tau0[1] == 0.0
 
 
-def test_common_error_widens_the_interval_of_the_combination_of_mu0_and_tau0_that_tests_determine() -> None:
+def test_common_error_of_all_tests_widens_the_interval_of_the_combination_of_mu0_and_tau0() -> None:
     tests = simulate_ball_tests()
     narrow_interval, wide_interval = (
         calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1)

@@ -67,7 +67,7 @@ def test_command_does_not_overwrite_a_file_of_another_program(scans_directory, a
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 
-def test_pair_files_are_written_for_the_stored_study_file_if_it_has_changed(scans_directory):
+def test_csv_table_and_report_of_a_pair_are_written_with_values_from_an_edited_study_file(scans_directory):
     check_stiction(*PAIR_COMMAND, cwd=scans_directory, without_figures=True)
     directory = scans_directory / "pair"
     result, report = open_result(directory), (directory / "report.html").read_bytes()

@@ -125,7 +125,7 @@ def test_onset_is_none_if_mu0_and_tau0_are_zero_or_surfaces_are_generated(study)
     assert compute_study_onset(Study.named("quick")) is None
 
 
-def test_slip_map_equals_the_load_at_which_each_point_slips(study, onset, monkeypatch):
+def test_slip_map_contains_the_load_at_which_each_point_slips(study, onset, monkeypatch):
     upper, lower = load_bodies(study).member(0, 0.0).pair
     curve = half_space(upper, lower, [2.0], effective_modulus=100.0, hardness=4.0, compliance_share=0.3)
     member_onset = curve.onset(0, mu0=0.3, tau0=0.05, steps=onset["fraction"].values.tolist(), poisson=[0.3, 0.4])
@@ -223,7 +223,7 @@ def test_text_about_the_onset_states_its_sliding_rule_if_the_interface_has_anoth
     assert "These values assume friction at all contacts." in " ".join(texts[1].split())
 
 
-def test_sliding_load_of_the_onset_is_the_coefficient_times_the_load(tmp_path):
+def test_sliding_load_of_the_onset_is_the_friction_coefficient_times_the_normal_load(tmp_path):
     bodies = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=64, spacing=0.05, shortest_wavelength=0.3)
     options = {
         "load": "50 MPa", "hardness": "120 HV ± 10 %", "mu0": "0.1..0.3", "tau0": "50 MPa", "effective_modulus": 80.0,
@@ -250,7 +250,7 @@ def test_sliding_load_of_the_onset_is_the_coefficient_times_the_load(tmp_path):
     assert record["curve"][-1]["tangential_load"]["value"] == record["sliding_load"]["value"]
 
 
-def test_repeated_pair_function_replaces_an_old_onset_table(tmp_path):
+def test_second_call_of_the_pair_function_replaces_an_old_onset_table(tmp_path):
     bodies = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=48, spacing=0.05, shortest_wavelength=0.3)
     options = {
         "load": "50 MPa", "hardness": "1.2 GPa", "mu0": "0.1..0.3", "tau0": "50 MPa", "effective_modulus": 80.0,
@@ -266,7 +266,7 @@ def test_repeated_pair_function_replaces_an_old_onset_table(tmp_path):
     assert file.read_text("utf-8") == scaled
 
 
-def test_forces_of_fitted_friction_models_are_scaled_like_the_tangential_load(onset):
+def test_fitted_friction_models_are_scaled_with_the_tangential_load_of_the_onset(onset):
     coefficient = Estimate(0.5, 0.4, 0.7, kind="combined")
     scaled = scale_onset(onset, coefficient)
     factor = 1.0 / float(onset["sliding_load"].sel(statistic="mean"))  # the load is 2 mN

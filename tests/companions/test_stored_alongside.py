@@ -98,7 +98,9 @@ IMPOSSIBLE_CHANGES = [
 
 
 @pytest.mark.parametrize(("file_name", "name", "value"), IMPOSSIBLE_CHANGES)
-def test_error_about_an_impossible_stored_value_states_its_name(complete_result, file_name, name, value):
+def test_error_about_an_impossible_stored_value_states_the_name_of_its_variable(
+    complete_result, file_name, name, value
+):
     with h5py.File(complete_result.path / file_name, "r+") as file:
         if name.startswith("@"):
             file.attrs[name[1:]] = value

@@ -64,7 +64,7 @@ def test_companion_study_is_opened_only_if_all_its_members_are_stored(studies, p
     assert CompanionStudy(study_of_doubled_heights, tmp_path).open() is None
 
 
-def test_companion_study_opens_with_the_friction_parameters_of_its_study(studies, pool, tmp_path):
+def test_companion_study_has_the_mu0_and_tau0_of_its_main_study(studies, pool, tmp_path):
     study, _ = studies
     CompanionStudy(study, tmp_path).complete(pool)
     other_friction = study.with_changes({"friction.mu0": [0.7]})

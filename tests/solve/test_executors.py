@@ -47,7 +47,7 @@ def test_function_is_evaluated_in_a_forked_process():
     ],
     ids=["several threads", "one core"],
 )
-def test_function_is_evaluated_in_this_process_if_forking_is_unsafe_or_useless(preparation):
+def test_function_is_evaluated_without_fork_if_forking_is_unsafe_or_useless(preparation):
     script = f"""
         {preparation}
         with evaluate_in_copy(os.getpid) as get_number:

@@ -89,7 +89,7 @@ def opposing_result(opposing_film_file):
 
 
 @pytest.mark.parametrize("name", [*interfaces()])
-def test_repr_of_a_published_interface_contains_no_sum_at_an_unknown_area(name):
+def test_repr_of_an_interface_without_known_area_contains_no_sum_of_mu0_and_tau0(name):
     law = interface(name)
     lines = repr(law).splitlines()
     assert lines[0] == "Interface"
@@ -142,7 +142,9 @@ def test_pair_reports_the_coefficient_for_the_sliding_rule_of_its_interface_firs
     assert not any("opposing" in caveat.text for caveat in opposing_result.caveats)
 
 
-def test_table_sentence_and_joint_start_with_the_sliding_rule_of_the_interface(opposing_result, tmp_path) -> None:
+def test_table_and_sentence_and_joint_table_start_with_the_sliding_rule_of_the_interface(
+    opposing_result, tmp_path
+) -> None:
     opposing_result.export(tmp_path / "pair.csv")
     table = pandas.read_csv(tmp_path / "pair.csv")
     assert table["sliding"].drop_duplicates().tolist() == ["opposing", "all"]
@@ -154,7 +156,9 @@ def test_table_sentence_and_joint_start_with_the_sliding_rule_of_the_interface(o
     assert joint_values["friction_combined"].value == pytest.approx(opposing_result.value)
 
 
-def test_rule_of_a_missing_interface_file_is_still_reported_first(opposing_film_file, tmp_path) -> None:
+def test_coefficient_for_the_sliding_rule_of_a_removed_interface_file_is_still_reported_first(
+    opposing_film_file, tmp_path
+) -> None:
     copy = shutil.copy(opposing_film_file, tmp_path)
     stored = pair(*rough_surfaces(), interface=copy, **PAIR_OPTIONS)
     Path(copy).unlink()
@@ -289,7 +293,7 @@ def test_calibration_functions_reject_arguments_of_wrong_types(film_file) -> Non
             function()
 
 
-def test_calibrated_interface_of_another_pair_in_the_directory_is_kept(film_file, tmp_path) -> None:
+def test_pair_with_another_interface_does_not_replace_the_stored_interface_file(film_file, tmp_path) -> None:
     film = interface(film_file)
     first_result = pair(*rough_surfaces(), interface=film, directory=tmp_path / "r", **PAIR_OPTIONS)
     content = (tmp_path / "r" / "interface.csv").read_bytes()
