@@ -57,7 +57,7 @@ def multiplies_strength(node):
     return bool({"mu0", "tau0"} & names) and not is_conversion_of_units
 
 
-def test_friction_law_alone_multiplies_mu0_and_tau0():
+def test_friction_law_is_the_only_module_that_multiplies_by_mu0_and_tau0():
     sources = {path.relative_to(PACKAGE_DIRECTORY).as_posix(): path for path in PACKAGE_DIRECTORY.rglob("*.py")}
     assert {
         name for name, path in sources.items() if any(multiplies_strength(node) for node in ast.walk(parse_file(path)))

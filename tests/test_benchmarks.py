@@ -18,7 +18,7 @@ def benchmark_runner(monkeypatch):
     sys.modules.pop("run")
 
 
-def test_benchmarks_accept_known_names_or_none(benchmark_runner, capsys):
+def test_benchmark_script_accepts_known_names_or_no_names(benchmark_runner, capsys):
     assert benchmark_runner.parse_names([]) == []
     assert benchmark_runner.parse_names(["pair", "app"]) == ["pair", "app"]
     with pytest.raises(SystemExit):

@@ -69,7 +69,7 @@ FUNCTIONS_OF_RESULTS = {
 
 @pytest.mark.parametrize("name", FUNCTIONS_OF_RESULTS)
 @pytest.mark.parametrize("value", [np.ones((4, 4)), "folder", None, 3])
-def test_functions_for_results_reject_objects_of_other_types(name, value):
+def test_functions_that_take_a_result_reject_other_objects(name, value):
     argument = "study" if name == "pair_of" else "result"
     with pytest.raises(ValueError, match=f"^{argument} must be .*, got {type(value).__name__}$"):
         FUNCTIONS_OF_RESULTS[name](value)

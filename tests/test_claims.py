@@ -62,7 +62,7 @@ def test_studies_of_claims_have_the_settings_of_the_paper():
         assert (variant == claims.variant_study("default")) == (not changes)
 
 
-def test_first_resampled_ensemble_gives_the_same_maps_as_the_result(result, resampled_means):
+def test_first_resampled_ensemble_gives_the_same_friction_maps_as_the_result(result, resampled_means):
     load = resampled_means.middle_load
     for quantity, tau0, expected in (
         ("friction", 0.0, friction_map(result, [load], mu0=[0.4], tau0=[0.0])["friction_coefficient"]),
@@ -246,7 +246,7 @@ def test_value_computed_for_a_part_of_a_claim_equals_the_known_value():
     assert compute_part_value("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
 
 
-def test_parts_of_claims_all_have_true_and_false_test_data():
+def test_parts_of_claims_have_test_data_that_support_them_and_data_that_contradict_them():
     assert list(TRUE_AND_FALSE_DATA) == [part.name for part in CLAIM_PARTS]
 
 
@@ -338,7 +338,7 @@ def test_judging_claims_rejects_studies_with_too_few_values():
             claims.check_study_suits_claims(SMALL_CLAIMS_STUDY.with_changes(change))
 
 
-def test_tables_of_claims_contain_every_part(result):
+def test_tables_of_claims_contain_every_part_of_each_claim(result):
     outcomes = judge_claims(result)
     for text in (render_claims(outcomes), render_claim_variants({"one": outcomes})):
         for part in CLAIM_PARTS:

@@ -40,7 +40,7 @@ def test_estimate_is_printed_to_one_digit_of_its_half_width(value, lower, upper,
         (math.nan, math.nan, math.nan, "none"),
     ],
 )
-def test_table_text_has_two_digits_of_the_half_width(value, lower, upper, text):
+def test_estimate_in_a_table_is_printed_to_two_digits_of_its_half_width(value, lower, upper, text):
     estimate = Estimate(value, lower, upper)
     assert estimate.text() == estimate.table_text == text
 
@@ -50,14 +50,14 @@ def test_missing_interval_is_stated_only_in_tables():
     assert (estimate.text(), estimate.table_text) == ("0.5", "0.5 no interval")
 
 
-def test_interval_is_printed_as_range():
+def test_interval_is_printed_as_its_limits_joined_by_the_word_to():
     assert str(Interval(0.0413, 0.188)) == "0.04 to 0.19"
     assert str(Interval(0.2192, 0.2213)) == "0.219 to 0.221"
     assert str(Interval(0.2, math.inf)) == "0.2 to ∞"
     assert str(Interval(0.2, 0.2)) == "0.2000"
 
 
-def test_value_determines_the_prefixed_unit():
+def test_value_of_an_estimate_determines_the_prefix_of_its_unit():
     assert Estimate(0.25, 0.125, 0.5, unit="um").in_prefixed_unit() == Estimate(250.0, 125.0, 500.0, unit="nm")
     assert Estimate(0.25, 0.125, 0.5).in_prefixed_unit("%") == Estimate(25.0, 12.5, 50.0, unit="%")
     # The value is rounded to the printed digits first, so it is not printed as 10000 mN/µm.

@@ -95,7 +95,7 @@ def test_layers_import_only_from_lower_layers(layer):
             assert layer_of(imported) in allowed_layers, f"{module} imports {imported}"
 
 
-def test_layers_of_the_package_are_its_directories():
+def test_layers_of_the_package_include_all_of_its_directories():
     assert {path.parent.name for path in PACKAGE_DIRECTORY.glob("*/__init__.py")} == {*LAYERS} - {"facade"}
     assert {name for name in MODULES if "." not in name and not name.startswith("_")} == {*LAYERS, *FACADE} - {"facade"}
 
@@ -147,7 +147,7 @@ def test_imports_inside_functions_are_of_slow_modules_only():
                     assert names <= slow_modules, f"{module}.{function.name} imports {node.module}"
 
 
-def test_modules_import_neither_the_package_itself_nor_relatively():
+def test_modules_import_other_modules_by_their_absolute_names():
     for source in (path.relative_to(PACKAGE_DIRECTORY) for path in MODULES.values()):
         list(imported_names(source))
 
@@ -217,7 +217,7 @@ def test_help_of_a_command_loads_numpy_only_for_pair_options(command, module):
     assert loaded <= DEPENDENCIES_OF_HELP | ALLOWED_DEPENDENCIES - {"numpy"} | numpy_if_needed
 
 
-def test_samples_of_uncertain_inputs_do_not_load_scipy_stats():
+def test_sampling_uncertain_inputs_does_not_load_scipy_stats():
     code = "from stiction.study.input_distributions import generate_stratified_points; generate_stratified_points(10)"
     assert "scipy" not in loaded_dependencies(code)
 
@@ -300,7 +300,7 @@ def test_command_group_lists_every_command_and_finds_its_module():
 
 
 @pytest.mark.parametrize("directory", ["python", "tests", "benchmarks", "docs", "examples"])
-def test_docstrings_do_not_begin_like_a_continuation_of_the_line_above(directory):
+def test_docstrings_do_not_begin_with_the_word_of(directory):
     """Check this because a docstring must be understandable without the line above it."""
     paths = sorted((Path(__file__).parent.parent / directory).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

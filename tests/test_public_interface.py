@@ -548,7 +548,7 @@ def test_result_of_the_pair_function_has_a_value_and_interval_and_assessment_and
     assert function_result.save_report(tmp_path / "page.html").stat().st_size > 1000
 
 
-def test_result_can_be_evaluated_at_other_loads_and_conditions(function_result):
+def test_result_can_be_evaluated_at_other_loads_and_other_mu0_and_tau0(function_result):
     table = function_result.at(["5 MPa", "2 mN"], mu0=0.25, tau0="20 MPa")
     np.testing.assert_allclose(table["load"], sorted([2.0, 0.005 * float(function_result.dataset["nominal_area"])]))
     assert (table["mu0"].item(), table["tau0"].item()) == (0.25, 0.02)
@@ -621,7 +621,7 @@ SMALL_PAIR = [create_surface(side, 16) for side in ("upper", "lower")]
 
 
 @pytest.mark.parametrize(("call", "pattern"), REJECTED_VALUE_CASES)
-def test_public_functions_reject_arrays_and_extreme_values_with_a_short_line(function_result, call, pattern):
+def test_public_functions_reject_arrays_and_extreme_values_with_a_short_message(function_result, call, pattern):
     with pytest.raises(ValueError, match=pattern) as caught:
         call(function_result)
     assert "\n" not in str(caught.value)

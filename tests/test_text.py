@@ -82,7 +82,7 @@ class TestFileWriting:
         assert (tmp_path / "f").stat().st_mode == (tmp_path / "usual").stat().st_mode
 
 
-def test_concurrent_writers_of_a_file_replace_it_as_a_whole(tmp_path):
+def test_file_with_concurrent_writers_contains_the_complete_text_of_one_writer(tmp_path):
     with replace_file_atomically(tmp_path / "f", b"mark", ValueError) as first_file:
         first_file.write_bytes(b"mark one")
         with replace_file_atomically(tmp_path / "f", b"mark", ValueError) as second_file:

@@ -34,7 +34,7 @@ def test_listed_docstrings_include_docstrings_of_constants(words_tool):
     ]
 
 
-def test_word_tool_groups_names_by_kind_and_counts_each_name_once_per_file(words_tool):
+def test_words_script_groups_names_by_kind_and_counts_each_name_once_per_file(words_tool):
     source = "LIMIT = 1\n\nclass Row:\n    def read(self, file):\n        size = 1\n        size = 2\n"
     spellings = {kind: {name for _, name in items} for kind, items in words_tool.names_by_kind({"dev": source}).items()}
     assert spellings.pop("variable") == {"self", "file", "size"}
@@ -42,19 +42,19 @@ def test_word_tool_groups_names_by_kind_and_counts_each_name_once_per_file(words
 
 
 @pytest.mark.parametrize("name", ["said", "_said", "SAID"])
-def test_word_check_reports_names_that_are_rejected_in_their_directory(words_tool, name):
+def test_words_script_reports_names_that_are_rejected_in_their_directory(words_tool, name):
     files = {"tests/x.py": f"{name} = 1\n", "packaging/x.py": f"{name} = 1\n"}
     faults = list(words_tool.find_name_faults(files, {"tests": ["said"]}))
     assert len(faults) == 1
     assert faults[0].startswith(f"tests/x.py:1: {name} ")
 
 
-def test_word_check_reports_rejected_openings_of_sentences(words_tool):
+def test_words_script_reports_docstrings_that_start_with_a_rejected_word(words_tool):
     files = {"dev": '"""What a file contains."""\n\n\ndef read():\n    """Return what a file contains."""\n'}
     assert len(list(words_tool.find_first_word_faults(files, {"all": ["What"]}))) == 1
 
 
-def test_word_check_reports_names_of_tests_that_do_not_begin_with_their_unit(words_tool):
+def test_words_script_reports_test_names_that_do_not_begin_with_their_unit(words_tool):
     files = {
         "tests/test_x.py": "def test_the_profile_reader_accepts_csv_files():\n    pass\n\n\n"
         "def test_profile_reader_accepts_csv_files():\n    pass\n"
