@@ -232,6 +232,10 @@ def test_table_command_starts_with_the_sliding_rule_of_the_interface(tmp_path, r
     assert (output.index(headings[0]) < output.index(headings[1])) == (rule == "all")
     frame = pandas.read_csv(tmp_path / "table" / "table.csv")
     assert frame["contacts with friction"].iloc[0] == rule
+    for command in ("info", "at"):
+        arguments = [command, "table", *(["--load", "10 MPa"] if command == "at" else [])]
+        printed = " ".join(check_stiction(*arguments, cwd=tmp_path).stdout.split())
+        assert (printed.index("all contacts") < printed.index("opposing contacts")) == (rule == "all"), command
 
 
 def test_table_command_writes_the_joint_table_of_measured_profiles(tmp_path):

@@ -200,9 +200,13 @@ def list_sliding_rules_reported_first(study: Study) -> list[str]:
 
 
 def sort_sliding_rules(table: Any, study: Study) -> Any:
-    """Return values of measured bodies with the reported sliding rule first. Other values are returned unchanged."""
+    """Return values with the reported sliding rule first.
+
+    Generated bodies without an interface keep the order of the rules in their study.
+    """
     rules = list_sliding_rules_reported_first(study)
-    is_sorted = not study.is_measured or "sliding" not in table.dims or table["sliding"].values.tolist() == rules
+    keeps_order = not study.is_measured and study.friction.interface is None
+    is_sorted = keeps_order or "sliding" not in table.dims or table["sliding"].values.tolist() == rules
     return table if is_sorted else table.sel(sliding=rules)
 
 
