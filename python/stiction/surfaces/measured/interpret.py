@@ -1,4 +1,4 @@
-"""Third step of reading: convert heights and spacing to µm, and find missing points."""
+"""Third step of reading a file: convert heights and spacing to µm, and find missing points."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _Length = TypeVar("_Length", float, Floats)
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Validated options for reading a file."""
+    """Validated options for reading a file of measured heights."""
 
     position_unit: str | None
     height_unit: str | None
@@ -71,7 +71,7 @@ def validate_read_options(
     unit: Any, spacing: Any, missing: MissingPointTreatment, channel: Any = None, columns: Any = None,
     outliers: OutlierTreatment = "keep", crop: Any = None, missing_value: Any = None, accept: Any = None,
 ) -> ReadOptions:  # fmt: skip
-    """Validate the options for reading a file."""
+    """Validate the options for reading a file of measured heights."""
     codes, words = _parse_missing_markers(missing_value)
     accepted = [] if accept is None else accept.split(",") if isinstance(accept, str) else parse_names("accept", accept)
     accepted_names = tuple(name.strip() for name in accepted)
@@ -132,7 +132,7 @@ def _parse_missing_markers(given: Any) -> tuple[tuple[float, ...], tuple[str, ..
 
 
 def _flatten_single_line(raw: RawHeights) -> RawHeights:
-    """Convert a matrix with a single row or column to a profile."""
+    """Return a matrix with a single row or column as a profile."""
     if raw.heights.ndim == 1 or min(raw.heights.shape) > 1:
         return raw
     profile_axis = int(raw.heights.shape[1] > 1)
@@ -155,7 +155,7 @@ class InterpretedScan(Generic[_Body]):
 
 
 def to_profile_or_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedScan[Profile | Surface]:
-    """Convert the content of a file to a profile or a surface, depending on the content."""
+    """Convert the content of a file to a profile or a surface, whichever it contains."""
     if _flatten_single_line(raw).heights.ndim == 1:
         return to_profile(raw, name, options)
     return to_surface(raw, name, options)
@@ -266,7 +266,7 @@ def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]
 
 
 def _parse_length(name: str, text: Any, *, allows_zero: bool = False) -> Quantity:
-    """Parse a length. It must be above 0, unless `allows_zero` is True, as for positions."""
+    """Parse a length above 0 or, with `allows_zero`, a position of 0 or above."""
     try:
         length = quantity(text.strip() if allows_zero and isinstance(text, str) else text, "length")
     except ValueError as error:
@@ -294,7 +294,7 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
 
 
 def _choose_position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
-    """Return the caller's position unit, or None if the caller gave a single unit and the file has a position unit."""
+    """Return the unit of the positions that the caller gave, or None if the unit in the file takes precedence."""
     has_own_unit = (
         options.one_unit and raw.position_unit is not None and parse_length_unit(raw.position_unit) is not None
     )
@@ -308,7 +308,7 @@ def _to_micrometres(values: _Length, unit: str) -> _Length:
 
 
 def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str, list[FileCaveat], list[str]]:
-    """Return heights in µm with NaN at missing points, the unit of the heights, caveats, and history entries."""
+    """Return heights in µm with NaN at missing points, the original unit, caveats and history entries."""
     unit, caveats, steps = _choose_height_unit(raw, options.height_unit)
     numbers = raw.heights
     for code in (*raw.codes, *options.codes):
@@ -344,7 +344,7 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
 
 
 def _choose_height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Return the height unit, caveats and history entries. A factor and a unit in the file override a given unit."""
+    """Return the unit of the heights, caveats and history entries. A unit with a factor in the file comes first."""
     if raw.factor is None or given is None or raw.unit is None or parse_length_unit(raw.unit) is None:
         return _resolve_unit("heights", raw.unit, given), [], []
     file_unit, caller_unit = str(parse_length_unit(raw.unit)), str(parse_length_unit(given))
@@ -360,7 +360,7 @@ _NO_MAP_SPACING_MESSAGE = (
 
 
 def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
-    """Raise a single error for a file that contains neither units nor a spacing."""
+    """Raise one error for a file without units and without spacing."""
     lacks_unit = raw.unit is None and options.height_unit is None
     lacks_spacing = options.spacing == (None, None) and all(
         value is None for value in (raw.positions, raw.spacing, raw.size, raw.stated if raw.heights.ndim == 1 else None)
@@ -380,7 +380,7 @@ def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
 
 
 def _describe_unclear_spacing(raw: RawHeights) -> str:
-    """Return a clause that quotes the header line of an unclear spacing, or an empty string."""
+    """Return a clause that quotes the header line of an unclear spacing, or an empty string if there is none."""
     if (unclear := raw.unclear_spacing) is None:
         return ""
     reason = "does not name the axes of its spacings" if len(unclear.lengths) > 1 else "may be another length"
@@ -388,7 +388,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Reject a given spacing that contradicts the header, whatever unit of length the header spacing may have."""
+    """Reject a given spacing that contradicts the header, in whatever unit of length the header spacing is."""
     unclear = raw.unclear_spacing
     has_two_spacings = unclear is not None and len(unclear.lengths) == len(given) == 2
     if unclear and has_two_spacings and not np.allclose(sorted(unclear.lengths), sorted(given), MAX_STEP_UNEVENNESS):
@@ -428,7 +428,7 @@ def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) ->
 def _spacings_from_size(
     size: tuple[DeclaredLength, DeclaredLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
 ) -> tuple[tuple[float, float], list[str]]:
-    """Return the spacings computed from the size that a file declares, and a history entry.
+    """Return the spacings that follow from the declared size of a map, and a history entry.
 
     A spacing given by the user is preferred, and must agree with the declared size within its rounding or 0.1 %.
     """
@@ -517,7 +517,7 @@ def _profile_spacing(
 
 
 def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
-    """Return a caveat if the first or last number of a column of heights is the given spacing, in any unit."""
+    """Return a caveat if the first or last height of a column equals the given spacing, in any unit."""
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     ends = {"first": float(raw.heights[0])}
@@ -533,14 +533,14 @@ def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[Fil
 
 
 def _declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
-    """Return the declared spacing and its tolerance, µm."""
+    """Return the declared spacing with its tolerance, µm."""
     if raw.stated is None:
         return None
     return raw.stated.to_micrometres(), 0.51 * raw.stated.digit_in_micrometres
 
 
 class _PositionResolution:
-    """Resolution of printed positions: the length (µm) of one unit in the last digit, computed on first use."""
+    """Length (µm) of one unit in the last digit of printed positions, computed on first use."""
 
     def __init__(self, raw: RawHeights, unit: str) -> None:
         self._raw, self._unit = raw, unit
@@ -557,14 +557,14 @@ class _PositionResolution:
 def _find_worst_unexplained_deviation(
     x: Floats, spacing: float, digit: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Call `_find_worst_position_deviation`. Printed digits are counted only if a deviation exceeds round-off."""
+    """Return the point whose position deviates most from a grid, or None if rounding explains all deviations."""
     if _find_worst_position_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
     return _find_worst_position_deviation(x, spacing, digit.values, slack)
 
 
 def _find_worst_position_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
-    """Return the index and the deviation of the worst point of a grid, or None if rounding explains all deviations."""
+    """Return the point that deviates most from a grid, with its deviation, or None if rounding explains it."""
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
     # Rounded positions change the distance of the first and last point by up to one digit.
@@ -617,7 +617,7 @@ def _validate_spacing(spacing: float) -> float:
 def _crop_and_fill_gaps(
     heights: Floats, spacing: tuple[float, ...], options: ReadOptions
 ) -> tuple[Floats, NDArray[np.bool_] | None, list[str]]:
-    """Crop heights, and interpolate or mask missing points. Return the heights, the mask, and history entries."""
+    """Crop heights, and interpolate or mask missing points. Return heights, mask and history entries."""
     steps: list[str] = []
     if options.crop is not None:
         if len(options.crop) != 2 * heights.ndim:

@@ -1,4 +1,4 @@
-"""Base classes for the text and workbook layouts of particular instruments."""
+"""Base classes of the text and workbook layouts that particular instruments write."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MAX_DECLARED_COUNT = 100_000_000  # maximum number of points or lines that a hea
 def parse_header_number(
     header: Mapping[str, str], name: str, default: float | None = None, *, positive: bool = False
 ) -> float:
-    """Return the number at the start of a header value. With `positive`, it must be a factor or length above 0.
+    """Return the number at the start of a header field. With `positive`, it must be above 0.
 
     Raises `FormatError` if there is no such number.
     """
@@ -32,7 +32,7 @@ def parse_header_number(
 def parse_header_integer(
     header: Mapping[str, str], name: str, minimum: int = 1, maximum: int = MAX_DECLARED_COUNT
 ) -> int:
-    """Return the integer at the start of a header value. Raises `FormatError` if the integer is out of range."""
+    """Return the integer at the start of a header field. Raises `FormatError` if it is out of range."""
     value = parse_header_number(header, name)
     if not (value.is_integer() and minimum <= value <= maximum):
         raise FormatError(
@@ -43,7 +43,7 @@ def parse_header_integer(
 
 @dataclass(frozen=True)
 class TextLayout:
-    """Text layout of an instrument: how its files are recognised and read."""
+    """Layout of an instrument's text files: how files are recognised and read."""
 
     name: str
     recognises: Callable[[DecodedText], bool]
@@ -52,7 +52,7 @@ class TextLayout:
 
 @dataclass(frozen=True)
 class WorkbookLayout:
-    """Workbook layout of an instrument: how its workbooks are recognised and read."""
+    """Layout of an instrument's Excel workbooks: how workbooks are recognised and read."""
 
     name: str
     recognises: Callable[[WorkbookSheets], bool]

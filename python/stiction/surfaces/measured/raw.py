@@ -1,4 +1,4 @@
-"""Content of a file of measured heights, before its units and missing points are determined."""
+"""Content of a file of measured heights, before units and missing points are determined."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class FileCaveat:
 
 @dataclass(frozen=True)
 class DeclaredLength:
-    """Length that is declared next to the data, with its resolution (the value of one unit in the last digit)."""
+    """Length that a file declares, with the length of one unit in its last digit."""
 
     length: float
     digit: float
@@ -128,7 +128,7 @@ class DeclaredLength:
 
 @dataclass(frozen=True)
 class UnclearSpacing:
-    """Header line that may declare a spacing. A single length in the line is used as the spacing, with a caveat."""
+    """Header line that may declare a spacing. If it has only one length, this is used, with a caveat."""
 
     line: str
     lengths: tuple[float, ...] = ()  # lengths in a header line (µm): one, or one for each axis in unknown order
@@ -153,7 +153,7 @@ PlaceValueFunction = Callable[[], Floats]
 
 @dataclass(frozen=True)
 class RawHeights:
-    """Numbers read from a file before conversion, with their units if known. Missing heights are NaN."""
+    """Heights of a file before conversion, with their unit if known. Missing heights are NaN."""
 
     heights: Floats  # heights in the unit of the file, with the shape (n,) or (rows, columns)
     unit: str | None = None
@@ -189,7 +189,7 @@ class WordColumn:
 
 @dataclass(frozen=True)
 class ColumnTable:
-    """Numbers in columns. One or two columns form a profile; all columns together may form a map."""
+    """Table of numbers. One or two columns form a profile; all columns together may form a map."""
 
     values: Floats  # numbers of a table with the shape (rows, columns), and NaN at missing numbers
     names: tuple[str, ...] = ()  # names of the columns of a table, or empty
@@ -211,14 +211,14 @@ class ColumnTable:
     word_columns: tuple[WordColumn, ...] = ()  # columns of words in a table of numbers, whose numbers are NaN
 
     def last_digit_value_function(self, column: int) -> PlaceValueFunction | None:
-        """Return a function that computes the place value of the last digit of each number in a column."""
+        """Return a function that computes, for each number in a column, the place value of its last digit."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)
 
 
 @dataclass(frozen=True)
 class HeaderDeclarations:
-    """Declarations in the header of a table."""
+    """Lengths, units, factors and missing-point codes that the header of a table declares."""
 
     spacing: DeclaredLength | None = None  # declared spacing of a profile, or of a map along one axis
     # declared spacings of the rows and of the columns of a map
@@ -261,7 +261,7 @@ _COMPOSITE_UNIT_PATTERN = re.compile(
 
 
 def parse_length_unit(text: str) -> str | None:
-    """Return the key of `LENGTH_UNITS` for a unit of length, or None for other units.
+    """Return the symbol of a unit of length, as in `LENGTH_UNITS`, or None for other units.
 
     A unit with a power of ten is accepted if it equals a unit with a name: ``mm/1000`` is µm, but ``0.1 um`` has none.
     """
@@ -283,7 +283,7 @@ def parse_length_unit(text: str) -> str | None:
 
 
 def check_point_count(points: int, stored_bytes: int) -> None:
-    """Raise `FormatError` if the bytes of a file cannot contain its declared number of points, even if compressed."""
+    """Raise `FormatError` if a file has too few bytes for its declared number of points, even if compressed."""
     if points > max(MAX_POINTS_OF_SMALL_MAP, MAX_POINTS_PER_BYTE * stored_bytes):
         raise FormatError(f"declares {points} points, but has only {stored_bytes} bytes")
 
@@ -304,7 +304,7 @@ def parse_number(text: str, place: str) -> float:
 
 
 def parse_positive_number(text: str, place: str) -> float:
-    """Return the factor or length at the start of a text. Raises `FormatError` if no scan can have this number.
+    """Return the factor or length at the start of a text. Raises `FormatError` if it is impossible for a scan.
 
     A negative factor would turn the heights upside down, and a factor of 0 would make them equal.
     """

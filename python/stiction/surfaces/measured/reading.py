@@ -1,4 +1,4 @@
-"""Reading of measured profiles and surfaces: choice of the reader, and interpretation of the content."""
+"""Reading of measured profiles and surfaces: a suitable reader is chosen, and the content is interpreted."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ class FileReading(Generic[_Body]):
         return "; ".join(parts)
 
     def to_json_fields(self) -> dict[str, Any]:
-        """Return JSON fields that describe how the file was interpreted."""
+        """Return fields for JSON that describe how the file was interpreted."""
         source = self.source
         return {
             "file": self.file, "layout": source.layout, "points": list(self.body.heights.shape),
@@ -309,7 +309,7 @@ def read_measurement(
     missing_value: MissingValueCodes | None = None,
     accept: str | Sequence[str] | None = None,
 ) -> Profile | Surface:
-    """Read a measured profile or surface, depending on the content of the file.
+    """Read a measured profile or surface, whichever the file contains.
 
     Parameters
     ----------
@@ -389,7 +389,7 @@ def _interpret_file(
     options: ReadOptions,
     convert: Callable[[RawHeights, str, ReadOptions], InterpretedScan[_Body]],
 ) -> FileReading[_Body]:
-    """Read a file and interpret its content. Every error message contains the complete path."""
+    """Read a file and interpret its content. Every error message starts with the path."""
     path = parse_path("path", path)
     try:
         raw = select_heights(_read_content(path, options.words), options.channel, options.columns)
@@ -412,7 +412,7 @@ def _interpret_file(
 
 
 def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
-    """Read the content of a file with the reader that matches the file name and the first bytes."""
+    """Read a file with the reader that matches its name and its first bytes."""
     suffix = path.suffix.lower()
     try:
         check_is_file(path)
@@ -451,7 +451,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
 
 
 def _reject_described_slopes(path: Path) -> None:
-    """Raise `FormatError` if the description next to a file of the mirror database dabam declares slopes."""
+    """Raise `FormatError` for slopes in a file of the mirror database dabam, according to the description beside it."""
     description = path.with_suffix(".txt")
     if path.suffix.lower() != ".dat" or not description.is_file() or description.stat().st_size > MAX_DESCRIPTION_BYTES:
         return
@@ -464,7 +464,7 @@ def _reject_described_slopes(path: Path) -> None:
 
 
 def _read_binary_file(path: Path) -> ReaderResult:
-    """Use SurfaceTopography to read a binary file whose name has the extension of a text file."""
+    """Read a binary file with SurfaceTopography, although its name has the extension of a text file."""
     if is_reader_installed():
         try:
             return read_instrument_file(path)
@@ -477,7 +477,7 @@ def _read_binary_file(path: Path) -> ReaderResult:
 
 
 def _read_instrument_or_text_file(path: Path, start: bytes, words: tuple[str, ...]) -> ReaderResult:
-    """Read a file with SurfaceTopography or, if SurfaceTopography cannot read a text file, as a table."""
+    """Read a file with SurfaceTopography, or as a table of text if SurfaceTopography cannot read it."""
     try:
         return read_instrument_file(path)
     except FormatError as error:

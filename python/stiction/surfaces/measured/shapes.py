@@ -1,4 +1,4 @@
-"""Second step of reading tables: select the columns of heights, either by options or by inspection of the numbers."""
+"""Second step of reading a table: select the columns of heights, by options or by inspecting the numbers."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ _HEIGHT_COLUMN_PATTERN = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|a
 def select_heights(
     content: ReaderResult, channel: NameOrIndex | None, columns: Sequence[NameOrIndex] | None
 ) -> RawHeights:
-    """Return the heights in the selected channel or columns. By default, the shape of the table selects the columns."""
+    """Return the heights in the selected channel or columns, which by default depend on the shape of the table."""
     if isinstance(content, HeightChannels):
         index = _find_channel_index(content, channel)
         raw = select_heights(content.read(index), None, columns)
@@ -120,7 +120,7 @@ def _find_channel_index(channels: HeightChannels, selected: NameOrIndex | None) 
 def _find_column_or_channel_index(
     names: Sequence[str], selected: NameOrIndex, numbers: Sequence[int], kind: str
 ) -> int:
-    """Return the index of a column or a channel, given its name or its number in the file."""
+    """Return the index of a column or a channel with a given name or number."""
     text = str(selected).strip()
     normalisers: list[Callable[[str], str]] = [lambda name: name, lambda name: name.casefold()]
     # "Height (trace)" ends with a remark, not with a unit
@@ -151,7 +151,7 @@ def _name_without_unit(name: str) -> str:
 
 
 def format_name_list(names: Sequence[str], numbers: Sequence[int] | None = None) -> str:
-    """List the first names, each with its number, as text for a message."""
+    """Return the first names of a list with their numbers, as text for a message."""
     numbers = range(len(names)) if numbers is None else numbers
     pairs = list(zip(numbers, names, strict=True))
     shown_names = ", ".join(f"{index} ({printable_text(name)})" for index, name in pairs[:MAX_LISTED_NAMES])
@@ -166,7 +166,7 @@ def _column_numbers(table: ColumnTable) -> Sequence[int]:
 
 
 def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[NameOrIndex]) -> RawHeights:
-    """Return the data of the selected columns: heights only, positions and heights, or x, y and heights."""
+    """Return the selected columns: heights alone, positions and heights, or x, y and heights."""
     numbers = _column_numbers(table)
     indices = [_find_column_or_channel_index(table.names, item, numbers, "column") for item in selected]
     description = ", ".join(
@@ -183,7 +183,7 @@ def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[NameOrIn
 
 
 def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **attributes: Any) -> RawHeights:
-    """Return the heights of a table together with all declarations in its header."""
+    """Combine the heights of a table with the declarations in its header."""
     declared = table.declared
     # A declared integer that exceeds the number of heights is not a count of missing points.
     counts = tuple(count for count in declared.counts if count > heights.size)
@@ -214,7 +214,7 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **att
 
 
 def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the header declares another unit than the column of heights, such as "nm" or "0.1 um"."""
+    """Return a caveat if header and column name declare different units of the heights, such as "nm" and "0.1 um"."""
     declared = table.declared
     if declared.factor is not None or declared.unit is None or unit not in LENGTH_UNITS:
         return ()
@@ -230,20 +230,20 @@ def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tup
 
 
 def _has_height_range(heights: Floats, declared: DeclaredLength) -> bool:
-    """Return whether the range of the numbers equals the declared range, which has at least three digits."""
+    """Return whether the numbers have the declared height range, which is given with at least three digits."""
     height_range = float(np.fmax.reduce(heights, axis=None) - np.fmin.reduce(heights, axis=None))
     return abs(height_range - declared.length) <= 0.51 * declared.digit and declared.digit <= 1e-2 * declared.length
 
 
 def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
-    """Return the unit of several height columns: their common unit or the unit declared in the header."""
+    """Return the unit that several columns of heights share, or the unit declared in the header."""
     unit = units[0] if len(set(units)) == 1 else None
     declared = table.declared
     return declared.unit if declared.unit is not None and (unit is None or declared.factor is not None) else unit
 
 
 def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = False) -> RawHeights:
-    """Return the heights of one column, or the positions and heights of rows where both columns contain numbers."""
+    """Return the heights of a column, or positions and heights of the rows in which both are numbers."""
     heights, declared = table.values[:, places[-1]], table.declared
     if declared.slope_line and not (table.names and _HEIGHT_COLUMN_PATTERN.match(table.names[places[-1]])):
         raise FormatError(
@@ -315,7 +315,7 @@ def _find_height_unit(table: ColumnTable, place: int) -> str | None:
 
 
 def _reject_positions_above_heights(column: Floats) -> None:
-    """Raise `FormatError` if a column of numbers lists all positions first, and then all heights."""
+    """Raise `FormatError` if a column of numbers lists all positions first and all heights afterwards."""
     reject_coordinates_above_heights(column)
     positions, heights = column[: column.size // 2], column[column.size // 2 :]
     is_divisible = positions.size == heights.size >= MIN_JITTERED_POSITIONS
@@ -324,7 +324,7 @@ def _reject_positions_above_heights(column: Floats) -> None:
 
 
 def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
-    """Remove the first number of a height column if it is the count of the numbers that follow."""
+    """Remove the first number of a column of heights if it is the number of heights below it."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
         # number of leading numbers that may be counts or sizes instead of heights
         for leading_number_count in range(place + 1, 4):
@@ -347,7 +347,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the first number has fewer decimals than all others, or if a number at the end is a count."""
+    """Return a caveat if the first number has too few decimals, or if a number at the end may be a count."""
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1
@@ -368,7 +368,7 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
 
 
 def _find_calculation_caveat(table: ColumnTable, place: int) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the name of a column of heights contains a calculation, such as "z x 1000"."""
+    """Return a caveat if the name of a column of heights is a calculation, such as "z x 1000"."""
     name = table.names[place] if table.names else ""
     is_raw = _RAW_HEIGHTS_PATTERN.fullmatch(name) is not None and _column_units(table)[place] is None
     if is_raw and table.declared.unit is None:
@@ -383,7 +383,7 @@ def _find_calculation_caveat(table: ColumnTable, place: int) -> tuple[FileCaveat
 def _find_position_caveat(
     table: ColumnTable, positions: Floats, places: Sequence[int], is_chosen: bool
 ) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the numbers used as positions may be point numbers or another quantity."""
+    """Return a caveat if a column of positions may contain point numbers or another quantity."""
     if caveats := _find_numbering_caveat(table, positions, places[0]):
         return caveats
     name = table.names[places[0]] if table.names else ""
@@ -403,7 +403,7 @@ def _find_position_caveat(
 
 
 def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the numbers used as positions may be point numbers instead."""
+    """Return a caveat if a column of positions may contain point numbers."""
     name = table.names[place] if table.names else ""
     if _column_units(table)[place] is not None or (name and not _NUMBERING_NAME_PATTERN.fullmatch(name.strip())):
         return ()
@@ -426,7 +426,7 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
 
 
 def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex] | None) -> ColumnTable:
-    """Remove columns of words. In rows with a word for missing points, replace the heights by NaN.
+    """Remove columns of words from a table, and mark heights as missing in rows where a word says so.
 
     If all words of a column are one unit of length, this is the unit of the column before it. Raises `FormatError` for
     a column that has neither a unit nor one of the caller's words for missing points, unless the caller chose the
@@ -469,7 +469,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
 
 
 def _fill_missing_rows_with_nan(values: Floats, missing: NDArray[np.bool_], places: Sequence[int]) -> Floats:
-    """Return values with NaN in the missing rows, except in columns of positions."""
+    """Return numbers with NaN in the missing rows, except in columns of positions."""
     masked_values = np.where(missing[:, np.newaxis], np.nan, values)
     for place in places:
         if has_equal_steps(values[:, place]):
@@ -478,7 +478,7 @@ def _fill_missing_rows_with_nan(values: Floats, missing: NDArray[np.bool_], plac
 
 
 def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None) -> ColumnTable:
-    """Remove a column of flags, and mark heights as missing where the flags declare them invalid.
+    """Remove a column of flags from a table, and mark the heights that it declares invalid as missing.
 
     Raises `FormatError` if the meaning of the flags is unknown, unless the caller chose the columns.
     """
@@ -515,7 +515,7 @@ def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None
 
 
 def _select_table_columns(table: ColumnTable, selection: Sequence[int], values: Floats | None = None) -> ColumnTable:
-    """Return a table that contains only the selected columns of a given table."""
+    """Return a table with only the selected columns."""
     digits, numbers = table.digits, _column_numbers(table)
     return replace(
         table, values=(table.values if values is None else values)[:, list(selection)],
@@ -531,7 +531,7 @@ def _select_table_columns(table: ColumnTable, selection: Sequence[int], values: 
 
 @dataclass(frozen=True)
 class TableLayout:
-    """Layout of a table, with functions that recognise and read it."""
+    """Layout of a table, with functions that recognise and read a table of this layout."""
 
     name: str
     recognises: Callable[[ColumnTable], bool]
@@ -539,7 +539,7 @@ class TableLayout:
 
 
 def _read_by_layout(table: ColumnTable) -> RawHeights:
-    """Read the heights of a table with the first `TableLayout` that recognises the table."""
+    """Read the heights of a table with the first matching `TableLayout`."""
     table, numbering_history = _remove_numbering(table)
     is_empty_column = np.isnan(table.values).all(axis=0)
     if table.places is not None and is_empty_column.any() and not is_empty_column.all():
@@ -551,7 +551,7 @@ def _read_by_layout(table: ColumnTable) -> RawHeights:
 
 
 def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
-    """Return a table without row and column numbers that a program has added to the heights."""
+    """Remove the row and column numbers that a program has added to a table of heights."""
     rows, columns = table.values.shape
     if columns > 1 and table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[0].strip()):
         first = table.values[0, 0]
@@ -580,7 +580,7 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
 
 
 def _read_matrix(table: ColumnTable) -> RawHeights:
-    """Return a matrix of heights. Raises `FormatError` if the table contains anything else, such as positions."""
+    """Return a matrix of heights. Raises `FormatError` if a table contains other numbers, such as positions."""
     reject_separate_blocks(table.block_lengths, table.block_lines)
     reject_points_and_statistics(table.values, _column_numbers(table))
     is_declared_map = table.area or table.declared.size is not None or table.declared.spacings is not None
@@ -597,7 +597,7 @@ def _read_matrix(table: ColumnTable) -> RawHeights:
 
 
 def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
-    """Remove the first column if it contains positions with the declared spacing. Return the table and a history entry.
+    """Remove the first column of a table if it contains positions with the declared spacing.
 
     Raises `FormatError` if the first row or column contains other positions. A single row or column contains heights.
     """
@@ -631,7 +631,7 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
 
 
 def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether the first line contains positions rather than heights of a surface that rises evenly."""
+    """Return whether the first line of a table contains positions, and not heights of an evenly rising surface."""
     first = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
     if _has_equal_steps_as_printed(first, digits):
@@ -646,7 +646,7 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
 
 
 def _correlation_with_index(values: Floats) -> float:
-    """Return the magnitude of the correlation between values and their index."""
+    """Return the absolute correlation between heights and point index."""
     filled_rows = np.flatnonzero(np.isfinite(values))
     if filled_rows.size < 3 or np.ptp(values[filled_rows]) == 0:
         return 0.0
@@ -654,7 +654,7 @@ def _correlation_with_index(values: Floats) -> float:
 
 
 def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
-    """Return whether values change in equal steps. The first value is ignored, because it may be a table corner."""
+    """Return whether numbers change in equal steps, ignoring the first, which may be the corner of a table."""
     following = values[1:]
     if following.size < 4 or not np.isfinite(following).all():
         return False
@@ -669,7 +669,7 @@ def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
 
 
 def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether values rise or fall in steps that are equal within the printed digits."""
+    """Return whether printed numbers rise or fall in steps that are equal within their digits."""
     if has_equal_steps(values):
         return True
     if digits is None or values.size < 5 or not np.isfinite(values[1:]).all():
@@ -682,7 +682,7 @@ def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | N
 
 
 def _is_labelled_matrix(table: ColumnTable) -> bool:
-    """Return whether the first row and the first column of a table contain positions and the corner is empty."""
+    """Return whether a table has positions in its first row and first column, and an empty corner."""
     values = table.values
     if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.area:
         return False
@@ -705,7 +705,7 @@ def _read_labelled_matrix(table: ColumnTable) -> RawHeights:
 
 
 def _find_xyz_columns(table: ColumnTable) -> tuple[int, int, int] | None:
-    """Return the columns of x, y and z in a list of points, if their names identify them or there are three columns."""
+    """Return the columns of x, y and z in a list of points, found by their names or because there are three."""
     columns = table.values.shape[1]
     if not any(table.names):
         return (0, 1, 2) if columns == 3 else None
@@ -751,7 +751,7 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
 
 
 def _is_line_of_points(table: ColumnTable) -> bool:
-    """Return whether points x, y, z form a profile along x, with a single value of y."""
+    """Return whether points x, y, z with a single y form a profile along x."""
     places = _find_xyz_columns(table)
     if places is None or table.area or (table.values.shape[1] != 3):
         return False
@@ -772,7 +772,7 @@ def _reject_ambiguous_columns(table: ColumnTable) -> RawHeights:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return a clause to append to a message if the table lacks the unit or the spacing; otherwise an empty string."""
+    """Return a clause for messages about a table without unit or spacing, or an empty string."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _column_units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")

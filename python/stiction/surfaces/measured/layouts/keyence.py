@@ -40,7 +40,7 @@ def _split_cells(line: str) -> list[str]:
 
 
 def _split_header_rows(text: DecodedText) -> list[list[str]]:
-    """Return the cells of the lines above the heights."""
+    """Return the cells of the header lines above the heights."""
     rows = []
     for line in text.first_lines[:60]:
         quoted_cells = re.findall(r'"([^"]*)"', line)
@@ -102,7 +102,7 @@ def _read(text: DecodedText) -> RawHeights:
 
 
 def _extract_single_image(text: DecodedText, values: np.ndarray, last: int) -> np.ndarray:
-    """Return the heights of an image. Raises `FormatError` if the file also contains the numbers of another image."""
+    """Return the heights of the only image in a file. Raises `FormatError` if the file contains another image."""
     if (text.line_kinds[last + 1 :] == NUMBER_LINE_CODE).any():
         line_number = last + 1 + int(np.argmax(text.line_kinds[last + 1 :] == NUMBER_LINE_CODE))
         raise FormatError(

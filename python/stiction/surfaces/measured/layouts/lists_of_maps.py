@@ -1,4 +1,4 @@
-r"""Lists of numbers of NanoScope, CODE V, ISO 5436-2 or an image. They are recognised in order to be rejected.
+r"""Recognition of number lists from NanoScope, CODE V, ISO 5436-2 and images, which are rejected.
 
 NanoScope exports a map as a column of heights. The numbers of CODE V and ISO 5436-2 (.smd, .prf) have a scale.
 

@@ -1,4 +1,4 @@
-"""Slope profiles of a long trace profiler. They are recognised in order to be rejected.
+"""Recognition of slope profiles from a long trace profiler, which are rejected.
 
 Three numbers follow the header: the focal length, the step (mm) and the number of points. The rows are positions and
 slopes, without names or units.
