@@ -57,7 +57,7 @@ _CHARACTER_KIND_TABLE = _CHARACTER_KINDS.tobytes()
 
 @dataclass(frozen=True)
 class DecodedText:
-    """Text in UTF-8 with line feeds between lines, ASCII minus signs, and no spaces as thousands separators."""
+    """Text of a file as UTF-8, with line feeds, ASCII minus signs and no spaces as thousands separators."""
 
     data: bytes
     encoding: str
@@ -65,12 +65,12 @@ class DecodedText:
 
     @cached_property
     def line_starts(self) -> NDArray[np.int64]:
-        """Byte offsets at which the lines start and the text ends."""
+        """Byte offsets of the start of each line and of the end of the text."""
         line_ends = np.flatnonzero(np.frombuffer(self.data, np.uint8) == ord("\n"))
         return np.concatenate([[0], line_ends + 1])
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
-        """Return whether the given lines may contain words for missing points, which are not written like numbers."""
+        """Return whether lines may contain words that mark missing points, apart from words that look like numbers."""
         has_words_like_numbers = any(not word.encode().translate(None, NUMERIC_CHARACTERS) for word in self.words)
         return has_words_like_numbers or bool((self.character_type_bits[lines] & _NON_NUMBER_CHARACTER_BIT).any())
 
@@ -78,19 +78,19 @@ class DecodedText:
         return self.line_starts.size - 1
 
     def raw_line(self, line_number: int) -> bytes:
-        """Return a line without its line feed; line numbers count from 0."""
+        """Return a line of the text without its line feed; line numbers count from 0."""
         return self.data[self.line_starts[line_number] : self.line_starts[line_number + 1] - 1]
 
     def line(self, line_number: int) -> str:
-        """Return a line without its line feed and surrounding blanks; line numbers count from 0."""
+        """Return a line of the text without surrounding blanks; line numbers count from 0."""
         return self.raw_line(line_number).decode("utf-8", "replace").strip(" \r")
 
     def nonempty_lines(self, first: int, end: int) -> list[str]:
-        """Return the non-empty lines in a range of lines."""
+        """Return the lines of the text in a range that are not empty."""
         return [line for line_number in range(first, end) if (line := self.line(line_number)).strip("\t")]
 
     def describe_line(self, line_number: int) -> str:
-        """Return the number and the beginning of a line for a message; line numbers count from 0."""
+        """Return the number and the start of a line for an error message; line numbers count from 0."""
         text = " ".join(self.line(line_number).split())
         return (
             f"line {line_number + 1} ({text if len(text) <= _MAX_SHOWN_LENGTH else text[:_MAX_SHOWN_LENGTH] + '...'!r})"
@@ -98,7 +98,7 @@ class DecodedText:
 
     @cached_property
     def first_lines(self) -> tuple[str, ...]:
-        """First non-empty lines of the text."""
+        """Lines at the start of the text that are not empty."""
         lines = (
             self.data[start : start + MAX_FIRST_LINE_LENGTH].partition(b"\n")[0]
             for start in self.line_starts[:-1][:MAX_FIRST_LINES].tolist()
@@ -126,7 +126,7 @@ class DecodedText:
 
     @cached_property
     def line_kinds(self) -> NDArray[np.uint8]:
-        """Kind of each line: blank, numbers or text."""
+        """Kind of each line of the text: blank, numbers or other text."""
         bits = self.character_type_bits
         kinds = np.full(bits.size, NUMBER_LINE_CODE, np.uint8)
         kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _NUMBER_SYMBOL_BIT) == 0] = BLANK_LINE_CODE
@@ -150,7 +150,7 @@ class DecodedText:
 
 
 def is_text(data: bytes) -> bool:
-    """Return whether the bytes of a file begin with text in any encoding."""
+    """Return whether a file begins with text in any encoding."""
     first_bytes = data[:4096]
     if first_bytes.startswith((b"\xff\xfe", b"\xfe\xff")) or _detect_utf16(first_bytes):
         return True
@@ -184,7 +184,7 @@ def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
 
 
 def _to_utf8(data: bytes) -> tuple[str, bytes]:
-    """Convert the bytes of a text to UTF-8. Return the name of the original encoding, and the converted bytes."""
+    """Convert text to UTF-8. Return the name of its encoding and the converted bytes."""
     for byte_order_mark, encoding in ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")):
         if data.startswith(byte_order_mark):
             return encoding.removesuffix("-sig"), data.decode(encoding, "replace").encode()
@@ -216,7 +216,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
 
 
 def _detect_utf16(start: bytes) -> str | None:
-    """Detect UTF-16 text without a byte order mark by the positions of zero bytes. Return the encoding, or None."""
+    """Return the byte order of UTF-16 text without a byte order mark, found from the zero bytes, or None."""
     half = len(start) // 2
     if half < 4:
         return None

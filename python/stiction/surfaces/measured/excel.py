@@ -30,7 +30,7 @@ _ROW_TAG_PATTERN = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
 
 def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
-    """Return the sheets of a workbook as channels. `words` are additional words that mark missing points."""
+    """Return the sheets of an Excel workbook as channels. `words` are additional words that mark missing points."""
     try:
         with warnings.catch_warnings(action="ignore"):  # ignore openpyxl's warnings about the styles of a workbook
             from openpyxl import load_workbook
@@ -76,7 +76,7 @@ def _record_layout(table: ColumnTable, layout: str) -> ColumnTable:
 def _read_sheets(
     load_workbook: Callable[..., Any], data: bytes, *, data_only: bool
 ) -> dict[str, list[tuple[Any, ...]]]:
-    """Return the rows of each sheet. With `data_only`, a formula has its stored value, otherwise its text."""
+    """Return the rows of each sheet. With `data_only`, formulas are replaced by their stored numbers."""
     with warnings.catch_warnings(action="ignore"):
         workbook = load_workbook(io.BytesIO(data), read_only=True, data_only=data_only)
         sheets = {sheet.title: _read_rows(sheet) for sheet in workbook.worksheets}
@@ -85,7 +85,7 @@ def _read_sheets(
 
 
 def _show_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
-    """Replace formulas without a stored value by a word, so that a column of formulas does not count as empty."""
+    """Replace formulas without a stored number by a word, so that a column of formulas does not count as empty."""
     shown_rows = []
     for number, formula_row in enumerate(formulas):
         row = rows[number] if number < len(rows) else ()

@@ -1,4 +1,4 @@
-"""Conversion of points x, y, z on a grid to a matrix of heights."""
+"""Conversion of a list of grid points x, y, z to a matrix of heights."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MIN_GRID_GAP_RATIO = 4.0  # minimum ratio of the smallest gap between grid point
 def to_grid(
     x: Floats, y: Floats, z: Floats, digits: Sequence[Callable[[], Floats] | None]
 ) -> tuple[Floats, tuple[float, float], str]:
-    """Return heights (rows, columns) with NaN at missing nodes, the spacings (Δy, Δx), and a history entry.
+    """Return the matrix of heights at listed grid points, the spacings (Δy, Δx), and a history entry.
 
     Rows are in ascending order of y, and columns in ascending order of x. Raises `FormatError` if the points are not on
     a grid.
@@ -51,7 +51,7 @@ def fill_grid(
     shape: tuple[int, int], rows: np.ndarray, columns: np.ndarray, heights: Floats,
     describe_position: Callable[[int], str],
 ) -> tuple[Floats, int]:  # fmt: skip
-    """Return a matrix with the heights of the listed nodes and NaN elsewhere, and the number of absent nodes.
+    """Return the matrix of heights at listed grid nodes, with NaN elsewhere, and the number of nodes not listed.
 
     A node may be listed repeatedly with the same height. Raises `FormatError` if its heights differ.
     """
@@ -73,7 +73,7 @@ def fill_grid(
 def _find_step_and_node_indices(
     name: str, positions: Floats, digits: Callable[[], Floats] | None
 ) -> tuple[float, np.ndarray]:
-    """Return the grid step along an axis, and the node index of each point."""
+    """Return the grid step along an axis, and the index of the grid node of each point."""
     if not (np.abs(positions) <= MAX_DECLARED_NUMBER).all():
         raise FormatError(f"lists a point without a usable {name}")
     step = _step_of_rounded_positions(positions, digits) or estimate_step(positions)
@@ -108,7 +108,7 @@ def _find_step_and_node_indices(
 
 
 def _step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
-    """Return the step of a grid without missing nodes, given positions that were rounded for printing.
+    """Return the step of a grid without missing nodes from positions that were rounded for printing.
 
     Returns None if there is no such grid.
     """
@@ -126,7 +126,7 @@ def _step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] |
 
 
 def estimate_step(positions: Floats) -> float | None:
-    """Return the median step between positions. Positions that differ only by rounding count as one position."""
+    """Return the median step between positions, counting positions that differ only by rounding as one."""
     distinct_positions = np.unique(positions)
     gaps = np.diff(distinct_positions)
     if not gaps.size:

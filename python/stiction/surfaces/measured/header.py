@@ -286,7 +286,7 @@ _WORDS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "se
 
 @dataclass(frozen=True)
 class ColumnHeadings:
-    """Column names and units in the header of a table, and the unit of the heights if the header names only heights."""
+    """Names and units of columns in the header of a table, and the unit of heights in a line about heights alone."""
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
@@ -299,7 +299,7 @@ _UNPAIRED_INCH_MARK_PATTERN = re.compile(r'(?<=[,;\t:=_ ])"(?=[,;\t]|$)')
 
 
 def normalise_line(line: str) -> str:
-    """Replace full-width characters, unit ligatures, inch marks and entities in a line, and remove double quotes."""
+    """Replace full-width characters, unit ligatures, inch marks and HTML entities, and remove double quotes."""
     line = html.unescape(line) if "&" in line else line
     line = _INCH_MARK_PATTERN.sub(r"\1inch\2", unicodedata.normalize("NFKC", line))
     if line.count('"') % 2:
@@ -310,7 +310,7 @@ def normalise_line(line: str) -> str:
 def parse_declarations(
     header: Sequence[str], *, footer: Sequence[str] = (), is_profile: bool = False, has_names: bool = False
 ) -> HeaderDeclarations:
-    """Parse the declarations above and below the numbers. The first match of each kind is used.
+    """Parse the declarations above and below the numbers of a table. The first match of each kind counts.
 
     In the header of a profile, y denotes the heights. With `has_names`, the last line contains column names.
     """
@@ -363,7 +363,7 @@ def parse_declarations(
 
 
 def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
-    """Return the line that declares the numbers to be slopes, or an empty string.
+    """Return the header line which declares that the numbers are slopes, or an empty string.
 
     A line with the value of a slope, such as "Rms slope: 0.02", is no such declaration.
     """
@@ -377,7 +377,7 @@ def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
 
 
 def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
-    """Return the units of positions and of heights in a line with both, or in several lines with the same unit."""
+    """Return the units of positions and heights, from a line with both or from several lines with the same unit."""
     for line in lines:
         if (match := _UNITS_OF_COLUMNS_PATTERN.fullmatch(line)) is not None:
             return match[1], match[2]
@@ -388,12 +388,12 @@ def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
 
 
 def _list_plain_units(lines: Sequence[str]) -> list[tuple[str, str]]:
-    """List each unit that is declared without a quantity, and its line."""
+    """List each unit that the header declares without naming a quantity, with its line."""
     return [(match[1], line) for line in lines if (match := _PLAIN_UNIT_PATTERN.fullmatch(line))]
 
 
 def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -> tuple[str | None, str]:
-    """Return the unit of the heights and the line that declares it. An unknown unit is returned unchanged.
+    """Return the unit of the heights and the header line that declares it. An unknown unit is returned unchanged.
 
     With `has_size`, the header declares the size of a map, and "Height 10 um" is a part of this size.
     """
@@ -419,7 +419,7 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
 
 
 def _find_unit_after_height_name(line: str, is_profile: bool, has_size: bool) -> str | None:
-    """Return the known or unknown unit after the name of the heights, as in "Z: nm" and "z 10 nm".
+    """Return the known or unknown unit after the name of the heights, as in "Z: nm" or "z 10 nm".
 
     Remarks and factors are not units.
     """
@@ -445,7 +445,7 @@ def is_unapplied_factor(text: str) -> bool:
 
 
 def parse_history(header: Sequence[str]) -> list[str]:
-    """Return the history entries that `write_profile` and `write_surface` write above the numbers."""
+    """Return the processing steps that `write_profile` and `write_surface` list above the numbers."""
     return [line.removeprefix(_HISTORY_PREFIX) for line in header if line.startswith(_HISTORY_PREFIX)]
 
 
@@ -455,7 +455,7 @@ def _parse_factor_unit(match: re.Match[str]) -> str | None:
 
 
 def _is_declaration(line: str) -> bool:
-    """Return whether a header line is a declaration, as opposed to a line of column names."""
+    """Return whether a header line is a declaration, and not a line of column names."""
     full_patterns = (
         _UNKNOWN_UNIT_PATTERN,
         _POSITION_UNIT_PATTERN,
@@ -472,7 +472,7 @@ def _is_declaration(line: str) -> bool:
 
 
 def _find_last_line_with_letters(lines: Sequence[str]) -> str | None:
-    """Return the last line that contains letters, without comment characters at its start."""
+    """Return the last header line with letters, without comment characters at its start."""
     return next((line.lstrip(COMMENT_CHARACTERS) for line in reversed(lines) if any(map(str.isalpha, line))), None)
 
 
@@ -487,7 +487,7 @@ def _mentions_only_heights(line: str) -> bool:
 
 
 def _find_units(line: str) -> list[str]:
-    """Return the units in a line.
+    """Return the units in a header line.
 
     Units in brackets are returned or, if there are none, units that are separate words.
     """
@@ -505,12 +505,12 @@ def _has_number_outside_brackets(line: str) -> bool:
 
 
 def is_unit(word: str) -> bool:
-    """Return whether a word is a unit, either of length or of another quantity."""
+    """Return whether a word is a unit, of length or of another quantity."""
     return parse_length_unit(word) is not None or NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 
 def find_other_axis(name: str, unit: str | None) -> str | None:
-    """Return the quantity, such as "time", that a column of positions contains instead of a length, or None.
+    """Return the quantity, such as "time", that a column of positions contains in place of a length, or None.
 
     The result is also None if the column has a unit that is not a length, because such units are rejected elsewhere.
     """
@@ -526,7 +526,7 @@ def is_length_axis(name: str) -> bool:
 
 
 def is_computed_height(name: str) -> bool:
-    """Return whether the name of a column of heights contains a calculation, such as "1000*z", "-z" or "log z"."""
+    """Return whether the name of a column of heights is a calculation, such as "1000*z", "-z" or "log z"."""
     name_without_units = _BRACKETED_WORD_PATTERN.sub(" ", name)
     return bool(_CALCULATION_PATTERN.search(name_without_units) or _FUNCTION_PATTERN.search(name))
 
@@ -588,7 +588,7 @@ def _has_unit(cell: str) -> bool:
 
 
 def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[tuple[str, ...], bool]:
-    """Return the column names, and whether the last line contains only the units of the columns."""
+    """Return the names of columns, and whether the last header line has only their units."""
     names = split_column_names(lines[-1], width, dialect) if width > 1 else None
     if names is None:
         return (), False
@@ -611,7 +611,7 @@ def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> t
 
 
 def _names_axes(names: Sequence[str]) -> bool:
-    """Return whether any of several column names denotes positions or heights."""
+    """Return whether one of several column names denotes positions or heights."""
     return any(is_length_axis(name) or _HEIGHT_NAME_PATTERN.search(name) for name in names)
 
 
@@ -701,7 +701,7 @@ def _split_name(name: str) -> list[str]:
 
 
 def _find_unknown_unit(name: str) -> str | None:
-    """Return the words after the name of an axis if they may be a unit, unlike a remark or a profile number."""
+    """Return the words after the name of an axis if they may be a unit, and not a remark or a profile number."""
     match = _TEXT_AFTER_AXIS_NAME_PATTERN.fullmatch(name)
     if match is None:
         return None
@@ -710,12 +710,12 @@ def _find_unknown_unit(name: str) -> str | None:
 
 
 def _is_unit_word(word: str) -> bool:
-    """Return whether the last word of a column name is a unit, unlike "point" in "data point"."""
+    """Return whether the last word of a column name is a unit, which "point" in "data point" is not."""
     return word.casefold() not in _WORDS_LIKE_UNITS and NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 
 def _find_scaled_unit(name: str) -> str | None:
-    """Return the unit of length at the end of a column name together with its factor, as in "1e-6m", or None."""
+    """Return the unit of length with its factor at the end of a column name, as in "1e-6m", or None."""
     match = _SCALED_UNIT_PATTERN.fullmatch(name)
     if match is None or (re.match(r"[0-9]+[\s_]", match[2]) and _NUMBERED_NAME_PATTERN.fullmatch(match[1])):
         return None

@@ -47,7 +47,7 @@ _ARRAY_WITHOUT_HEIGHTS_PATTERN = re.compile(
 
 
 def _denotes_no_heights(name: str) -> bool:
-    """Return whether the name of an array denotes something other than heights."""
+    """Return whether an array in an instrument file has a name that denotes something other than heights."""
     words = name.replace("_", " ").replace("/", " ")
     return bool(_ARRAY_WITHOUT_HEIGHTS_PATTERN.fullmatch(name) or NON_HEIGHT_NAME_PATTERN.search(words))
 
@@ -58,7 +58,7 @@ def is_reader_installed() -> bool:
 
 
 def read_instrument_file(path: Path) -> HeightChannels:
-    """Read a file with SurfaceTopography, which supports about forty instrument formats."""
+    """Read a file with SurfaceTopography, which supports about forty formats of instruments."""
     try:
         # ignore SurfaceTopography's warnings about packages that are not installed
         with warnings.catch_warnings(action="ignore"):

@@ -1,4 +1,4 @@
-"""Checks that a table without column names is a matrix of heights, and not points, statistics, blocks or a profile.
+"""Checks that a table without column names contains a matrix of heights, and not points, statistics or a profile.
 
 A matrix of heights has columns of one kind, in rows that follow each other. Tables of another kind are recognised by
 their numbers alone, because nothing else in the file distinguishes them.
@@ -46,7 +46,7 @@ _STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
 
 
 def reject_points_and_statistics(values: Floats, column_numbers: Sequence[int]) -> None:
-    """Raise `FormatError` if a table of at least three columns contains points or statistics."""
+    """Raise `FormatError` if a table of three or more columns contains points or statistics instead of heights."""
     if min(values.shape) < 3 and values.shape[1] != 3:
         return
     count = values.shape[1]
@@ -73,7 +73,7 @@ def reject_points_and_statistics(values: Floats, column_numbers: Sequence[int]) 
 
 
 def reject_coordinates_above_heights(column: Floats) -> None:
-    """Raise `FormatError` if a column of numbers lists the coordinates of a grid first, and then the heights."""
+    """Raise `FormatError` if a column of numbers lists grid coordinates first and heights afterwards."""
     if column.size % 3 or column.size < 3 * MIN_GRID_POINTS:
         return
     points = column.reshape(3, -1).T
@@ -96,7 +96,7 @@ def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -
 
 
 def find_grid_columns(values: Floats) -> tuple[int, int] | None:
-    """Return two columns that are the coordinates of the points of a grid, or None.
+    """Return two columns that contain the coordinates of grid points, or None.
 
     The points are different and fill at least half of the grid. If they do not fill all of it, they are listed line by
     line. Other columns, such as point numbers or colours, may stand before, between and behind these columns.
@@ -124,7 +124,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
 
 
 def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> str | None:
-    """Describe a column that cannot contain heights: only integers, only equal numbers, or part of a unit vector."""
+    """Describe a column that cannot contain heights: its numbers are integers, equal, or parts of unit vectors."""
     rows, count = values.shape
     if count > MAX_POINT_COLUMNS or rows < max(MIN_POINT_ROWS, 3 * count) or np.isnan(values).any():
         return None
@@ -145,7 +145,7 @@ def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> s
 
 
 def _find_statistics(values: Floats) -> str | None:
-    """Describe rows or columns at a side of a matrix with statistics of all other rows or columns, or return None."""
+    """Describe outer rows or columns of a matrix with statistics of the other rows or columns, or return None."""
     for axis, kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered in (("last", lines), ("first", lines[::-1])):
@@ -159,7 +159,7 @@ def _find_statistics(values: Floats) -> str | None:
 
 
 def _find_statistic_name(lines: Floats, count: int) -> str | None:
-    """Return the name of the statistic of all but the last `count` lines that the last line contains, or None."""
+    """Return the name of the statistic in the last line, computed from all lines but the last `count`, or None."""
     heights, last = lines[:-count], lines[-1]
     if not np.isfinite(lines).all():
         return None
@@ -174,7 +174,7 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
 
 
 def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
-    """Return a caveat if heights may continue from the end of each line to the next line, like one long profile.
+    """Return a caveat if a matrix may be one long profile that continues from the end of each line to the next.
 
     The end of a row is usually far from the start of the next row in a matrix, but close to it in a wrapped profile.
     """

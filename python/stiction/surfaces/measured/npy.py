@@ -1,4 +1,4 @@
-"""Reading and writing of heights in NumPy arrays (.npy)."""
+"""Reading and writing of heights as NumPy arrays (.npy)."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tu
 
 
 def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
-    """Return the next array of a file as a view of its bytes."""
+    """Return the next array in a file without copying its bytes."""
     try:
         with warnings.catch_warnings(action="ignore"):
             is_version_1 = np.lib.format.read_magic(file) == (1, 0)

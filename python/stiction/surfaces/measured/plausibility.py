@@ -1,4 +1,4 @@
-"""Named checks for implausible heights and spacings, applied to files and to surfaces passed as objects."""
+"""Named checks for implausible heights and spacings of files and of bodies in memory."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
 
 @dataclass(frozen=True)
 class ScannedHeights:
-    """Heights (µm, NaN at missing points) and spacing, with the conversion factor and the source of the numbers."""
+    """Heights (µm, NaN at missing points) and spacing of a scan, with the origin of the numbers."""
 
     heights: Floats
     spacing: tuple[float, ...]  # spacing of a scan (µm) along y and x, or of a profile along x
@@ -72,18 +72,18 @@ class ScannedHeights:
 
     @cached_property
     def non_missing_heights(self) -> Floats:
-        """Heights that are not missing."""
+        """Heights at measured points."""
         is_missing = np.isnan(self.heights)
         return self.heights[~is_missing] if is_missing.any() else self.heights.ravel()
 
     @cached_property
     def extremes(self) -> tuple[float, float]:
-        """Lowest and highest height that are not missing."""
+        """Lowest and highest measured height."""
         return float(self.non_missing_heights.min()), float(self.non_missing_heights.max())
 
     @property
     def height_range(self) -> float:
-        """Range of the heights that are not missing."""
+        """Distance from the lowest to the highest measured height."""
         return self.extremes[1] - self.extremes[0]
 
 
@@ -96,7 +96,7 @@ class PlausibilityCheck(NamedTuple):
 
 
 def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
-    """Apply all checks to a scan, and return the resulting caveats."""
+    """Apply all plausibility checks to a scan, and return their caveats."""
     if scan.heights.size < MIN_CHECKED_POINTS:
         return ()
     findings = [(check, text) for check in PLAUSIBILITY_CHECKS[:1] for text in check.find(scan)]
@@ -112,7 +112,7 @@ def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
 
 
 def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
-    """Find extreme values that repeat exactly and are far from all other heights, like codes for missing points."""
+    """Find extreme heights that repeat exactly and are far from all other heights, like codes for missing points."""
     for code, count, distance in _find_missing_point_codes(scan):
         number = _to_number_in_file(code, scan)
         yield (
@@ -122,7 +122,7 @@ def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _to_number_in_file(height: float, scan: ScannedHeights) -> float:
-    """Return the number in the file from which a height was converted."""
+    """Return the number in the file that was converted to a height."""
     return float(f"{height / scan.factor:.12g}")
 
 
@@ -202,7 +202,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
 
 
 def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
-    """Find values that occur much more often than their neighbours, such as filled-in zeros and clipped heights."""
+    """Find heights that occur much more often than similar heights, such as filled-in zeros and clipped heights."""
     if not scan.from_file:
         return
     heights = scan.non_missing_heights
@@ -234,7 +234,7 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str | None:
-    """Return the finding that more heights are exactly 0 than the frequencies of similar heights explain, or None.
+    """Return a finding if more heights are exactly 0 than the frequencies of similar heights explain, or else None.
 
     Heights that are rounded towards zero are 0 twice as often as they have another value.
     """
@@ -260,7 +260,7 @@ def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str |
 
 
 def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
-    """Find rows or columns of a map, or points of a profile, that are equal although most are not."""
+    """Find rows or columns of a map, or points of a profile, that repeat the previous one."""
     if not scan.from_file:
         return
     if scan.heights.ndim == 1:
@@ -296,7 +296,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _count_copies(heights: Floats) -> int:
-    """Return how many times a file repeats its whole list of heights, unlike the short periods of a wave."""
+    """Return how many times a file repeats its whole list of heights, not counting short periods of a wave."""
     for copies in (2, 3):
         length = heights.shape[0] // copies
         if (
@@ -349,7 +349,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
-    """Find heights with a much larger range than the header declares, or with the declared range in another unit.
+    """Find heights whose range is much larger than declared, or equals the declared range in another unit.
 
     A declared range that is larger by any other factor may be the measuring range of the instrument.
     """

@@ -1,4 +1,4 @@
-"""Rows of a worksheet as a table."""
+"""Largest table of numbers in an Excel worksheet."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def _is_number_cell(cell: Any) -> bool:
 
 
 def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the columns with two or more numbers and at least a quarter as many numbers as the fullest column."""
+    """Return columns with at least two numbers and a quarter as many as the column with the most."""
     number_counts: Counter[int] = Counter(
         index for row in rows for index, cell in enumerate(row) if _is_number_cell(cell)
     )
@@ -38,7 +38,7 @@ def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
 
 
 def _find_data_rows(rows: Sequence[Sequence[Any]], columns: Sequence[int]) -> range:
-    """Return the longest run of rows that have a number in at least one of the columns."""
+    """Return the longest run of worksheet rows with a number in at least one of the given columns."""
     has_number = [any(map(_is_number_cell, _select_cells(row, columns))) for row in rows]
     runs = [list(run) for is_run, run in itertools.groupby(range(len(rows)), has_number.__getitem__) if is_run]
     longest_run = max(runs, key=len)
@@ -46,7 +46,7 @@ def _find_data_rows(rows: Sequence[Sequence[Any]], columns: Sequence[int]) -> ra
 
 
 def _find_table_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the numeric columns, and all columns that adjoin them in the data rows.
+    """Return the columns of a table: those with numbers, and all columns beside them that are not empty.
 
     An adjoining column contains words, or numbers in a few rows only. An empty column separates two tables.
     """
@@ -69,7 +69,7 @@ def _select_cells(row: Sequence[Any], columns: Sequence[int]) -> list[Any]:
 
 
 def _join_row_cells(row: Sequence[Any], columns: Sequence[int]) -> str:
-    """Join cells of a row with tabs: the table columns of data rows and heading rows, and all cells of other rows."""
+    """Join cells of a worksheet row with tabs. Rows of data and headings keep only the columns of the table."""
     selected_cells = _select_cells(row, columns)
     if any(map(_is_number_cell, selected_cells)) or (
         selected_cells and all(isinstance(cell, str) for cell in selected_cells)

@@ -118,7 +118,7 @@ class SpacingDeclarations:
 
 
 def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
-    """Parse the spacings and the size in normalised lines. The first line of each kind is used."""
+    """Parse spacings and size in header lines. The first line of each kind counts."""
     lines = [part for line in lines for part in _NEXT_DECLARATION_PATTERN.split(line)]
     spacing: DeclaredLength | None = None
     pixel_sizes: tuple[DeclaredLength, DeclaredLength] | None = None
@@ -159,7 +159,7 @@ def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
 
 
 def is_spacing_declaration(line: str) -> bool:
-    """Return whether a header line begins with the name of a spacing or of a size, and a number."""
+    """Return whether a header line has the name of a spacing or a size, and a number."""
     patterns = (_SPACING_PATTERN, *_AXIS_SPACING_PATTERNS.values(), *_SIZE_PATTERNS)
     return any(pattern.match(line) for pattern in patterns)
 
@@ -167,7 +167,7 @@ def is_spacing_declaration(line: str) -> bool:
 def _parse_spacing_line(
     line: str,
 ) -> DeclaredLength | tuple[DeclaredLength, DeclaredLength] | float | UnclearSpacing | None:
-    """Parse a line that begins with the name of a spacing.
+    """Parse a header line that begins with the name of a spacing.
 
     Returns a spacing, a pair (Δy, Δx) if the line is about both axes, a number without unit, an `UnclearSpacing`, or
     None for a line about something else.
@@ -225,7 +225,7 @@ def _unit_or_none(unit: str | None) -> str | None:
 def find_first_match(
     pattern: re.Pattern[str], lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
-    """Parse the lines that begin with a pattern, and return the first result that is not None."""
+    """Parse the header lines that begin with a pattern, and return the first result that is not None."""
     matches = (match for line in lines if (match := pattern.match(line)))
     return next((value for match in matches if (value := parse_match(match)) is not None), None)
 
@@ -242,7 +242,7 @@ def _pair_if_complete(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
 
 
 def parse_bracketed_length(match: re.Match[str]) -> DeclaredLength | None:
-    """Parse a length whose unit follows the number, or follows the name in brackets."""
+    """Parse a length whose unit stands behind the number, or in brackets behind the name."""
     return parse_length(match[2], match[3] or match[1], line=match.string)
 
 
@@ -251,7 +251,7 @@ def _parse_unitless_number(match: re.Match[str]) -> float | None:
 
 
 def _parse_bare_number(number: str) -> float | None:
-    """Parse a spacing without a unit. Return None if no scan can have this spacing."""
+    """Parse a spacing without a unit, or return None if no scan can have it."""
     try:
         return parse_positive_number(number, "as spacing")
     except FormatError:  # ignore an invalid length, because headers often contain unused lengths
@@ -259,7 +259,7 @@ def _parse_bare_number(number: str) -> float | None:
 
 
 def parse_length(digits: str, unit: str | None, *, line: str) -> DeclaredLength | None:
-    """Parse a number and its unit in a header line. Return None if the unit is not a unit of length."""
+    """Parse a length in a header line, or return None if its unit is not a unit of length."""
     if unit is None or parse_length_unit(unit) is None:
         return None
     try:

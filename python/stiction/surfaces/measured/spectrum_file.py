@@ -1,4 +1,4 @@
-"""Files that store a spectrum combined from several scans: a line for each scan, followed by a CSV table."""
+"""Files of spectra joined from several scans: one line for each scan, and a CSV table."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _RATIO_TOLERANCE = 1e-3
 
 
 def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> None:
-    """Write a joined spectrum as a table, with slope and curvature for each wavelength.
+    """Write a joined spectrum as a table of density, slope and curvature at each wavelength.
 
     All numbers are preserved exactly.
 
@@ -89,7 +89,7 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
 
 
 def _format_scan_name(name: str) -> str:
-    """Return the name of a scan as one line of text: unchanged if possible, otherwise as a JSON string."""
+    """Return the name of a scan as one line of text, which is a JSON string if necessary."""
     is_plain = name == printable_text(name, len(name)) and name == " ".join(name.split()) and name[:1] not in ("", '"')
     return name if is_plain else json.dumps(name)
 

@@ -1,4 +1,4 @@
-"""Parsing of numeric lines into a matrix: detection of separators, decimal marks and quotes."""
+"""Conversion of lines of numbers to a matrix: separators, decimal marks and quotes are detected."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ LineNumbers = NDArray[np.int64]
 
 
 def split_cells(line: str, separator: str | None) -> list[str]:
-    """Split a line into all of its cells, including empty cells at the end."""
+    """Split a line into all of its cells, including empty cells at its end."""
     if separator is None:
         return line.replace('"', " ").split()
     if '"' in line:
@@ -51,7 +51,7 @@ def split_cells(line: str, separator: str | None) -> list[str]:
 
 @dataclass(frozen=True)
 class Dialect:
-    """Separator of cells (None for white space), decimal mark and thousands separator."""
+    """Separator of cells (None for white space), decimal mark and thousands separator of a table."""
 
     separator: str | None
     point: str
@@ -75,7 +75,7 @@ class Dialect:
 
     @cached_property
     def number_pattern(self) -> re.Pattern[str]:
-        """Pattern of a number. Its groups are the sign, integer digits, decimals and exponent."""
+        """Pattern of a number, with groups for sign, integer digits, decimals and exponent."""
         point = "." if self.pairs else self.point
         integer_digits = "[0-9]{0,400}"
         if self.thousands:
@@ -112,11 +112,11 @@ class NumberBlock:
     omitted: tuple[int, ...] = ()  # line numbers of counts and sizes above the table rows
 
     def row_cells(self, line: int) -> list[str]:
-        """Return the cells of a row."""
+        """Return the cells of a row of the table."""
         return self.dialect.split_line(self.text.line(int(self.lines[line])))
 
     def column_last_digit_values(self, column: int) -> Floats:
-        """Return the value of one unit in the last printed digit of each number in a column.
+        """Return the place value of the last printed digit of each number in a column.
 
         The digits are counted in at most `MAX_SAMPLED_ROWS` rows.
         """
@@ -140,7 +140,7 @@ class NumberBlock:
         return last_digit_value(self.values[:, column], max_decimals, num_digits)
 
     def row_last_digit_values(self, line: int) -> Floats:
-        """Return the value of one unit in the last printed digit of each number in a row."""
+        """Return the place value of the last printed digit of each number in a row."""
         matches = [
             match
             for cell in self.row_cells(line)
@@ -152,7 +152,7 @@ class NumberBlock:
 
 
 def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
-    """Return the value of one unit in the last printed digit, given the numbers of decimals and significant digits."""
+    """Return the place value of the last printed digit, given the numbers of decimals and of significant digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         decimal_exponents = np.floor(np.log10(np.abs(values)))
     last_digit_exponents = np.where(np.isfinite(decimal_exponents), decimal_exponents, -400) + 1 - digits
@@ -169,7 +169,7 @@ def find_numeric_line_runs(text: DecodedText) -> list[tuple[int, int]]:
 
 
 def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
-    """Find the dialect in which most lines of a run are numbers.
+    """Find the separator and decimal mark with which most lines of a run consist of numbers.
 
     Raises `FormatError` if there is no such dialect, or if there are two.
     """
@@ -235,7 +235,7 @@ _DATE_PATTERN = re.compile(
 
 
 def describe_remedy_of_word(word: str) -> str:
-    """Return advice for a cell that is not a number. Only a word without digits may mark a missing point."""
+    """Return advice on a cell that is not a number; only a word without digits may mark a missing point."""
     if _DATE_PATTERN.fullmatch(word):
         return "a spreadsheet program has converted numbers to dates; export the file again with a decimal point"
     if re.search(r"[\[\]{}]", word):
@@ -246,12 +246,12 @@ def describe_remedy_of_word(word: str) -> str:
 
 
 def _truncate_line(line: str, width: int) -> str:
-    """Truncate a long line after a complete cell."""
+    """Shorten a long line after a complete cell."""
     return line if len(line) <= width else re.sub(r"[^\t;|, ]*$", "", line[:width]).rstrip("\t;|, ")
 
 
 def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect: Dialect) -> Dialect:
-    """Return the dialect of lines with commas, which may be cell separators, decimal marks, or both."""
+    """Decide whether commas in lines are cell separators, decimal marks or both, and return the dialect."""
     rows = [dialect.split_line(line) for line in sample]
     width = len(rows[0])
     odd_cells = [cell for row in rows for cell in row[1::2]]
@@ -273,7 +273,7 @@ def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect:
 
 
 def _find_line_above(text: DecodedText, first: int) -> str:
-    """Return the last non-empty line above line `first`."""
+    """Return the last line above line `first` that is not empty."""
     return next((line for index in range(first - 1, -1, -1) if (line := text.line(index)).strip("\t")), "")
 
 
@@ -302,7 +302,7 @@ def _reject_ambiguous_commas(text: DecodedText, first: int, last: int, dialect: 
 def parse_number_block(
     text: DecodedText, first: int, last: int, dialect: Dialect, *, ragged: bool = False
 ) -> NumberBlock:
-    """Parse the numbers of a run of lines as a matrix.
+    """Parse a run of numeric lines as a matrix.
 
     Lines of at most `MAX_COUNT_LINE_CELLS` cells at the beginning are sizes and counts, and are skipped. Other lines
     with an unusual number of cells are rejected. Missing cells are filled with NaN in two cases: if only the height at
@@ -362,7 +362,7 @@ def parse_number_block(
 
 
 def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -> bool:
-    """Return whether the first `count` rows begin with positions whose steps continue in the rows below."""
+    """Return whether the first `count` rows begin with positions, which continue in equal steps below."""
     first_cells = [row.split(cell_separator)[0] for row in blob.split(b"\n", count + 3)[:-1]]
     if not count or not all(map(_is_number, first_cells)):
         return False
@@ -371,7 +371,7 @@ def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -
 
 
 def numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
-    """Return all numbers in a range of lines. The numbers are separated by blanks or line breaks."""
+    """Return all numbers in a range of lines, separated by blanks or line breaks."""
     blob = text.data[text.line_starts[first] : text.line_starts[last + 1]]
     if blob.translate(None, NUMERIC_CHARACTERS):
         blob = text.missing_word_pattern.sub(b"nan", blob)
@@ -382,7 +382,7 @@ def numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
 
 
 def _find_row_lines(text: DecodedText, first: int, last: int, dialect: Dialect) -> LineNumbers:
-    """Return the lines of a run that are rows of a table, including rows in which all cells are empty."""
+    """Find the rows of a table in a run of lines, including rows whose cells are all empty."""
     kinds = text.line_kinds[first : last + 1]
     is_nonblank = kinds != BLANK_LINE_CODE
     if dialect.separator is not None and not is_nonblank.all():
@@ -392,7 +392,7 @@ def _find_row_lines(text: DecodedText, first: int, last: int, dialect: Dialect) 
 
 
 def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> tuple[bytes, bytes]:
-    """Convert lines to rows with decimal points and without quotes or blanks. Return the rows and their separator.
+    """Convert lines to rows with decimal points and without quotes or blanks. Return rows and separator.
 
     Each row ends with a line feed. A text that contains only rows in this form is returned without a copy.
     """
@@ -436,13 +436,13 @@ _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # matches a number 
 
 
 def _has_adjacent_dashes(blob: bytes) -> bool:
-    """Return whether a text contains two adjacent dashes. Comparing pairs of bytes is faster than a text search."""
+    """Return whether a text contains two adjacent dashes, faster than a text search."""
     pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first) // 2, first) for first in (0, 1))
     return len(blob) >= 2 and any((pair == _DASH_PAIR).any() for pair in pairs)
 
 
 def _reject_decimal_points(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> None:
-    """Raise `FormatError` at a number with a decimal point in a table of numbers with decimal commas."""
+    """Raise `FormatError` if a number has a decimal point in a table with decimal commas."""
     for line in lines.tolist():
         for cell in dialect.split_line(text.line(line)):
             if re.fullmatch(rf"[+-]?[0-9]*\.[0-9]*{_EXPONENT_PATTERN}", cell):
@@ -462,7 +462,7 @@ def _reject_blanks_in_numbers(text: DecodedText, lines: LineNumbers) -> None:
 
 
 def _parse_cells(text: DecodedText, lines: LineNumbers, width: int, rows: bytes, cell_separator: bytes) -> Floats:
-    """Parse rows of numbers as a list. Numbers are correctly rounded, and empty cells become NaN."""
+    """Parse rows of numbers, rounded correctly, with NaN for empty cells."""
     values = np.empty(rows.count(b"\n") * width)
     failed_cells = stiction._core.convert_cells(rows, cell_separator.decode(), values, threads=num_usable_cores())
     if failed_cells:

@@ -1,4 +1,4 @@
-"""Second step of reading text: find an instrument layout or, if there is none, read a table with header and footer."""
+"""Second step of reading text: find an instrument's layout, or else read a table with header and footer."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def read_text(data: bytes, words: tuple[str, ...] = ()) -> ReaderResult:
 
 
 def parse_content(text: DecodedText) -> ReaderResult:
-    """Parse a text with the first layout that recognises it, or otherwise as a table."""
+    """Parse a text with the first instrument layout that recognises it, or else as a table."""
     layout = find_layout(text)
     return parse_table(text) if layout is None else record_layout_and_encoding(layout.read(text), text, layout.name)
 
@@ -35,7 +35,7 @@ def find_layout(text: DecodedText) -> TextLayout | None:
 
 
 def record_layout_and_encoding(content: ReaderResult, text: DecodedText, layout: str) -> ReaderResult:
-    """Return the content of a text file, with the layout and the encoding of the text in `content.source`."""
+    """Record the layout and the encoding of a text file in `content.source`, and return the content."""
     if isinstance(content, HeightChannels):
         read_channel = content.read
         return replace(content, read=lambda line: record_layout_and_encoding(read_channel(line), text, layout))  # type: ignore[arg-type, return-value]

@@ -1,4 +1,4 @@
-"""Second step of reading text: a table of any kind as columns or channels."""
+"""Second step of reading text: convert a table of any kind to columns or channels."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ MIN_BLOCK_ROWS = 2
 
 
 def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
-    """Parse the longest run of numeric lines, with its header, as a table.
+    """Parse the longest run of numeric lines and its header as a table.
 
     If other runs have as many columns as the longest, each run is a channel.
     """
@@ -90,7 +90,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
 
 
 def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
-    """Raise `FormatError` if many lines of numbers above a block are neither counts nor sizes."""
+    """Raise `FormatError` if many lines of numbers above a table are neither counts nor sizes."""
     lines = np.flatnonzero(text.line_kinds[: int(block.lines[0])] == NUMBER_LINE_CODE).tolist()
     max_rows = int(MAX_FOOTER_FRACTION * block.lines.size) + 2
     if len(lines) <= max_rows:
@@ -104,7 +104,7 @@ def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
 
 
 def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], block: NumberBlock) -> None:
-    """Raise `FormatError` if a row of two cells above a block contains a position of the same profile.
+    """Raise `FormatError` if a separate row of two cells above a profile is one of its points.
 
     Such a row is separated from the block by words, and its position precedes the first position of the block by whole
     steps.
@@ -128,7 +128,7 @@ def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], 
 def _to_table(
     text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[LocatedWordColumn] = ()
 ) -> ColumnTable:
-    """Convert a block to a table with its footer and its header. The header begins at line `header_start`."""
+    """Convert a block of numbers, its header from line `header_start` and its footer to a table."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = (
         text.nonempty_lines(header_start, first),
@@ -181,7 +181,7 @@ def _to_table(
 
 
 def _find_cut_number(block: NumberBlock) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the last number of a text has fewer decimals than each of the numbers above it."""
+    """Return a caveat if the last number of a text has fewer decimals than all numbers above it."""
     start = int(block.lines.size) - MIN_ROWS_ABOVE_CUT_NUMBER - 1
     if start < 0 or (block.text.line_kinds[int(block.lines[-1]) + 1 :] == TEXT_LINE_CODE).any():
         return ()
@@ -195,13 +195,13 @@ def _find_cut_number(block: NumberBlock) -> tuple[FileCaveat, ...]:
 
 
 def _find_units(words: Iterable[str]) -> tuple[str, ...]:
-    """Return the different units of length in a column of words, or an empty tuple if the column has other words."""
+    """Return the units of length in a column of words, or nothing if the column has other words."""
     units = [parse_length_unit(word) for word in words]
     return tuple({LENGTH_UNITS[unit]: unit for unit in units if unit}.values()) if all(units) else ()
 
 
 def make_height_provenance(block: NumberBlock) -> HeightProvenance:
-    """Describe the location of a block in its text, and the format of the block."""
+    """Return the place of a block of numbers in its text, and the format of the numbers."""
     text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
     decimal_mark = "." if block.dialect.pairs else block.dialect.point
     return HeightProvenance(
@@ -212,7 +212,7 @@ def make_height_provenance(block: NumberBlock) -> HeightProvenance:
 
 
 def _include_label_line(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
-    """Return the first line of a run of rows, or the line above the run if that line has a label for every column."""
+    """Return the first line of a run of rows, or the line above if it labels every column."""
     line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if line_above < 0 or dialect.separator is None:
         return first
@@ -226,7 +226,7 @@ def _include_label_line(text: DecodedText, first: int, last: int, dialect: Diale
 
 
 def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
-    """Reject a line directly above or below rows of numbers if one of its cells cannot be read.
+    """Reject a table if a cell directly above or below its numbers cannot be read.
 
     Such a line has as many cells as its neighbours and is not a line of labels. Most of its cells are numbers, or the
     line beyond it has the same words.
@@ -251,7 +251,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
 
 
 def _repeats_words(text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other: int) -> bool:
-    """Return whether line `other` has the same words in the same cells as `cells`, so that neither is a header."""
+    """Return whether line `other` repeats the words of another line in the same cells, so that neither is a header."""
     if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
     other_cells = dialect.split_line(text.line(other))
@@ -268,7 +268,7 @@ def _reject_word(text: DecodedText, line: int, word: str) -> None:
 
 
 def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
-    """Return whether all cells of a line except the first cell are positions."""
+    """Return whether all cells of a line except the first contain positions."""
     matches = [dialect.number_pattern.fullmatch(cell) for cell in cells[1:]]
     if len(cells) < 5 or not all(match and (match[2] or match[3]) for match in matches):
         return False
@@ -279,7 +279,7 @@ def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_runs_of_equal_width(
     text: DecodedText, runs: list[tuple[int, int]], main_run: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs of numeric lines that have as many columns as the main run.
+    """Return the runs of numeric lines with as many columns as the main run.
 
     Short runs of one or two columns above the first of these runs are left out, because they may be counts or sizes.
     """
@@ -304,7 +304,7 @@ def _find_runs_of_equal_width(
 def _to_channels(
     text: DecodedText, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[LocatedWordColumn] = ()
 ) -> HeightChannels:
-    """Convert blocks with the same number of columns to channels. Each channel has a separate header."""
+    """Convert blocks with the same number of columns to channels, each with its own header."""
     header_starts = [0, *(last + 1 for _, last in runs)]
     names = []
     for (first, last), header_start in zip(runs, header_starts, strict=False):

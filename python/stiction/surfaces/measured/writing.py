@@ -97,7 +97,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
 
 
 def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: list[str], rows: Iterable[str]) -> None:
-    """Write a body to a .csv file, which contains `head`, the history and `rows`, or to a .npy file with arrays."""
+    """Write a body to a .csv file with header and history, or to a .npy file with arrays."""
     path = parse_path("path", path)
     if path.suffix.lower() not in (".csv", ".npy"):
         raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")

@@ -112,7 +112,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
 
 
 class _MainXml:
-    """Texts of the elements in main.xml, by element path, and the points listed in main.xml."""
+    """Texts of the XML elements in main.xml of an X3P file by element path, and the points listed there."""
 
     def __init__(self, archive: zipfile.ZipFile, directory: str) -> None:
         self.directory = directory
@@ -164,7 +164,7 @@ class _MainXml:
 
 
 class _StoredAxis:
-    """Description of how the positions along one axis are stored."""
+    """Storage of the positions or heights along one axis of an X3P file: type, increment and offset."""
 
     def __init__(self, root: _MainXml, name: str) -> None:
         path = f"Record1/Axes/C{name}"
@@ -206,7 +206,7 @@ class _StoredAxis:
 
 
 def _read_shape(root: _MainXml) -> tuple[int, int]:
-    """Return the numbers of rows and columns."""
+    """Return the numbers of rows and of columns of an X3P map."""
     if (list_dimension := _get_element_text(root, "Record3/ListDimension", "")) != "":
         return 1, _parse_count(list_dimension)
     x, y, z = (_parse_count(_get_element_text(root, f"Record3/MatrixDimension/Size{name}")) for name in "XYZ")
@@ -218,7 +218,7 @@ def _read_shape(root: _MainXml) -> tuple[int, int]:
 def _read_columns(
     archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int
 ) -> dict[str, NDArray[Any]]:
-    """Return the stored values of all points, for each axis."""
+    """Return the stored numbers of all points along each axis of an X3P file."""
     if root.listed_points is not None:
         return _parse_listed_points(root.listed_points, list(stored), points)
     kind = np.dtype(list(stored.items()))
