@@ -38,7 +38,7 @@ _PEAK_WIDTH_FRACTION = 0.05  # half width of the correlation peak of two faces, 
 
 @dataclass(frozen=True)
 class Registration:
-    """Position at which the upper face fits the lower face best.
+    """Position at which the upper face fits the lower face best, with the quality of the fit.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class _FacePosition:
 
 
 def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
-    """Return the overlapping parts of two facing bodies at the position of their best fit, and the registration.
+    """Register two facing bodies: return their overlapping parts at the position of the best fit, and this position.
 
     The spacings of both bodies must be equal. The upper face is rotated (maps only), shifted, and tilted so that the
     gap has no slope on average. The upper face is interpolated by a cubic spline, unless it fits after a shift by whole
@@ -99,7 +99,7 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
 
 
 def measure_fit(upper: Any, lower: Any) -> float:
-    """Return the correlation of the slopes of two facing bodies at the shift at which they fit best.
+    """Return the correlation of the slopes of two facing bodies at their best shift.
 
     The correlation is 0 for periodic textures, which fit at several shifts, and for faces with few points.
     """
@@ -136,21 +136,21 @@ The largest correlation of 3600 pairs of unrelated profiles was 0.86, and of 135
 
 
 def do_faces_fit(upper: Any, lower: Any) -> bool:
-    """Return whether two facing bodies fit into each other at one position. Their spacings must be equal."""
+    """Return whether two facing bodies of equal spacing fit into each other at one position."""
     if upper.is_flat or lower.is_flat or not np.allclose(upper.spacings, lower.spacings):
         return False
     return measure_fit(upper, lower) > MIN_FIT_CORRELATIONS[type(lower)]
 
 
 def correlate_facing_slopes(upper: Any, lower: Any) -> float:
-    """Return the correlation of the slopes of two facing bodies without a shift, or NaN if one is flat."""
+    """Return the correlation of the slopes of two facing bodies that are not shifted, or NaN for a flat body."""
     if upper.is_flat or lower.is_flat:
         return math.nan
     return float(_correlate_slopes(upper, lower)[(0,) * lower.heights.ndim])
 
 
 def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
-    """Return the largest correlation of the slopes, and the offset of the upper face (points) at which it occurs."""
+    """Return the largest correlation of the slopes of two faces, and the offset (points) of the upper face."""
     correlations = _correlate_slopes(upper, lower)
     best_index = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
     offset = tuple(_to_offset(int(index), count) for index, count in zip(best_index, correlations.shape, strict=True))
@@ -158,18 +158,18 @@ def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
 
 
 def _to_offset(index: int, count: int) -> int:
-    """Convert an index of a discrete Fourier transform to an offset. Indices in the upper half are negative offsets."""
+    """Convert an index of a discrete Fourier transform to an offset, which is negative in the upper half."""
     return index - count if index > count // 2 else index
 
 
 def _find_coarsening(upper: Any, lower: Any) -> int:
-    """Return the side (points) of the blocks over which heights are averaged for a coarse search."""
+    """Return the number of points per side of the blocks over which a coarse search averages heights."""
     longest_side: int = max(*upper.heights.shape, *lower.heights.shape)
     return math.ceil(longest_side / _MAX_COARSE_POINTS[lower.heights.ndim])
 
 
 def _coarsen(body: Any, factor: int) -> Any:
-    """Return a coarser body, whose heights are means over blocks of `factor` points per axis."""
+    """Return a coarser body, whose heights are means over blocks of `factor` points per side."""
     if factor == 1:
         return body
     counts = [count // factor for count in body.heights.shape]
@@ -184,7 +184,7 @@ def _coarsen(body: Any, factor: int) -> Any:
 
 
 def _correlate_slopes(upper: Any, lower: Any) -> Floats:
-    """Return the correlation of the slopes of two bodies for all offsets of the upper body, in the order of an FFT.
+    """Return the correlation of the slopes of two bodies at every offset, in the order of an FFT.
 
     Offsets at which the faces overlap too little are NaN.
     """
@@ -223,7 +223,7 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
 
 
 def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
-    """Return the position, in steps of `ROTATION_STEP` and of one point, at which the slopes of two bodies fit best."""
+    """Return the position at which two coarse bodies fit best, in steps of `ROTATION_STEP` and one point."""
     if isinstance(upper, Profile):
         return _FacePosition(_offset_to_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
     fits = []
@@ -236,7 +236,7 @@ def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
 
 
 def _offset_to_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[float, ...]:
-    """Convert an offset of the first point (points) to a shift of the middle (µm)."""
+    """Convert an offset (points) of a face's first point to a shift (µm) of its middle."""
     return tuple(
         (step + (count - other) / 2) * spacing
         for step, count, other, spacing in zip(
@@ -246,7 +246,7 @@ def _offset_to_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[f
 
 
 def _shift_to_steps(shift: tuple[float, ...], upper: Any, lower: Any) -> list[float]:
-    """Convert a shift of the middle (µm) to an offset of the first point (points), which need not be whole."""
+    """Convert a shift (µm) of a face's middle to an offset of its first point, in points or fractions of points."""
     return [
         distance / spacing - (count - other) / 2
         for distance, count, other, spacing in zip(
@@ -256,7 +256,7 @@ def _shift_to_steps(shift: tuple[float, ...], upper: Any, lower: Any) -> list[fl
 
 
 def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) -> _FacePosition:
-    """Convert a position found with coarse bodies to a position relative to the middles of the original bodies."""
+    """Convert the best position of two coarse bodies to the position of the original bodies."""
     shift = tuple(
         distance + (count % factor - other % factor) / 2 * spacing
         for distance, count, other, spacing in zip(
@@ -267,7 +267,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return the offset (points) that moves the upper face to a position within `GRID_TOLERANCE`, or None."""
+    """Return the offset (points) that moves the upper face close to a position, or None beyond `GRID_TOLERANCE`."""
     steps = _shift_to_steps(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
     is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)
@@ -275,7 +275,7 @@ def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[
 
 
 def _measure_distances(body: Any) -> list[Floats]:
-    """Return the distances (µm) of the points of a body from its middle along each axis."""
+    """Return the distances (µm) of a body's points from its middle along each axis."""
     return [
         (np.arange(count) - (count - 1) / 2) * spacing
         for count, spacing in zip(body.heights.shape, body.spacings, strict=True)
@@ -283,7 +283,7 @@ def _measure_distances(body: Any) -> list[Floats]:
 
 
 def _interpolate(upper: Any, distances: list[Floats], rotation: float) -> tuple[Floats, Any]:
-    """Return heights of the rotated upper face at distances (µm) from its middle, and the mask of missing points."""
+    """Interpolate the rotated upper face at distances (µm) from its middle. Return heights and missing points."""
     if isinstance(upper, Surface):
         return interpolate_rotated(upper, distances[0][:, np.newaxis], distances[1], rotation)
     from scipy.interpolate import CubicSpline
@@ -296,7 +296,7 @@ def _interpolate(upper: Any, distances: list[Floats], rotation: float) -> tuple[
 
 
 def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tuple[Any, Any]:
-    """Return both faces on their overlap. The upper face is interpolated at the points of the lower face.
+    """Return the overlap of two faces, with the upper face interpolated at the points of the lower face.
 
     The overlap of maps is the largest rectangle within the rotated upper face, cut by the sides of the lower face.
     """
@@ -320,7 +320,7 @@ def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tup
 
 
 def _refine(upper: Any, lower: Any, position: _FacePosition) -> _FacePosition:
-    """Return the position near `position` at which the gap is smallest, by the Gauss-Newton method.
+    """Refine a position by the Gauss-Newton method until the gap of the two faces is smallest.
 
     The derivatives of the gap are the slopes of the lower face, so the noise of the upper face does not favour
     positions between its points, at which interpolation smooths this noise.
@@ -349,7 +349,7 @@ def _refine(upper: Any, lower: Any, position: _FacePosition) -> _FacePosition:
 
 
 def _solve_step(upper: Any, lower: Any, position: _FacePosition) -> tuple[float, Floats]:
-    """Return the rms gap (µm) at a position, and the step of the shift (µm) and rotation that should close the gap."""
+    """Return the rms gap (µm) at a position, and the change of shift and rotation that should close it."""
     upper_part, lower_part = _interpolate_overlap(upper, lower, position)
     missing = combine_missing_masks(upper_part, lower_part)
     measured = np.ones(lower_part.heights.shape, bool) if missing is None else ~missing
@@ -371,7 +371,7 @@ def _solve_step(upper: Any, lower: Any, position: _FacePosition) -> tuple[float,
 
 
 def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
-    """Return whether two bodies overlap by `MIN_OVERLAP_FRACTION` along each axis at a position."""
+    """Return whether two bodies overlap at a position by at least `MIN_OVERLAP_FRACTION` along each axis."""
     return all(
         min(other, step + count) - max(0.0, step) >= MIN_OVERLAP_FRACTION * min(count, other)
         for step, count, other in zip(
@@ -381,7 +381,7 @@ def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
 
 
 def _estimate_noise(gap: Any) -> float:
-    """Return the rms noise (µm) of a gap from fourth differences along its last axis, or 0 for too few points.
+    """Estimate the rms noise (µm) of a gap from fourth differences, or return 0 for too few points.
 
     Fourth differences of noise that is independent from point to point have 70 times its variance.
     """
@@ -391,7 +391,7 @@ def _estimate_noise(gap: Any) -> float:
 
 
 def _cut_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, Any]:
-    """Return the overlapping parts of two bodies if the upper one is moved by an offset (points)."""
+    """Return the overlapping parts of two bodies, after the upper one is moved by an offset (points)."""
     upper_index, lower_index = [], []
     for step, count, other in zip(offset, upper.heights.shape, lower.heights.shape, strict=True):
         start = max(0, step)
@@ -406,7 +406,7 @@ def _cut_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, 
 
 
 def _compute_gap(upper: Any, lower: Any) -> Any:
-    """Return the gap of two bodies on the same grid, after subtracting a plane or a line."""
+    """Return the gap of two bodies on the same grid, minus its least-squares plane or line."""
     gap = lower.changed(upper.heights - lower.heights, "gap", missing=combine_missing_masks(upper, lower))
     return levelled(gap, "line" if isinstance(gap, Profile) else "plane")
 

@@ -41,7 +41,7 @@ _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RepeatedScans(PlotReprMixin):
-    """Comparison of two scans of the same area, with one value for each octave of the wavelength.
+    """Comparison of two scans of the same area in each octave of the wavelength.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class RepeatedScans(PlotReprMixin):
     limit: float = field(metadata={"unit": "µm"})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the noise, and the roughness that both scans share, as functions of the wavelength.
+        """Draw the noise of both scans, and the roughness that they share, against the wavelength.
 
         Draws into the given axes, or into new ones, and returns them.
         """
@@ -146,7 +146,7 @@ def compare_repeated_scans(
     trend: Any = "line" if body_class is Profile else "plane"
 
     def resample(bodies: Sequence[Any], shift: Floats) -> list[Floats]:
-        """Return the levelled heights of both scans in their overlap."""
+        """Return the levelled heights of both scans in their overlap, at the points of the first scan."""
         heights, other_heights = (levelled(body, trend).heights for body in bodies)
         return [
             levelled(body_class(values, spacing=first.spacing), trend).heights
@@ -169,7 +169,7 @@ def compare_repeated_scans(
     )
 
     def average(heights: Sequence[Floats]) -> Profile | Surface:
-        """Return the levelled mean of both scans."""
+        """Return the levelled mean of the two scans."""
         mean_heights = (heights[0] + heights[1]) / 2
         scan: Profile | Surface = body_class(
             mean_heights, spacing=first.spacing, history=(*first.history, history_entry)
@@ -222,7 +222,7 @@ def _check_scans(first: Any, second: Any) -> None:
 def _interpolate_outliers(
     first: Profile | Surface, second: Profile | Surface, outliers: Sequence[NDArray[np.bool_]] | None
 ) -> tuple[Profile | Surface, Profile | Surface]:
-    """Return both scans with interpolated outliers, or both scans unchanged if `outliers` is None."""
+    """Return two scans with interpolated outliers, or unchanged if `outliers` is None."""
     if outliers is None:
         return first, second
     masks = [np.asarray(mask) for mask in outliers] if isinstance(outliers, (list, tuple, np.ndarray)) else []
@@ -244,7 +244,7 @@ def _interpolate_outliers(
 def _are_identical(
     first: Profile | Surface, second: Profile | Surface, outliers: Sequence[NDArray[np.bool_]] | None
 ) -> bool:
-    """Return whether two scans have equal heights at all points that are outliers of neither scan."""
+    """Return whether two scans have equal heights at all points that are not outliers."""
     if first.heights.shape != second.heights.shape:
         return False
     is_outlier = np.zeros(first.heights.shape, np.bool_) if outliers is None else np.logical_or(*outliers)
@@ -252,7 +252,7 @@ def _are_identical(
 
 
 def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, shortest: float, longest: float) -> float:
-    """Return the shortest cutoff (µm) at which noise is at most `MAX_NOISE_FRACTION` of the mean square slope."""
+    """Return the shortest cutoff (µm) after which noise is at most `MAX_NOISE_FRACTION` of the mean square slope."""
     if noise @ q**2 <= MAX_NOISE_FRACTION * (mean_scan_spectrum @ q**2):
         return shortest
     cutoff: float
@@ -264,7 +264,7 @@ def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, sho
 
 
 def _find_shift(a: Floats, b: Floats) -> Floats:
-    """Return the shift of the second scan in points."""
+    """Return the shift (points) of the second scan relative to the first."""
     from scipy.ndimage import gaussian_filter, map_coordinates, spline_filter
 
     shift, best_shift = _find_integer_shift(a, b), (math.inf, np.zeros(a.ndim))
@@ -299,12 +299,12 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
 
 
 def _is_integer_shift(shift: Floats) -> bool:
-    """Return whether a shift (points) is an integer along each axis, up to a tolerance."""
+    """Return whether a shift is a whole number of points along each axis, within a tolerance."""
     return bool(np.abs(shift - np.round(shift)).max() < _INTEGER_SHIFT_TOLERANCE)
 
 
 def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Floats]:
-    """Return the heights of both scans at the points of the first scan in their overlap."""
+    """Return the heights of both scans in their overlap, at the points of the first scan."""
     from scipy.ndimage import map_coordinates
 
     overlap, positions = _slice_overlap(a.shape, b.shape, shift)
@@ -314,12 +314,12 @@ def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Flo
 
 
 def _slopes_along_axes(heights: Floats) -> list[Floats]:
-    """Return the slopes along each axis, in units of height per point."""
+    """Return the slopes of heights along each axis, in heights per point."""
     return list(np.gradient(heights)) if heights.ndim > 1 else [np.gradient(heights)]
 
 
 def _find_integer_shift(a: Floats, b: Floats) -> Floats:
-    """Return the integer shift with the largest correlation among overlaps of more than half the points."""
+    """Return the shift (whole points) with the largest correlation at which more than half of the points overlap."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
@@ -329,7 +329,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     )
 
     def sum_products(power_of_a: int, power_of_b: int) -> Floats:
-        """Return, for every shift, the sum of a power of `a` times a power of `b` over the overlap of both scans."""
+        """Return, for each shift of two scans, the sum over their overlap of a power of `a` times a power of `b`."""
         return np.asarray(irfftn(transforms_of_a[power_of_a] * np.conj(transforms_of_b[power_of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
@@ -348,7 +348,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _slice_overlap(
     first_shape: tuple[int, ...], second_shape: tuple[int, ...], shift: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap of two scans at a shift (points): slices of the first scan, and positions in the second."""
+    """Return the overlap of two scans at a shift (points), as slices of the first and positions in the second."""
     selected_slices, positions = [], []
     for points, second_points, axis_shift in zip(first_shape, second_shape, shift.tolist(), strict=True):
         start = max(0, math.ceil(axis_shift) + (_OVERLAP_MARGIN if axis_shift > 0 else 0))
