@@ -79,7 +79,7 @@ LineSpectrum = tuple[Floats, Floats, Floats, float]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ScaleDependentRoughness(TextReprMixin):
-    """Rms slope and curvature as functions of the shortest included wavelength.
+    """Rms slope and rms curvature of a body as functions of the shortest included wavelength.
 
     Attributes
     ----------
@@ -111,22 +111,22 @@ class ScaleDependentRoughness(TextReprMixin):
     dimensions: int
 
     def gradient_at(self, wavelength: ArrayLike) -> Floats:
-        """Return h'_rms for wavelengths down to each given wavelength (µm), as an array of the same shape.
+        """Return the rms slope of all wavelengths down to each given wavelength (µm).
 
         The result is constant below the shortest wavelength of the body.
         """
         return _interpolate_log_log(self.wavelength, self.gradient, wavelength)
 
     def curvature_at(self, wavelength: ArrayLike) -> Floats:
-        """Return h''_rms (1/µm) for wavelengths down to each given wavelength (µm), as an array of the same shape."""
+        """Return the rms curvature (1/µm) of all wavelengths down to each given wavelength (µm)."""
         return _interpolate_log_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
-        """Return the fraction of the mean square slope that comes from wavelengths below a given wavelength (µm)."""
+        """Return the fraction of the mean square slope that is due to wavelengths below a given wavelength (µm)."""
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""Return h'_rms for wavelengths down to each given wavelength (µm), even if the scan does not resolve it.
+        r"""Return the rms slope down to each given wavelength (µm), extrapolated beyond the resolution of the scan.
 
         The power law of a Hurst exponent extrapolates the spectrum.
 
@@ -148,7 +148,7 @@ class ScaleDependentRoughness(TextReprMixin):
         )
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
-        """Find the wavelength (µm) at which the rms gradient of all longer wavelengths reaches a given value.
+        """Find the wavelength (µm) down to which the rms slope reaches a given number.
 
         The power law of `estimate`, if given, extrapolates the spectrum.
 
@@ -176,7 +176,7 @@ class ScaleDependentRoughness(TextReprMixin):
 
 
 def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
-    """Return the fitted power law, and two power laws whose exponents are the limits of the uncertainty interval.
+    """Return the fitted power law, and the power laws with both limits of its exponent's interval.
 
     All three power laws agree at the centre of the band.
     """
@@ -193,7 +193,7 @@ def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstima
 
 
 def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope that a power law contributes between a wavelength (µm) and the fitted band."""
+    """Return the mean square slope of a power law at wavelengths between a given one (µm) and the fitted band."""
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
@@ -268,7 +268,7 @@ def scale_dependent_roughness(
 
 
 def mean_square_height_spectrum(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
-    """Return the wave numbers (1/µm) of a body, and the mean square height (µm²) at each wave number.
+    """Return the wave numbers (1/µm) of a body and its mean square height (µm²) at each of them.
 
     Bodies that are not periodic are levelled first.
     """
@@ -287,7 +287,7 @@ def mean_square_height_spectrum(body: Profile | Surface, *, periodic: bool = Fal
 
 
 def _interpolate_log_log(wavelength: Floats, values: Floats, target_wavelengths: ArrayLike) -> Floats:
-    """Interpolate values linearly on logarithmic axes. Beyond the longest wavelength, the values are zero."""
+    """Interpolate numbers linearly on logarithmic axes, with 0 beyond the longest wavelength."""
     wavelengths = float_array("wavelength", target_wavelengths)
     if not (wavelengths > 0).all():
         raise ValueError(f"wavelength must be above 0 µm, got {short_repr(target_wavelengths)}")
@@ -298,7 +298,7 @@ def _interpolate_log_log(wavelength: Floats, values: Floats, target_wavelengths:
 
 @dataclass(frozen=True, repr=False)
 class InstrumentLimit(TableReprMixin):
-    """Wavelength below which a scan shows the instrument rather than the surface, and the reason for this limit.
+    """Wavelength below which a scan shows the instrument instead of the surface, and the reason.
 
     Attributes
     ----------
@@ -516,7 +516,7 @@ def round_up_wavelength(wavelength: float) -> float:
 
 
 def cutoff_for_slope_fraction(roughness: ScaleDependentRoughness, fraction: float, upper: float, lower: float) -> float:
-    """Find the cutoff (µm) between two limits that removes a given fraction of the mean square slope."""
+    """Find the cutoff (µm), between two limits, that removes a given fraction of the mean square slope."""
     q, slope_contributions = 2 * math.pi / roughness.wavelength, np.diff(np.square(roughness.gradient), prepend=0.0)
     log_lower, log_upper = math.log(lower), math.log(max(upper, lower))
     for _ in range(_NUM_BISECTION_STEPS):
@@ -554,7 +554,7 @@ def line_spectra(body: Profile | Surface, periodic: bool) -> list[LineSpectrum]:
 
 
 def _independent_line_counts(transform: NDArray[np.complex128], *, periodic: bool) -> Floats:
-    """Estimate how many lines of a surface are independent at each wave number along the lines.
+    """Estimate how many lines of a surface are independent, at each wave number along the lines.
 
     The mean spectrum over the lines has the relative variance sum(P²)/sum(P)², where P are the powers of the wave
     vectors across the lines. Lines along straight grooves are copies of each other and count as one line. The factor 2
@@ -571,7 +571,7 @@ def _independent_line_counts(transform: NDArray[np.complex128], *, periodic: boo
 
 
 def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
-    """Compare the noise of lines along x with the noise of lines along y. At least one set of lines must contain noise.
+    """Compare the noise of a surface along x with its noise along y, at least one of which must exist.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -614,7 +614,7 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
 
 
 class _SpectrumDisturbance(NamedTuple):
-    """Disturbance of a line spectrum: the wavelengths not attributed to the surface, and the texture period."""
+    """Noise and texture in a line spectrum: the wavelengths not attributed to the surface, and the texture period."""
 
     # Upper limit of the wavelengths that noise affects, µm; NaN without noise.
     wavelength_limit: float
@@ -627,7 +627,7 @@ class _SpectrumDisturbance(NamedTuple):
 def _find_spectrum_disturbance(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _SpectrumDisturbance:
-    """Remove the harmonics of a texture, and find the wavelengths that are not attributed to the surface."""
+    """Find the wavelengths of a spectrum that are not attributed to the surface or to a periodic texture."""
     first_harmonic, harmonic_distance = find_texture_harmonics(density)
     period = 2 * math.pi / (float(q[0]) * first_harmonic)
     if first_harmonic > 0:
@@ -656,7 +656,7 @@ def _find_spectrum_disturbance(
 
 
 def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> bool:
-    """Return whether a spectrum with texture harmonics falls as fast below a wavelength as the spectrum of a surface.
+    """Return whether a spectrum with texture harmonics falls as steeply below a wavelength as that of a surface.
 
     Noise that matters exceeds the harmonics at short wavelengths, and flattens this spectrum too. Cusps of unequal
     depth raise only the density between the harmonics.
@@ -681,7 +681,7 @@ def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> 
 def _find_noise_wavelength(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool
 ) -> tuple[float, str]:
-    """Return the wavelength (µm) below which a spectrum without harmonics contains noise, and the noise type.
+    """Return the wavelength (µm) below which a spectrum without harmonics contains noise, and the type of the noise.
 
     The limit is NaN if there is no noise.
     """
@@ -731,7 +731,7 @@ def _find_noise_wavelength(
 
 
 def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
-    """Fit a straight line to values with given variances, and return its slope and standard deviation."""
+    """Fit a straight line to numbers with given variances. Return its slope and the slope's standard deviation."""
     weight = 1 / (variance + 0.01)
     deviation = x - np.average(x, weights=weight)
     square = float(weight @ deviation**2)
@@ -739,7 +739,7 @@ def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, floa
 
 
 def _is_noise_floor(wavelengths: Floats, density: Floats, chance: Floats, limit: float) -> bool:
-    """Return True if a spectrum is nearly flat below the wavelength `limit` (µm), and flat in its shortest octave."""
+    """Return True if a spectrum is nearly flat below the wavelength `limit` (µm) and flat in its shortest octave."""
     for max_wavelength, max_exponent in (
         (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wavelengths[-1]), _MAX_FLAT_EXPONENT),
@@ -762,7 +762,7 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance: Floats, limit:
 def _fit_window_exponents(
     x: Floats, y: Floats, chance: Floats, octaves: float
 ) -> Iterator[tuple[int, int, float, float]]:
-    """Yield the bins, the exponent and its standard deviation for each window that is `octaves` octaves wide.
+    """Yield the bins, the exponent and its standard deviation for each window of a spectrum that is `octaves` wide.
 
     Bins are given as the first bin and the bin after the last.
     """
@@ -776,7 +776,7 @@ def _fit_window_exponents(
 def _find_flattening_bin(
     window_fits: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats
 ) -> int | None:
-    """Return the bin of lowest density where a decreasing spectrum becomes flatter than the spectrum of any surface.
+    """Return the bin with the lowest density at which a spectrum becomes flatter than that of any surface.
 
     Returns None if there is no such bin.
     """
@@ -792,7 +792,7 @@ def _find_flattening_bin(
 
 
 def _find_bin_before_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
-    """Return the bin of lowest density before a strong rise at short wavelengths, or None if there is no rise."""
+    """Return the bin with the lowest density before a strong rise at short wavelengths, or None without a rise."""
     lowest_density, lowest_bin = math.inf, 0
     for bin_index in np.flatnonzero(chance < 1 / 4):
         if (
@@ -808,7 +808,7 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance: Floats) -> in
 
 
 def _is_quantised(body: Profile | Surface) -> bool:
-    """Return True if the heights of a body were rounded to so large a step that rounding explains the noise."""
+    """Return True if heights were rounded to so large a step that rounding explains the noise."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s adds noise with the variance s²/12.
     # The mean square second difference of white noise is six times its variance.

@@ -1,4 +1,4 @@
-"""Defects of a scan: spikes, noise of the instrument, unresolved wavelengths, and drift of the roughness."""
+"""Defects of a scan: spikes, instrument noise, a blunt tip, and drift of the roughness."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ MAX_NOISE_SLOPE_FRACTION = 0.01
 
 
 class ScanDefects:
-    """Defects of a scan, each of which is found on first use.
+    """Defects of a scan, each computed on first use.
 
     Parameters
     ----------
@@ -90,12 +90,12 @@ class ScanDefects:
 
     @cached_property
     def outliers(self) -> NDArray[np.bool_]:
-        """Mask of the outliers among the measured points."""
+        """Mask of the outliers among the measured points of the scan."""
         return find_outliers(self.body.heights_with_nan, self.body.height_step)
 
     @cached_property
     def num_spikes(self) -> int:
-        """Number of outliers that are also sharp and isolated (profiles) or far from their neighbours (maps).
+        """Number of spikes: outliers that are sharp and isolated (profiles) or far from their neighbours (maps).
 
         Cusps and edges of machined surfaces are sharp too, but usually not outliers. Narrow scratches can be outliers,
         but are not isolated.
@@ -109,7 +109,7 @@ class ScanDefects:
 
     @cached_property
     def body_without_outliers(self) -> Profile | Surface:
-        """Body whose spectrum is assessed: outliers are interpolated, because single points look like white noise.
+        """Body with interpolated outliers, whose spectrum is assessed; single outliers would look like white noise.
 
         If the body has no outliers, or is flat except for outliers, it is returned unchanged.
         """
@@ -119,7 +119,7 @@ class ScanDefects:
 
     @cached_property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest reliable wavelength, limited by pixels and noise.
+        """Shortest reliable wavelength of the scan, which pixels and noise limit.
 
         Raises a `ValueError` if the body is flat.
         """
@@ -127,7 +127,7 @@ class ScanDefects:
 
     @cached_property
     def hidden_noise(self) -> HiddenNoise | None:
-        """Hidden noise, or None if none is found.
+        """White noise that the spectrum of the scan may hide, or None.
 
         None also if visible noise already exceeds a tenth of the mean square slope, or if the scan is textured.
         """
@@ -137,7 +137,7 @@ class ScanDefects:
 
     @cached_property
     def limit_with_tip(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength, limited by pixels, noise and tip, or None without a tip radius.
+        """Shortest reliable wavelength of the scan, which pixels, noise and tip limit; None without a tip radius.
 
         Raises a `ValueError` if the body is flat.
         """
@@ -145,7 +145,7 @@ class ScanDefects:
 
     @property
     def tip_limit(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength if the tip sets it, or None if the tip does not matter.
+        """Shortest reliable wavelength of the scan if the tip limits it, or None if the tip does not matter.
 
         None if no tip radius is given, if pixels or noise set the limit, or if shorter wavelengths contribute at most
         1 % of the mean square slope. Raises a `ValueError` if the body is flat.
@@ -162,13 +162,13 @@ class ScanDefects:
 
 
 def compute_mean_square_slope(body: Profile | Surface) -> float:
-    """Return the mean square of the first differences along all axes, each divided by the spacing."""
+    """Return the mean square slope of a body from first differences along all axes."""
     axes = range(body.heights.ndim)
     return sum(float(np.square(np.diff(body.heights, axis=axis)).mean()) / body.spacings[axis] ** 2 for axis in axes)
 
 
 def compute_lay_ratio(surface: Surface) -> float:
-    """Return the ratio of the largest to the smallest rms slope of a map over all directions, at most `MAX_LAY_RATIO`.
+    """Return the largest rms slope of a map over all directions divided by the smallest, at most `MAX_LAY_RATIO`.
 
     The slopes are averaged over the cells of the grid.
     """
@@ -182,7 +182,7 @@ def compute_lay_ratio(surface: Surface) -> float:
 
 
 def estimate_roughness_drift(body: Profile | Surface) -> float:
-    """Estimate how much the logarithm of the rms slope changes from one end of a scan to the other.
+    """Estimate the change of ln(rms slope) from one end of a scan to the other.
 
     A linear trend is fitted to the logarithms of the rms slopes of strips. For maps, the trends along both axes are
     combined. The result is 0 if no trend exceeds what a stationary surface shows by chance.
@@ -234,7 +234,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
 
 
 def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, float]:
-    """Return the change of the logarithm of the rms slope along an axis, by a linear fit, and the variance of the fit.
+    """Fit the change of ln(rms slope) along an axis. Return the change and its variance.
 
     Both are 0 if a strip has no measured points or no slope.
     """
@@ -252,13 +252,13 @@ def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, floa
 
 
 def _find_height(body: Profile | Surface) -> float:
-    """Return the height difference (µm) between the highest and the lowest point of a levelled body."""
+    """Return the distance (µm) from the lowest to the highest point of a levelled body."""
     levelled_body = levelled(body, "line") if isinstance(body, Profile) else levelled(body, "plane")
     return float(np.ptp(levelled_body.heights))
 
 
 def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
-    """Find the sharp points of a body.
+    """Find the points of a body that stand out sharply from their neighbours.
 
     Sharp points of a profile are next to a large second difference. Sharp points of a map are far from the median of
     the 3 x 3 points around them.
@@ -284,7 +284,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
 
 
 def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Find the outliers that rise abruptly from a profile, unlike the bottom of a groove or the tip of a cusp.
+    """Find the outliers that rise abruptly, unlike the bottom of a groove or the tip of a cusp.
 
     A group of adjacent outliers is isolated if its deviation from the profile without outliers is large compared with
     the height of its flanks, or if a single step on its flanks makes up most of its height. Dips must also be deep,
@@ -297,7 +297,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
     min_height = _MIN_DEEP_SPIKE_RATIO * float(levelled(profile, "line").heights.std())
 
     def measure_from_flanks(heights: Floats, group: slice) -> Floats:
-        """Return heights near a group of outliers, measured from a line between points on both sides."""
+        """Return heights near a group of outliers, measured from the line between points on both sides."""
         start, stop = max(group.start - _NUM_FLANK_POINTS, 0), min(group.stop + _NUM_FLANK_POINTS, outliers.size)
         base = np.linspace(remaining_heights[start], remaining_heights[stop - 1], stop - start)
         return heights[start:stop] - base
@@ -320,7 +320,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
 def find_scan_defects(
     body: Profile | Surface, tip_radius: float | None, *, textured: bool, periodic: bool = False
 ) -> ScanDefects:
-    """Return the defects of a scan. A pair, its alternative preparations and its caveats share the same object.
+    """Return the defects of a scan. Calls for the same scan share one object.
 
     The defects are cached as an attribute of the body, so that the memory of both is released together.
     """

@@ -62,7 +62,7 @@ class PowerSpectrum(PlotReprMixin):
     resolution: float = field(metadata={"unit": "1/µm"})
 
     def moment(self, order: int) -> float:
-        """Return the integral of q^order C1D divided by π, in µm^(2 - order).
+        """Return the spectral moment ∫ q^order C1D dq / π, in µm^(2 - order).
 
         For a binned spectrum the result is exact only for order 0.
         """
@@ -70,7 +70,7 @@ class PowerSpectrum(PlotReprMixin):
         return float((self.wave_number**order * self.density * self.count).sum() * self.resolution / math.pi)
 
     def in_bins(self, per_decade: int = 10) -> PowerSpectrum:
-        """Average the spectrum over bins of equal width in log q, omitting bins without a harmonic.
+        """Average the spectrum over bins of equal width in ln(wave number), without empty bins.
 
         Examples
         --------
@@ -83,7 +83,7 @@ class PowerSpectrum(PlotReprMixin):
         return PowerSpectrum(*_average_in_bins(per_decade, self.wave_number, self.density, self.count), self.resolution)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the spectrum, and its means over tenths of a decade, on logarithmic scales.
+        """Draw the spectrum on logarithmic scales, with its means over tenths of a decade.
 
         Draws into the given axes, or into new ones, and returns them.
         """
@@ -92,7 +92,7 @@ class PowerSpectrum(PlotReprMixin):
 
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the geometric mean wave number, the mean density and the number of harmonics for each bin in log q."""
+    """Return mean wave number, mean density and number of harmonics in each bin of wave number."""
     # Wave numbers are multiples of the first.
     # Adding 1e-9 keeps a harmonic at an exact decade in its bin, despite round-off.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
@@ -277,7 +277,7 @@ def spectral_moments(
 
 
 def is_within_wavelength_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
-    """Return a mask of the wave numbers whose wavelengths are within a band.
+    """Return which wave numbers have wavelengths within a band.
 
     Wavelengths at the ends of the band are included in spite of round-off.
     """
@@ -409,7 +409,7 @@ class SurfaceSpectrum(TextReprMixin):
         return q[is_counted][order], angle % 180, self.density[is_counted][order]
 
     def radial(self, per_decade: int = 10) -> RadialSpectrum:
-        """Return the spectrum averaged over rings of equal width in log q.
+        """Return the spectrum averaged over rings of wave vectors, of equal width in ln(wave number).
 
         There are `per_decade` rings per decade; empty rings are omitted.
 
