@@ -1,4 +1,4 @@
-"""Form that dominates the heights of a scan: a parabola (maps), or a straight step (maps and profiles)."""
+"""Recognition of a dominant form in a scan: a parabola (maps), or a straight step (maps and profiles)."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _STEP_BAND_BLOCKS = (0.75, 3.75)
 
 
 class DominantStep(NamedTuple):
-    """Straight step of a scan."""
+    """Straight height step across a scan."""
 
     height: float
     """Height of the step (µm)."""
@@ -45,7 +45,7 @@ class DominantStep(NamedTuple):
 
 
 def measure_parabola_fraction(body: Surface) -> float:
-    """Return the fraction of the mean square height due to a parabola, or 0 if cubic and quartic terms are large.
+    """Return the fraction of a map's mean square height that a parabola explains, or 0 with large higher terms.
 
     The heights are measured from the least-squares plane.
     """
@@ -66,7 +66,7 @@ def measure_parabola_fraction(body: Surface) -> float:
 
 
 def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
-    """Find the straight step that contributes most to the mean square height, or None if no sharp step is found.
+    """Find the straight height step that explains most of the mean square height, or return None without a sharp step.
 
     A step and a plane are fitted together, because levelling by a plane tilts the two sides of a step.
     """
@@ -106,7 +106,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
 
 
 def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, float] | None:
-    """Level a body, and average the heights in blocks of equal size. Blocks without a measured point are left out.
+    """Return the mean heights of equal blocks of a levelled body. Blocks without a measured point are left out.
 
     Returns the coordinates of the blocks (from -1 to 1 along x, and along y for a map), their mean heights above the
     least-squares plane of the blocks, and the mean square height of all points. Returns None for a flat or small body.

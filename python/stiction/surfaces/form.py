@@ -1,4 +1,4 @@
-"""Least-squares fits of circles, spheres and cylinders, the nominal forms of round parts."""
+"""Least-squares fits of circles, spheres and cylinders to the heights of round parts."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def fit_round_form(
 
 
 def _arc_heights(squared_distance: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
-    """Compute heights on an arc, given the squared distance to its middle and the product of slope and distance."""
+    """Return heights on an arc, given squared distances from its middle and the products of slope and distance."""
     rise = curvature * squared_distance + 2 * tilt * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))
@@ -98,7 +98,7 @@ _FORM_MODELS: dict[str, _FormModel] = {
 
 
 def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
-    """Estimate initial parameters of a form from the least-squares paraboloid."""
+    """Estimate start parameters for the fit of a round form from the least-squares paraboloid."""
     x, y = points
     if form == "circle":
         quadratic_term, slope, height = np.polynomial.polynomial.polyfit(x, heights, 2)[::-1]
@@ -117,7 +117,7 @@ def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights
 
 
 def _form_parameter_scales(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
-    """Return typical magnitudes of the parameters for scaling the least-squares problem."""
+    """Return typical magnitudes of the parameters of a round form, by which the fit divides the parameters."""
     size = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
     height = float(np.ptp(heights))
     slopes = {"circle": [height / size], "sphere": [height / size] * 2, "cylinder": [height / size] * 2 + [1.0]}

@@ -53,7 +53,7 @@ def levelled(body: Surface, trend: SurfaceForm) -> Surface: ...
 @overload
 def levelled(body: ArrayLike, trend: Any, *, spacing: Any, unit: str = ...) -> Profile | Surface: ...
 def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") -> Profile | Surface:
-    r"""Subtract the least-squares trend or form from heights (F-operation of ISO 16610).
+    r"""Level a body: subtract the least-squares trend or form from its heights (F-operation of ISO 16610).
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
 
 
 def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
-    """Return orthogonal polynomials on a uniform grid, up to a given degree, scaled to values of about 1."""
+    """Return polynomials up to a degree that are orthogonal on a uniform grid, and of the order of 1."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
     for _ in range(2, degree + 1):
@@ -138,7 +138,7 @@ def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
 
 
 def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
-    """Subtract the least-squares fit of orthogonal functions. If only round-off remains, return exactly zero."""
+    """Subtract the least-squares fit of orthogonal functions from heights. Mere round-off is set to zero."""
     residual = heights
     if missing is not None:
         basis_values = np.stack([np.broadcast_to(function, heights.shape)[~missing] for function in basis], axis=1)
@@ -152,7 +152,7 @@ def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool
 
 
 def flipped(body: AnyBody) -> AnyBody:
-    """Flip a profile or a surface for use as the upper body.
+    """Flip a profile or a surface, so that it can face another body from above.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def count_flips(body: Profile | Surface) -> int:
 
 
 def list_history_without_flips(body: Profile | Surface) -> tuple[str, ...]:
-    """Return the history of a profile or a surface without the entries for flips."""
+    """Return the history of a profile or a surface without its flips."""
     return tuple(step for step in body.history if step not in _FLIP_HISTORY_ENTRIES)
 
 
@@ -244,7 +244,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the first point of a range, the point after the last point, and a description of the range."""
+    """Return the first point of a range, the point after its last point, and a description of the range."""
     extent = points * spacing
     start = validate_number("start", start, unit="µm")
     stop = extent if stop is None else validate_number("stop", stop, unit="µm")
@@ -272,7 +272,7 @@ def on_common_grid(a: Surface, b: Surface, *, align: GridAlignment = ...) -> tup
 def on_common_grid(
     a: Any, b: Any, *, align: GridAlignment = "start"
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Resample two profiles or two surfaces to the finer spacing of the two, over their common length.
+    """Resample two profiles or two surfaces to the finer of their spacings, over their common length.
 
     Parameters
     ----------
@@ -324,12 +324,12 @@ def on_common_grid(
 
 
 def _count_grid_points(length: float, spacing: float) -> int:
-    """Return the number of grid points from 0 to a length (µm), including an end point that round-off would exclude."""
+    """Return the number of grid points from 0 to a length (µm), including an end point within round-off."""
     return math.floor(length / spacing + GRID_POSITION_TOLERANCE) + 1
 
 
 def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: GridAlignment) -> Any:
-    """Resample a body to given spacings (µm) and a given shape. A body that already has both is returned unchanged."""
+    """Resample a body to given spacings (µm) and a given shape, unless it already has them."""
     old_spacings = body.spacings
     if (old_spacings, body.heights.shape) == (spacing, shape):
         return body
@@ -357,7 +357,7 @@ def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, .
 def resample_piece(
     surface: Surface, spacing: tuple[float, float], origin: tuple[int, int], shape: tuple[int, int]
 ) -> Surface:
-    """Resample a surface piece to spacings (µm) by natural splines. The piece starts at `origin` (row, column)."""
+    """Resample the piece of a surface that begins at `origin` (row, column) to spacings (µm), by natural splines."""
     heights, missing = surface.heights, surface.missing
     for axis in (0, 1):
         old_spacing, new_spacing, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
@@ -383,7 +383,7 @@ def resample_piece(
 
 
 def _resample_missing_mask(missing: Any, positions: Floats, axis: int) -> Any:
-    """Return the mask of missing positions between points. A position is missing if an adjacent point is missing."""
+    """Resample a mask of missing points. A position between two points is missing if one of them is missing."""
     if missing is None:
         return None
     missing_below, missing_above = (
@@ -395,7 +395,7 @@ def _resample_missing_mask(missing: Any, positions: Floats, axis: int) -> Any:
 def _resample_along_axis(
     heights: Any, actual: float, spacing: float, points: int, axis: int, align: GridAlignment = "start"
 ) -> Any:
-    """Resample heights, or a mask of missing points, along an axis. Heights are resampled by natural cubic splines.
+    """Resample heights by natural cubic splines along an axis, or a mask of missing points.
 
     If the spacing does not change, the axis is only cropped.
     """
@@ -418,7 +418,7 @@ def _resample_along_axis(
 
 
 def rotated(surface: Surface, angle: float) -> Surface:
-    """Rotate a surface in its plane.
+    """Rotate a surface about its middle, in the plane of the map.
 
     Parameters
     ----------
@@ -481,7 +481,7 @@ def rotated(surface: Surface, angle: float) -> Surface:
 
 
 def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple[Floats, Any]:
-    """Return the heights of a surface rotated by an angle (radians) about its middle, and the mask of missing points.
+    """Return the heights and missing points of a surface that is rotated about its middle by an angle (radians).
 
     The points of the result are at distances y (a column) and x (µm) from the middle. The mask is None if the surface
     has no missing points.
@@ -507,7 +507,7 @@ def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple
 
 
 def inscribed_rectangle(height: float, width: float, angle: float) -> tuple[float, float]:
-    """Return the height and width of the largest axis-parallel rectangle within a rotated rectangle."""
+    """Return height and width of the largest axis-parallel rectangle inside a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer_side, shorter_side = max(height, width), min(height, width)
     # two corners of the inscribed rectangle lie on the longer sides of the rotated map
