@@ -1,4 +1,4 @@
-"""Hills and dales of a surface.
+"""Hills and dales of a surface, and the feature parameters of ISO 25178-2.
 
 Hills and dales are found by watershed segmentation with Wolf pruning, and are described by the feature parameters of
 ISO 25178-2.
@@ -22,7 +22,7 @@ _IndexArray = NDArray[np.intp]
 
 
 def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
-    """Return the flat indices of the peaks that remain after Wolf pruning.
+    """Return the indices, in the flattened map, of the peaks that remain after Wolf pruning.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
 
 
 def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _IndexArray:
-    """Return, for each point, the flat index of the peak whose hill contains the point."""
+    """Return, for each point of a map, the index of the peak whose hill contains the point."""
     from scipy.ndimage import maximum_filter
 
     uphill_point = order[maximum_filter(rank, size=3, mode="nearest").ravel()]
@@ -84,7 +84,7 @@ def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _In
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return the maximum spanning tree of the hills: two hills and the rank of their saddle, highest saddle first."""
+    """Return the maximum spanning tree of the hills: pairs of hills with the rank of their saddle, highest first."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 
@@ -112,7 +112,7 @@ def _find_saddles(
 
 
 class FeatureParameters(NamedTuple):
-    """Feature parameters of a surface. A parameter is NaN if the map has too few peaks or pits."""
+    """Feature parameters of a surface: peak density, peak curvature, peak height and pit depth."""
 
     density: float
     curvature: float
@@ -145,5 +145,5 @@ def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> Featu
 
 
 def _mean_of_five_largest(heights: Floats) -> float:
-    """Return the mean of the five largest heights, or NaN if there are fewer than five."""
+    """Return the mean of the five largest heights, or NaN for fewer than five heights."""
     return math.nan if heights.size < NUM_AVERAGED_FEATURES else float(np.sort(heights)[-NUM_AVERAGED_FEATURES:].mean())

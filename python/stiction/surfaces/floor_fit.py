@@ -1,4 +1,4 @@
-"""Maximum-likelihood fit of power laws with a common noise floor to binned spectra."""
+"""Maximum-likelihood fit of power laws and white noise to spectra that are averaged in bins."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MAX_FIT_EVALUATIONS = 2000
 
 
 class BinnedSpectrum(NamedTuple):
-    """Spectrum averaged in wave number bins."""
+    """Line spectrum averaged in bins of wave number."""
 
     log_q: Floats  # logarithm of the wave number
     density: Floats
@@ -34,7 +34,7 @@ class BinnedSpectrum(NamedTuple):
 
 
 class NoiseFloorFit(NamedTuple):
-    """Power laws with a common noise floor, fitted to spectra. The densities are A q^-s + level * floor."""
+    """Fit of power laws plus common white noise to spectra, with the densities A q^-s + level * floor."""
 
     level: float
     gain: float  # increase of the log-likelihood due to the noise floor
@@ -44,12 +44,12 @@ class NoiseFloorFit(NamedTuple):
 
     @property
     def is_significant(self) -> bool:
-        """True if the floor fits the spectra significantly better than power laws alone."""
+        """True if the spectra contain white noise: it improves the fit significantly."""
         return self.gain > MIN_FLOOR_LIKELIHOOD_GAIN
 
 
 def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> NoiseFloorFit:
-    """Fit power laws plus a common non-negative noise floor to spectra. The exponents stay within a given range."""
+    """Fit a power law to each spectrum, plus a common noise level. The exponents stay within a given range."""
     from scipy.optimize import minimize
 
     max_floor_level = min(float(spectrum.density.min()) / spectrum.floor for spectrum in spectra)
@@ -59,7 +59,7 @@ def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float
     ]
 
     def loss(parameters: Floats) -> tuple[float, Floats]:
-        """Return the negative log-likelihood, up to a constant, and its gradient."""
+        """Return the negative log-likelihood, without a constant term, and its gradient."""
         total, gradient = 0.0, np.zeros(parameters.size)
         level = parameters[-1]
         for index, (log_q, density, fraction, weight) in enumerate(scaled_spectra):

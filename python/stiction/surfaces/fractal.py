@@ -72,7 +72,7 @@ def random_phases(
 
 
 def hurst_from_fractal_dimension(fractal_dimension: float, *, convention: FractalConvention = "paper") -> float:
-    """Return the Hurst exponent H of Eq. 1 for a fractal dimension D.
+    """Return the Hurst exponent of a Weierstrass-Mandelbrot profile with the fractal dimension D.
 
     It is 4 - 2D in the paper's convention and 2 - D in the classical convention.
     """
@@ -152,7 +152,7 @@ def fill_profile_family(
     family: Floats, phases: ArrayLike, fractal_dimensions: ArrayLike, *, length_scale: float, gamma: float,
     extent: float, convention: FractalConvention, band_limit: BandLimit | None,
 ) -> Floats:  # fmt: skip
-    """Compute the profiles that `weierstrass_mandelbrot_family` returns, and write them to the array `family`.
+    """Compute the profiles of `weierstrass_mandelbrot_family`, and write them to the array `family`.
 
     Returns the mean, minimum and maximum of each profile, (k, 3).
     """
@@ -179,7 +179,7 @@ def _validate_length_scale_and_gamma(length_scale: Any, gamma: Any, band_limit: 
 def _frequency_amplitudes(
     dimension: Any, frequencies: int, scale: float, gamma: float, convention: FractalConvention
 ) -> Floats:
-    """Return the amplitude of every frequency of Eq. 1, µm."""
+    """Return the amplitude (µm) of every frequency of the Weierstrass-Mandelbrot function (Eq. 1 of the paper)."""
     hurst = hurst_from_fractal_dimension(dimension, convention=convention)
     return np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, scale))
 

@@ -30,7 +30,7 @@ _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
 def find_texture_harmonics(density: Floats) -> tuple[float, float]:
-    """Find the first harmonic of a periodic texture and the distance between harmonics, both as numbers of bins.
+    """Find the first harmonic of a periodic texture, and the distance between harmonics. Both are measured in bins.
 
     Returns NaN if there is no periodic texture.
 
@@ -69,7 +69,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
 
 
 def density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
-    """Estimate the density between texture harmonics from a low quantile of the densities over one harmonic spacing.
+    """Estimate the spectral density between the harmonics of a texture from a low quantile over one harmonic spacing.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
 
 
 def _median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median density near each harmonic: up to half the spacing away, but outside the harmonic peak."""
+    """Return the median density around each harmonic, up to half the harmonic spacing away but outside its peak."""
     bins = np.arange(padded_density.size)
     medians = []
     for position in harmonics.tolist():

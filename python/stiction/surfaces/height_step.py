@@ -1,4 +1,4 @@
-"""Rounding step of the heights of a scan, which the instrument or the file format sets."""
+"""Step to which an instrument or a file format rounds the heights of a scan."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def find_height_step(heights: Floats) -> float:
 
 
 def _count_whole_numbers(values: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the distinct values in ascending order and their counts, without sorting if they span a small range."""
+    """Return the different numbers of an array in ascending order, with their counts."""
     lowest = values.min(initial=0)
     if not values.max(initial=0) - lowest < values.size:
         return np.unique(values, return_counts=True)
@@ -79,7 +79,7 @@ def _count_whole_numbers(values: Floats) -> tuple[Floats, NDArray[np.intp]]:
 
 
 def _centred_second_differences(heights: Floats, axis: int) -> Floats:
-    """Return the finite second differences along an axis, minus their lower median."""
+    """Return the second differences of heights along an axis, minus their median, without missing points."""
     differences = np.diff(heights, 2, axis=axis)
     differences = differences[np.isfinite(differences)]
     return differences - np.quantile(differences, 0.5, method="lower") if differences.size else differences

@@ -36,7 +36,7 @@ _MAX_FITTED_NOISE_RATIO = 2.0
 
 @dataclass(frozen=True)
 class HiddenNoise:
-    """White noise that the spectrum of a scan may contain without showing a noise floor."""
+    """White noise that a scan may contain although its spectrum shows no noise floor."""
 
     slope_fraction: float  # fraction of the mean square slope of a scan that is due to noise
     # cutoff (µm) of the low-pass filter that removes the fraction `slope_fraction` of the mean square slope
@@ -87,7 +87,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
 
 
 def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:
-    """Return the variance (µm²) of white noise with the same median density as the shortest wavelengths of a map.
+    """Return the variance (µm²) of white noise that would explain the median density of a map's shortest wavelengths.
 
     The median is taken over the wavelengths below four points along both axes. The densities of noise are
     exponentially distributed, so their median is ln 2 of their mean.
@@ -99,7 +99,7 @@ def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:
 
 
 def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpectrum | None:
-    """Average a spectrum in bins at wavelengths of up to 16 points; return None if there are too few bins."""
+    """Average a spectrum in bins at wavelengths up to 16 points, or return None for too few bins."""
     q, density, count, spacing = spectrum
     # Exclude the first two harmonics, to which the Hann window adds power from longer wavelengths.
     if not periodic:

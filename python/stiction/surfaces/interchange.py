@@ -1,4 +1,4 @@
-"""Conversion of profiles and surfaces to and from objects of other libraries, including the spacing and the unit."""
+"""Conversion of profiles and surfaces to objects of other libraries and back, with spacing and unit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SPACING_TOLERANCE = 1e-6
 
 
 class ExtractedHeights(NamedTuple):
-    """Heights, spacing, history and missing points of a profile or a surface."""
+    """Heights, spacing, history and missing points extracted from an object of any supported library."""
 
     heights: Floats  # heights of shape (n,) or (rows, columns), µm
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm
@@ -61,7 +61,7 @@ def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats
 
 
 def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> str:
-    """Describe the size, spacing, roughness and history of a body in one line."""
+    """Describe the size, the spacing, the roughness and the history of a profile or a surface in one line."""
     shape_text = " × ".join(map(str, heights.shape))
     distinct_spacings = np.unique(spacing).tolist()
     spacing_text = f"{format_with_unit(distinct_spacings[0], 'µm')} apart"
@@ -115,7 +115,7 @@ def _extract_from_data_array(name: str, other: Any, kind: str, unit: str | None)
 
 
 def _uniform_spacing(name: str, axis: str, positions: Any) -> float:
-    """Return the spacing of equidistant positions."""
+    """Return the spacing of positions, which must be equidistant."""
     coordinates = np.asarray(positions, dtype=np.float64)
     steps = np.diff(coordinates)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > SPACING_TOLERANCE * steps.mean():

@@ -1,4 +1,4 @@
-"""Roughness of rock joints along a direction: Z2, the joint roughness coefficient, and slopes that face the motion.
+"""Roughness of rock joints along a direction: Z2, the joint roughness coefficient, and slopes facing the motion.
 
 Tse & Cruden, International Journal of Rock Mechanics and Mining Sciences 16 (1979) 303.
 """
@@ -41,7 +41,7 @@ class JointRoughness:
 
     @property
     def jrc(self) -> float:
-        """Joint roughness coefficient 32.2 + 32.47 log10 Z2, or NaN outside the range of the fitted formula."""
+        """Joint roughness coefficient 32.2 + 32.47 log10 Z2; NaN where the formula was not fitted."""
         deviation = abs(self.sampling_interval / SAMPLING_INTERVAL - 1)
         if not (MIN_Z2 <= self.z2 <= MAX_Z2 and deviation <= MAX_SAMPLING_INTERVAL_DEVIATION):
             return math.nan
@@ -70,7 +70,7 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
 
 
 def _height_differences(face: Any, steps: Any) -> Floats:
-    """Return the height differences over an offset in grid points, between all points that were measured."""
+    """Return the height differences between all measured points that are an offset (points) apart."""
     starts, ends = [], []
     for step, count in zip(steps.tolist(), face.heights.shape, strict=True):
         length = count - abs(step)

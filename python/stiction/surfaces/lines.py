@@ -30,7 +30,7 @@ _MIN_LINE_POINTS = 7  # minimum number of points of a line for the seven-point s
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineRoughness(TextReprMixin):
-    """Roughness of the rows or columns of a surface, each measured from its own least-squares line.
+    """Roughness of the rows or of the columns of a surface, each measured from its own least-squares line.
 
     Attributes
     ----------
@@ -164,7 +164,7 @@ def line_roughness(
 def lines_along_both(
     surface: Surface, *, band: tuple[float, float] | None = None
 ) -> tuple[LineRoughness, LineRoughness]:
-    """Compute the roughness of a surface along x and y. If possible, both Hurst exponents are fitted in the same band.
+    """Compute the roughness of a surface along x and along y, with both Hurst exponents from the same band if possible.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor by which a binned spectrum deviates from a power law in a band, beyond random scatter.
+    """Return the rms factor by which a spectrum deviates from a power law in a band, corrected for random scatter.
 
     `chance` is the variance of ln(density) for a single harmonic.
     """
@@ -240,7 +240,7 @@ def power_law_misfit(
 
 
 def _estimate_line_hurst_exponent(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
-    """Estimate the Hurst exponent of a line, or return None if the line is flat or has no self-affine band."""
+    """Estimate the Hurst exponent of a line, or return None for a flat line or one without self-affine band."""
     try:
         return estimate_hurst_exponent(line, band=band)
     except ValueError:

@@ -19,7 +19,7 @@ EXTREME_PEAK_MATERIAL_RATIOS = 0.025, 0.5
 
 
 def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
-    """Return the heights at given material ratios: the bearing curve of Abbott and Firestone.
+    """Return the heights at given material ratios: the Abbott-Firestone curve.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
 
 
 def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
-    """Return the material ratios at given section heights.
+    """Return the material ratios at given heights of a section.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def heights_at_material_ratios(heights: Floats, ratios: ArrayLike) -> Floats:
 
 
 class VolumeParameters(NamedTuple):
-    """Material and void volumes per area, in the unit of the heights."""
+    """Material and void volumes of a surface per area, in the unit of its heights."""
 
     peak_material: float
     core_material: float
@@ -110,7 +110,7 @@ class VolumeParameters(NamedTuple):
 
 
 def material_volumes(heights: Floats) -> VolumeParameters:
-    """Compute the volumes above and below the heights at which the material ratio is 10 % and 80 %."""
+    """Compute the material and void volumes that the heights at 10 % and at 80 % material ratio separate."""
     upper, lower = heights_at_material_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
     above_upper, above_lower = (float(np.maximum(heights - end, 0).mean()) for end in (upper, lower))
     below_upper, below_lower = (float(np.maximum(end - heights, 0).mean()) for end in (upper, lower))
@@ -128,7 +128,7 @@ class CoreParameters(NamedTuple):
 
 
 def core_parameters(heights: Floats) -> CoreParameters:
-    """Compute the parameters of stratified surfaces from the material ratio curve."""
+    """Compute the parameters of ISO 25178-2 for stratified surfaces from the material ratio curve."""
     height, upper, lower = _fit_core_line(heights)
     heights_above_core, depths_below_core = np.maximum(heights - upper, 0), np.maximum(lower - heights, 0)
     peak_fraction, valley_fraction = float(np.mean(heights > upper)), float(np.mean(heights < lower))

@@ -1,4 +1,4 @@
-"""Missing data and outliers in scans: interpolation of gaps, the largest gap, and outlier detection."""
+"""Missing points and outliers of scans: interpolation, the largest gap, and outlier detection."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _MIN_EDGE_POINTS = 20
 
 
 def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
-    """Interpolate gaps (NaN) linearly along x, then along y.
+    """Interpolate missing heights (NaN) linearly along x, then along y.
 
     With `extrapolate`, gaps at an edge are filled with the nearest height.
     """
@@ -72,7 +72,7 @@ def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
 
 
 def compute_scattered_missing_fraction(missing: NDArray[np.bool_]) -> float:
-    """Return the fraction of points that are missing while both neighbours along x, or both along y, are measured."""
+    """Return the fraction of points that are missing between two measured points, along x or along y."""
     is_between = np.zeros(missing.shape, np.bool_)
     for axis in range(missing.ndim):
         lines, between = np.moveaxis(missing, axis, -1), np.moveaxis(is_between, axis, -1)
@@ -81,7 +81,7 @@ def compute_scattered_missing_fraction(missing: NDArray[np.bool_]) -> float:
 
 
 def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]]:
-    """Return the number of points in the largest connected gap, and its bounding box."""
+    """Return the number of points in the largest connected region of missing points, and its bounding box."""
     from scipy.ndimage import find_objects, label
 
     gap_numbers, _ = label(missing, np.ones((3,) * missing.ndim))
@@ -91,7 +91,7 @@ def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]
 
 
 def with_interpolated_points(body: AnyBody, points: NDArray[np.bool_]) -> AnyBody:
-    """Return a copy of a body whose heights at the given points are interpolated, or the body if there are no points.
+    """Return a body with interpolated heights at given points, or the body itself without such points.
 
     The missing points of the body are interpolated again, because their heights may depend on the given points.
     """
@@ -105,7 +105,7 @@ def with_interpolated_points(body: AnyBody, points: NDArray[np.bool_]) -> AnyBod
 
 
 def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> str:
-    """Describe the fraction of missing points and the position of the largest gap."""
+    """Return a text about the fraction of missing points and the position of the largest gap."""
     points, bounding_box = find_largest_gap(missing)
     ends = [
         f"{axis} {format_with_unit(extent.start * step, 'µm')} to {format_with_unit(extent.stop * step, 'µm')}"
@@ -116,7 +116,7 @@ def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ..
 
 
 def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[np.bool_]:
-    """Find single points or groups of up to four points that deviate from their neighbours.
+    """Find outliers: single points, or groups of up to four points, that deviate from their neighbours.
 
     Parameters
     ----------
@@ -168,14 +168,14 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """Return the smaller of two ratios of deviation to typical deviation. A ratio that is NaN is ignored."""
+    """Return the smaller of two ratios at each point, ignoring NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.fmin(deviations[0] / typical_values[0], deviations[1] / typical_values[1])
 
 
 @dataclass(frozen=True, eq=False)
 class _TypicalDeviations:
-    """Median deviations of a scan, and the deviations of its points relative to these medians.
+    """Median deviations of a scan's points from their neighbours, and each deviation relative to its median.
 
     The medians differ between edge points and other points.
     """
@@ -184,7 +184,7 @@ class _TypicalDeviations:
     relative: Floats
 
     def at_points(self, points: tuple[NDArray[np.intp], ...]) -> Floats:
-        """Return the median deviation of the scan or of the neighbourhood of each point, whichever is larger.
+        """Return the median deviation of the scan or of a point's neighbourhood, whichever is larger.
 
         A worn surface is smoother on plateaus than in valleys, so points are compared with their neighbourhood, too.
         """
@@ -235,7 +235,7 @@ def _find_typical_deviations(
 
 
 def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return deviations from means of neighbours, deviations from lines through neighbours, and a mask of edge points.
+    """Compute how far each height deviates from means of neighbours and from lines through them; find edge points.
 
     Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips of rows, whose
     intermediate arrays fit into the cache.
@@ -256,7 +256,7 @@ def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> t
 def _deviations_in_strip(
     heights: Floats, padded_heights: Floats, reach: int
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return the deviations of some rows, or of a profile, given all heights within `reach` points around them."""
+    """Compute the deviations of the heights in a strip of rows, or in a profile, from their neighbours."""
     neighbour_steps = _NEIGHBOUR_STEPS[heights.ndim]
 
     def shifted_heights(step: tuple[int, ...], multiple: int) -> Floats:
@@ -293,7 +293,7 @@ def _deviations_in_strip(
 
 
 def _find_smallest(values: list[Floats], number: int) -> list[Floats]:
-    """Return the smallest values at each point in ascending order; NaN and missing values are infinite.
+    """Return the smallest numbers at each point in ascending order, with infinity for missing ones.
 
     For a few arrays, this is faster than sorting.
     """
@@ -306,7 +306,7 @@ def _find_smallest(values: list[Floats], number: int) -> list[Floats]:
 
 
 def _finite_median(values: list[Floats], min_count: int) -> Floats:
-    """Return the median of the finite values at each point, or NaN if there are fewer than `min_count`."""
+    """Return the median of the finite numbers at each point, or NaN for fewer than `min_count`."""
     sorted_values = np.stack(_find_smallest(values, len(values)))
     count = np.isfinite(sorted_values).sum(axis=0)
     lower, upper = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)

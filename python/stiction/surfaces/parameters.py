@@ -1,4 +1,4 @@
-"""Roughness parameters: names, standards, formulas, units, requirements, and sets of values."""
+"""Definitions of roughness parameters (name, standard, formula, unit, requirements), and sets of their numbers."""
 
 from __future__ import annotations
 
@@ -175,7 +175,7 @@ ROUGHNESS_PARAMETERS = {
 
 @dataclass(frozen=True, repr=False)
 class ParameterSet(TextReprMixin):
-    """Values of roughness parameters, available as attributes.
+    """Set of roughness parameters, whose numbers are available as attributes.
 
     Attributes
     ----------
@@ -189,7 +189,7 @@ class ParameterSet(TextReprMixin):
     levelled: str = NOT_LEVELLED_VALUE
 
     def __getattr__(self, name: str) -> float:
-        """Return the value of a parameter by name."""
+        """Return the number of a roughness parameter by its name."""
         # While an object is copied, its `values` do not exist yet.
         values: Mapping[str, float] = self.__dict__.get("values", {})
         if name in values:
@@ -206,7 +206,7 @@ class ParameterSet(TextReprMixin):
         return {"levelled": self.levelled}
 
     def __repr__(self) -> str:
-        """Return one line per parameter, with its unit."""
+        """Return a line of text per roughness parameter, with its unit."""
         lines = {
             name: f"{value} {unit}".strip() for name, value, unit in self._formatted_values()
         } | self._extra_table_rows()

@@ -45,7 +45,7 @@ class Body(PlotReprMixin):
     missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def _store(self, heights: Floats, spacing: Any) -> None:
-        """Store valid heights and a spacing above 0. Check the size of the spacing, the history and the mask."""
+        """Check and store heights, spacing, history and mask of missing points."""
         if not MIN_ACCEPTED_SPACING <= np.min(spacing) <= np.max(spacing) <= MAX_ACCEPTED_SPACING:
             allowed = f"from {MIN_ACCEPTED_SPACING:g} to {MAX_ACCEPTED_SPACING:g} µm"
             raise ValueError(f"spacing must be {allowed}, got {short_repr(spacing)}")
@@ -78,12 +78,12 @@ class Body(PlotReprMixin):
 
     @property
     def is_flat(self) -> bool:
-        """True if all heights are equal."""
+        """True if all heights of the body are equal."""
         return bool((self.heights == self.heights.flat[0]).all())
 
     @property
     def heights_with_nan(self) -> Floats:
-        """Heights (µm) with NaN at missing points."""
+        """Heights (µm) of the body, with NaN at missing points."""
         return self.heights if self.missing is None else np.where(self.missing, np.nan, self.heights)
 
     @cached_property
@@ -92,11 +92,11 @@ class Body(PlotReprMixin):
         return find_height_step(self.heights_with_nan)
 
     def changed(self, heights: Floats, step: str, **others: Any) -> Self:
-        """Return a copy with new heights, and with a step appended to the history."""
+        """Return a copy of the body with new heights, and one more step in its history."""
         return replace(self, heights=heights, history=(*self.history, step), **others)
 
     def __repr__(self) -> str:
-        """Return one line with the size, the roughness and the history."""
+        """Return one line about the body: size, roughness and history."""
         return describe_body(type(self).__name__, self.heights, self.spacings, self.history)
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -143,7 +143,7 @@ class Body(PlotReprMixin):
         return cls(extracted.heights, spacing=spacing, history=extracted.history, missing=extracted.missing)
 
     def to_xarray(self) -> xarray.DataArray:
-        """Return the heights as an xarray.DataArray with coordinates, units and history.
+        """Return the body as an xarray.DataArray with coordinates, units and history.
 
         This is the inverse of `from_`.
         """
@@ -186,17 +186,17 @@ class Profile(Body):
         self._store(heights, validate_number("spacing", self.spacing, unit="µm", above=0))
 
     def __len__(self) -> int:
-        """Return the number of points."""
+        """Return the number of points of the profile."""
         return self.heights.size
 
     @property
     def x(self) -> Floats:
-        """Positions of the points (µm), with shape (n,). Point j lies at j Δx."""
+        """Positions (µm) of the n points of the profile; point j lies at j Δx."""
         return np.arange(self.heights.size, dtype=np.float64) * self.spacing
 
     @property
     def extent(self) -> float:
-        """Number of points times the spacing, µm."""
+        """Length of the profile (µm): number of points times the spacing."""
         return self.heights.size * self.spacing
 
     def with_amplitude(self, amplitude: float, measure: AmplitudeMeasure = "height") -> Profile:
@@ -216,12 +216,12 @@ class Profile(Body):
 
 
 def select_from_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """Return the part of a mask that an index selects, or None if the mask is None."""
+    """Return the selected part of a mask of missing points, or None without a mask."""
     return None if mask is None else mask[index]
 
 
 def combine_missing_masks(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
-    """Return the mask of points that are missing in either of two bodies, or None if no point is missing.
+    """Return the mask of points that are missing in one of two bodies, or None without missing points.
 
     Raises a `ValueError` if no point is measured in both bodies.
     """
@@ -233,7 +233,7 @@ def combine_missing_masks(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
 
 
 def reject_missing_points(body: Any, operation: str) -> None:
-    """Raise a `ValueError` if a scan has missing points. The message names the operation that needs all points."""
+    """Raise a `ValueError` that names an operation if a scan has missing points."""
     if body.missing is not None:
         raise ValueError(
             f"{operation} requires complete scans, got {int(body.missing.sum())} masked points; use the half-space "
@@ -244,7 +244,7 @@ def reject_missing_points(body: Any, operation: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
 ) -> Profile:
-    """Scale a profile to a given amplitude, and write its heights into the existing array `scaled`."""
+    """Scale a profile to a given amplitude, and write the heights into the array `scaled`."""
     check_choice("measure", measure, AmplitudeMeasure)
     amplitude = validate_number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):

@@ -1,4 +1,4 @@
-"""Profile elements of ISO 21920: hills and dales between crossings of the mean line."""
+"""Profile elements of ISO 21920: each consists of a hill and a dale about the mean line."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
 
 
 def mean_profile_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
-    """Return the mean spacing (points) and the mean height of the profile elements, or NaN if there are no elements."""
+    """Return the mean spacing (points) and the mean height of the profile elements, or NaN without elements."""
     spacings, element_heights = profile_elements(heights, peak, pit)
     if not spacings.size:
         return math.nan, math.nan

@@ -31,7 +31,7 @@ _NUM_SECTORS = 90  # number of sectors of two degrees over which the spectral po
 
 
 def describe_levelling(history: tuple[str, ...]) -> str:
-    """Return the form that was subtracted from heights, according to their history."""
+    """Return the form that was subtracted from the heights of a body, according to its history."""
     forms = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
     return forms[-1] if forms else NOT_LEVELLED_VALUE
 
@@ -114,7 +114,7 @@ def roughness_parameters(
 
 
 def height_and_slope_parameters(z: Floats, spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
-    """Compute height and slope parameters about the mean line. The names omit the profile letter (P, R or W)."""
+    """Compute height and slope parameters about the mean line, named without the profile letter (P, R or W)."""
     scale = float(np.abs(z).max()) or 1.0
     scaled_heights = z / scale  # without scaling, the fourth power of the heights could overflow or underflow
     rms = float(np.sqrt(np.mean(scaled_heights**2)))
@@ -235,7 +235,7 @@ def surface_parameters(
 
 
 def reject_flat_or_small_surface(surface: Surface) -> None:
-    """Raise a `ValueError` for a surface that is flat, or too small for roughness parameters."""
+    """Raise a `ValueError` for a surface that is flat or too small for roughness parameters."""
     reject_flat_body(surface)
     min_points, shape = SEVEN_POINT_WEIGHTS.size, surface.heights.shape
     if min(shape) < min_points:
@@ -313,7 +313,7 @@ def rms_gradient(surface: Surface, derivative: DerivativeFormula) -> float:
 
 
 def _slopes_along_axis(heights: Floats, axis: int, derivative: DerivativeFormula) -> Floats:
-    """Return the slopes along an axis, in units of height per point."""
+    """Return the slopes of heights along an axis, in heights per point."""
     if derivative == "neighbours":
         return np.diff(heights, axis=axis)
     lines = heights if axis == 1 else heights.T
@@ -325,7 +325,7 @@ def _slopes_along_axis(heights: Floats, axis: int, derivative: DerivativeFormula
 
 
 def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> float:
-    """Return the area of the triangles between points divided by the projected area, minus 1."""
+    """Return the area of the surface through all points divided by its projected area, minus 1."""
     area_sum = 0.0
     corner_heights = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
     # A cell of four points has four triangles, each with one side along x and one along y that determine its slope.
@@ -338,7 +338,7 @@ def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> floa
 
 
 def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[float, float]:
-    """Return the shortest and the longest distance, over all directions, at which the autocorrelation falls to 0.2.
+    """Return the shortest and the longest distance at which the autocorrelation falls to 0.2.
 
     The shortest distance is NaN if the autocorrelation falls to 0.2 in no direction, and the longest is NaN unless it
     falls to 0.2 in all directions.

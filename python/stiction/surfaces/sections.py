@@ -31,7 +31,7 @@ _RDC_MATERIAL_RATIOS = 0.2, 0.8  # material ratios at which the heights are take
 
 
 class SettingClass(NamedTuple):
-    """Setting class with its default settings (µm) and its limits for Ra and RSm."""
+    """Setting class of ISO 21920: default settings (µm), and limits of Ra and RSm."""
 
     name: str
     section_length: float
@@ -60,7 +60,7 @@ class SectionLengthError(ValueError):
 
 @dataclass(frozen=True, repr=False)
 class SectionFilters:
-    """Filters and section lengths used for roughness and waviness parameters, with the reason for their choice.
+    """Filters and section lengths for roughness and waviness parameters, with the reason for their choice.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class SectionFilters:
     reason: str
 
     def __repr__(self) -> str:
-        """Return one line with the cutoffs (µm), the number of sections and the reason for choosing them."""
+        """Return one line with the cutoffs (µm), the number of sections and the reason for their choice."""
         ls_text = "no ls" if self.ls is None else f"ls {self.ls:g} µm"
         robust_text = ", robust" if self.robust else ""
         return f"SectionFilters: lc {self.lc:g} µm, {ls_text}, {self.sections} sections{robust_text}; {self.reason}"
@@ -217,7 +217,7 @@ def section_parameters(
 def _compute_with_setting_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: DerivativeFormula
 ) -> SectionParameters:
-    """Compute the parameters with the setting class that matches the resulting Ra and RSm."""
+    """Compute R- and W-parameters with the setting class that matches the resulting Ra and RSm."""
     lengths = [setting.section_length for setting in SETTING_CLASSES]
     if lengths[0] > profile.extent * ROUND_OFF_FACTOR:
         raise SectionLengthError(_too_short_message(profile, lengths[0]))
@@ -232,7 +232,7 @@ def _compute_with_setting_class(
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_setting_class(index: int) -> int:
-        """Return the index of the setting class that matches the Ra and RSm computed with class `index`."""
+        """Return the index of the setting class that Ra and RSm require, if computed with class `index`."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)
@@ -267,7 +267,7 @@ def _compute_with_setting_class(
 
 
 def _format_setting_class_reasons(parameters: SectionParameters) -> str:
-    """Format Ra and RSm as the reasons for choosing a setting class."""
+    """Return Ra and RSm as text, as the reasons for a setting class."""
     spacing_text = "" if math.isnan(parameters.RSm) else f" and RSm {format_with_unit(parameters.RSm, 'µm')}"
     return f"Ra {format_with_unit(parameters.Ra, 'µm')}{spacing_text}"
 
@@ -299,7 +299,7 @@ def _too_coarse_message(profile: Profile) -> str:
 def _compute_with_cutoff(
     profile: Profile, lc: float, ls: float | None, sections: int, robust: bool, derivative: DerivativeFormula
 ) -> SectionParameters:
-    """Compute the parameters for a given section length (µm)."""
+    """Compute R- and W-parameters for a given section length (µm)."""
     spacing = profile.spacing
     if lc > profile.extent * ROUND_OFF_FACTOR:
         raise SectionLengthError(_too_short_message(profile, lc))

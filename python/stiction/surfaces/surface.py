@@ -64,27 +64,27 @@ class Surface(Body):
 
     @property
     def x(self) -> Floats:
-        """Positions of the columns (µm), with shape (columns,)."""
+        """Positions (µm) of the columns of the surface along x."""
         return np.arange(self.heights.shape[1], dtype=np.float64) * self.spacing[1]
 
     @property
     def y(self) -> Floats:
-        """Positions of the rows (µm), with shape (rows,)."""
+        """Positions (µm) of the rows of the surface along y."""
         return np.arange(self.heights.shape[0], dtype=np.float64) * self.spacing[0]
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Number of points times the spacing (µm), along y and along x."""
+        """Side lengths of the surface (µm) along y and along x: numbers of points times spacings."""
         rows, columns = self.heights.shape
         return rows * self.spacing[0], columns * self.spacing[1]
 
     def row(self, index: int) -> Profile:
-        """Return one row as a profile along x."""
+        """Return one row of the surface as a profile along x."""
         index = validate_whole_number("index", index, minimum=0, maximum=self.heights.shape[0] - 1)
         return self._extract_profile(index, 1, f"row {index}")
 
     def column(self, index: int) -> Profile:
-        """Return one column as a profile along y."""
+        """Return one column of the surface as a profile along y."""
         index = validate_whole_number("index", index, minimum=0, maximum=self.heights.shape[1] - 1)
         return self._extract_profile((slice(None), index), 0, f"column {index}")
 
@@ -113,7 +113,7 @@ class Surface(Body):
 
 
 def parse_lengths(name: str, value: Any) -> tuple[float, float]:
-    """Parse positive lengths along y and x. They are given as a pair, or as one number for both axes."""
+    """Parse positive lengths along y and x, given as a pair or as one number for both."""
     lengths = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(lengths) != 2:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {short_repr(value)}")
@@ -174,7 +174,7 @@ def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") 
 
 
 def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
-    """Parse a shape with at least `least` rows and columns and at most MAX_POINTS points."""
+    """Parse a shape of at least `least` rows and columns, and at most MAX_POINTS points."""
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         raise ValueError(f"shape must be (rows, columns), got {short_repr(shape)}")
     rows, columns = (validate_whole_number("shape", size, minimum=least, maximum=MAX_POINTS) for size in shape)

@@ -244,7 +244,7 @@ def isotropic_surface(
 
 
 def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> Floats:
-    """Generate periodic Gaussian heights from an array with the expected power of every wave vector."""
+    """Generate periodic Gaussian heights, given the expected power of every wave vector."""
     from scipy.fft import ifft2
 
     rows, columns = power.shape
@@ -256,7 +256,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
 
 
 def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
-    """Return rings of wave vectors: their edges, the fitted densities C2D and the numbers of harmonics."""
+    """Return rings of wave vectors: their edges, fitted densities C2D and numbers of harmonics."""
     check_bool("periodic", periodic)
     reject_flat_body(profile)
     reject_missing_points(profile, "an isotropic surrogate")
@@ -293,7 +293,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
 
 
 def _fit_densities(response: Floats, measured_density: Floats, count: Floats, density: Floats) -> Floats:
-    """Fit densities in rings of wave vectors to the spectrum of a section, by maximum likelihood (Fisher scoring)."""
+    """Fit densities in rings of wave vectors to the spectrum of a line, by maximum likelihood (Fisher scoring)."""
 
     def cost(log_density: Floats) -> float:
         predicted_density = response @ np.exp(log_density)

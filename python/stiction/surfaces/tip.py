@@ -1,4 +1,4 @@
-"""Reconstruction of a surface from a scan with a spherical tip."""
+"""Reconstruction of a surface that was scanned with a spherical tip."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TIP_CONTACT_TOLERANCE = 1e-9
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:
-    r"""Reconstruct the highest surface for which a spherical tip would record the given scan.
+    r"""Reconstruct the highest surface that gives the scan when a spherical tip traces it.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
 
 
 def sharpened(scan: Profile | Surface, radius: float, factor: float) -> Profile | Surface:
-    """Subtract a multiple of the tip correction from a scan. The tip correction is scan minus tip reconstruction.
+    """Sharpen a scan by a multiple of the tip correction, which is the scan minus its reconstruction.
 
     The factor 1 yields the reconstruction. Larger factors yield estimates of the roughness that the tip did not reach.
     Missing points stay missing, and their interpolated heights are used. The correction is computed for the levelled
@@ -110,7 +110,7 @@ def sharpened(scan: Profile | Surface, radius: float, factor: float) -> Profile 
 
 
 def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
-    """Return the highest surface for which a spherical tip would record the given heights (µm)."""
+    """Return the highest surface that gives the heights (µm) when a spherical tip traces it."""
     eroded_heights = heights.copy()
     for point_slices, neighbour_slices, tip_height in _tip_offsets_and_heights(
         heights.shape, spacing, radius, float(np.ptp(heights))
@@ -124,7 +124,7 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
 def _tip_offsets_and_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Yield, for each offset within reach of the tip: slices of points and of their neighbours, and the tip height."""
+    """Yield, for each offset below the tip, slices of points and of their neighbours, and the height of the tip."""
     half_width, half_widths = _tip_half_width(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * item + 1 for item in half_widths)):
         offsets = np.subtract(steps, half_widths)
@@ -140,7 +140,7 @@ def _tip_offsets_and_heights(
 
 
 def _tip_half_width(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
-    """Return the half width of a tip at the height `deepest` above its lowest point, in µm and in points per axis."""
+    """Return the half width of a tip at the height `deepest` above its lowest point, in µm and in points."""
     half_width = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
     return half_width, [
         min(int(half_width / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)
