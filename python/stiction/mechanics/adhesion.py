@@ -89,7 +89,7 @@ class EquilibriumNotFoundError(NoSolutionError):
 
 @dataclass
 class _IterationState:
-    """State between two iterations towards an equilibrium, from which the iteration can be resumed."""
+    """State of the iteration towards an adhesive equilibrium, from which the iteration can be resumed."""
 
     attraction: Floats
     pressure: Floats | None = None
@@ -114,14 +114,14 @@ class _IterationState:
     last_residual: float = math.inf
 
     def to_step_result(self) -> StepResult:
-        """Return the state as named arrays and numbers."""
+        """Return the state of the iteration as named arrays and numbers."""
         result = {name: value for name, value in vars(self).items() if value is not None and name != "best_state"}
         best_state = {} if self.best_state is None else vars(self.best_state)
         return result | {f"best_{name}": value for name, value in best_state.items()}
 
     @classmethod
     def from_step_result(cls, result: StepResult) -> _IterationState:
-        """Restore a state from the arrays and numbers that `to_step_result` returned."""
+        """Restore a state of the iteration from the arrays and numbers that `to_step_result` returned."""
         values = {field.name: _to_array_or_number(result[field.name]) for field in fields(cls) if field.name in result}
         if "best_pressure" in result:
             values["best_state"] = _to_adhesion_state(
@@ -131,7 +131,7 @@ class _IterationState:
 
 
 def _to_array_or_number(value: Any) -> Any:
-    """Return a stored array unchanged, and a stored number as a Python number."""
+    """Return a stored array unchanged, or a stored number as a Python number."""
     return value if np.ndim(value) else np.asarray(value).item()
 
 
@@ -171,13 +171,13 @@ class AdhesionSolver:
         self.min_contact = MIN_CONTACT_LOAD_RATIO * float(self.attraction_at_gap(problem.gap).mean())
 
     def attraction_at_gap(self, gap: Floats) -> Floats:
-        """Return the attraction (GPa) at given gaps (µm). A negative gap counts as 0."""
+        """Return the attraction (GPa) at given gaps (µm). A negative gap counts as closed."""
         return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
     def solve_at_contact_pressure(
         self, near: AdhesionState, contact_load: float, *, earlier_state: AdhesionState
     ) -> AdhesionState:
-        """Iterate from a nearby state to the equilibrium at a mean contact pressure (GPa). Return the final state.
+        """Iterate from a nearby state to the equilibrium at a mean contact pressure (GPa), and return its state.
 
         No point may be closer than in `earlier_state`; the bodies then support the load when they are pulled apart.
         Otherwise, or if the iteration fails, `EquilibriumNotFoundError` is raised.
@@ -206,7 +206,7 @@ class AdhesionSolver:
     def find_equilibrium_at_pressure(
         self, near: AdhesionState | None, load: float, *, longest: float = MAX_EXTRAPOLATION_FACTOR
     ) -> tuple[AdhesionState, bool]:
-        """Find the equilibrium at an external pressure (GPa). Return a state, and True if this state is in equilibrium.
+        """Return a state at an external pressure (GPa), and whether it is in equilibrium.
 
         The iteration starts from `near`, or without contact if `near` is None.
 
@@ -241,7 +241,7 @@ class AdhesionSolver:
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
     def find_equilibrium_near(self, near: AdhesionState, *, earlier_state: AdhesionState) -> AdhesionState:
-        """Find an equilibrium near a state through which the bodies separate. The external load is adjusted.
+        """Find an equilibrium near a state of the separation, with an adjusted external load.
 
         At a constant load, the attraction changes fastest in the direction in which a change of the contact load
         changes it. Each step therefore changes the contact load so that the attraction does not change in this
@@ -294,7 +294,7 @@ class AdhesionSolver:
         return _to_adhesion_state(self.record.run_step(solve, EquilibriumNotFoundError))
 
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
-        """Return the state before the first iteration, or the state in which an earlier computation was interrupted."""
+        """Return the state from which the iteration starts, or in which an earlier computation was interrupted."""
         if (state := self.record.read_state()) is not None:
             return _IterationState.from_step_result(state)
         if near is None:
@@ -304,7 +304,7 @@ class AdhesionSolver:
     def _iterate_to_equilibrium(
         self, state: _IterationState, contact_load: Callable[[float], float], longest: float
     ) -> Iterator[tuple[AdhesionState, float]]:
-        """Yield each contact and its relative change of the attraction, until the bodies separate. Update `state`.
+        """Yield contacts with the relative change of their attraction, until the bodies separate. Update `state`.
 
         The contact load (GPa) is a function of the mean attraction. After `NUM_UNACCELERATED_STEPS` plain steps, a step
         is extrapolated as a geometric series with the ratio of the last two changes, limited to `longest` times the
@@ -346,14 +346,14 @@ class AdhesionSolver:
             state.attraction = next_attraction
 
     def _solution_tolerance(self, state: _IterationState) -> float:
-        """Return the tolerance of the next contact solution. It decreases with the residual of the attraction."""
+        """Return the tolerance of the next contact solution, which decreases with the residual of the attraction."""
         tolerance = state.tolerance_ratio * self.relative_range * state.residual
         return min(max(self.tolerance, tolerance), MAX_SOLUTION_TOLERANCE)
 
     def _solve_contact(
         self, state: _IterationState, contact_load: float, tolerance: float
     ) -> tuple[AdhesionState, Floats]:
-        """Solve the contact under the current attraction at a contact load (GPa). Return the contact and its gap."""
+        """Solve the contact at a contact load (GPa) under the current attraction. Return the contact and its gap."""
         if not contact_load < self.bound[0]:
             raise EquilibriumNotFoundError("the attraction raises the pressure to the hardness at all points")
         grids, threads = self.problem.grids, solver_thread_count()
@@ -377,7 +377,7 @@ class AdhesionSolver:
         return contact_state, attracted_gap + displacement - solution.approach
 
     def at(self, load: float, near: AdhesionState | None) -> AdhesionState:
-        """Find the equilibrium at an external pressure (GPa). The iteration starts from `near`, or without contact."""
+        """Find the equilibrium at an external pressure (GPa), starting from `near` or from separate bodies."""
         if near is None and load < 0:
             near = self.find_equilibrium_at_pressure(None, 0.0)[0]
         state, is_balanced = self.find_equilibrium_at_pressure(near, load)
@@ -394,7 +394,7 @@ class AdhesionSolver:
         return state
 
     def trace_separation(self, start: AdhesionState) -> list[AdhesionState]:
-        """Return states of decreasing contact load, at least down to the minimum of the external load.
+        """Return equilibria of decreasing contact load, at least until the external load is lowest.
 
         States of decreasing contact load lead close to the minimum. Lower loads are then tried. If the bodies separate
         under a load, an equilibrium is searched near the state that changed most slowly.
@@ -467,7 +467,7 @@ class AdhesionSolver:
         return states
 
     def extend_unloading_states(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Extend the states to smaller contact loads, until the external load rises or no equilibrium is found."""
+        """Continue a series of equilibria to smaller contact loads, until the external load rises or none is found."""
         states = list(states)
         while states[-1].contact_load > self.min_contact and states[-1] is state_of_lowest_load(states):
             try:
@@ -481,7 +481,7 @@ class AdhesionSolver:
         return states
 
     def find_opening_state(self, state: AdhesionState) -> AdhesionState | None:
-        """Return the state in which complete contact begins to open, or None if the contact is incomplete.
+        """Return the equilibrium at which complete contact begins to open, or None for incomplete contact.
 
         Until then, all points move together, and the attraction is as in full contact.
         """
@@ -503,7 +503,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Add states where interpolation predicts an external load below the loads of all states. Return all states."""
+        """Add equilibria where interpolation predicts a lower external load than at all others. Return all of them."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -541,20 +541,20 @@ class AdhesionSolver:
 
 
 def _extrapolation_factor(residual: float, previous_residual: float, longest: float) -> float:
-    """Return the sum of a geometric series with the ratio of two successive residuals, at most `longest`."""
+    """Return the sum of the geometric series that two successive residuals begin, at most `longest`."""
     ratio = residual / previous_residual if previous_residual else 0.0
     return 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
 
 
 def state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
-    """Return the state with the smallest external load."""
+    """Return the equilibrium with the smallest external load."""
     return min(states, key=lambda state: state.load)
 
 
 def _interpolate_minimum_load(
     states: list[AdhesionState], upper: AdhesionState, lower: AdhesionState
 ) -> tuple[float, float]:
-    """Interpolate the external pressure between states. Return its minimum, and the contact pressure at the minimum.
+    """Interpolate the external load between equilibria. Return its minimum, and the contact pressure there.
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
@@ -575,7 +575,7 @@ def solve_with_adhesion(
     problem: HalfSpaceProblem, loads: Floats, *, tolerance: float,
     progress: Callable[[int, int, float], object] | None, record: SolutionRecord,
 ) -> list[ContactSolution]:  # fmt: skip
-    """Solve the contact at each external load (mN), starting from the contact at the previous load."""
+    """Solve the adhesive contact at each external load (mN), starting from the contact at the previous load."""
     solutions: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(solutions), iteration, error)
     solver = AdhesionSolver(problem, tolerance=tolerance, report=report, record=record)
@@ -593,7 +593,7 @@ def solve_with_adhesion(
 def solve_separation(
     contact_solution: ContactSolution, *, tolerance: float, record: SolutionRecord
 ) -> tuple[list[ContactSolution], str]:
-    """Return the contacts during separation, and the reason why the minimum load is uncertain ("" if it is certain)."""
+    """Return the contacts during separation, and why the pull-off load is uncertain ("" if it is certain)."""
     problem, total_area = (
         contact_solution.problem,
         contact_solution.problem.cell_area * contact_solution.problem.gap.size,
