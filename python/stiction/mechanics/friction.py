@@ -1,4 +1,4 @@
-"""Normal and tangential loads computed from contact sums: F = elastic + mu0 · frictional + tau0 · adhesive.
+"""Normal and tangential load of a contact from contact sums: F = elastic + mu0 · frictional + tau0 · adhesive.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7 and section 2.5.
 """
@@ -113,16 +113,16 @@ class FrictionLaw:
     area_loss: Any = 0.0
 
     def contributions(self, force: Any, area: Any) -> tuple[Any, Any]:
-        """Return the friction forces (mN) due to mu0 and to tau0 of contacts with given forces (mN) and areas (µm²)."""
+        """Return the friction forces (mN) of contacts due to mu0 and due to tau0."""
         return self.mu0 * force, self.tau0 * area
 
     def force(self, force: Any, area: Any) -> Any:
-        """Return the friction force (mN) of contacts with the given forces (mN) and true areas (µm²)."""
+        """Return the friction forces (mN) of contacts with given normal forces (mN) and true areas (µm²)."""
         frictional, adhesive = self.contributions(force, area)
         return frictional + adhesive
 
     def load(self, name: str, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Compute the "normal", "tangential", "lateral" or "unloaded" load (mN) from contact sums.
+        """Return a load (mN) from contact sums: "normal", "tangential", "lateral" or "unloaded".
 
         The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums, and the
         contacts carry a fraction of mu0 F + tau0 A (see `OnsetState`).
@@ -132,12 +132,12 @@ class FrictionLaw:
         return np.asarray(elastic + frictional * fraction + adhesive * (area * fraction))
 
     def coefficient(self, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Compute the friction coefficient from contact sums, with the arguments of `load`."""
+        """Return the friction coefficient from contact sums. The arguments are those of `load`."""
         tangential, normal = (self.load(name, sums, area, fraction) for name in ("tangential", "normal"))
         return np.asarray(tangential / normal)
 
     def yield_pressure(self, hardness: Any) -> Any:
-        """Return the pressure (GPa) of yielding contacts at the onset of sliding; NaN at seizure.
+        """Return the pressure (GPa) of yielding contacts at the onset of sliding, or NaN if they seize.
 
         The pressure is the hardness (GPa) if contacts do not grow. With slip lines, it is at least half the hardness.
         """
@@ -147,7 +147,7 @@ class FrictionLaw:
         return solve(hardness, self.mu0, self.tau0, self.junction_growth)
 
     def plastic_coefficient(self, hardness: Any) -> Any:
-        """Return the friction coefficient if all contacts yield; NaN at seizure.
+        """Return the friction coefficient of contacts that all yield, or NaN if they seize.
 
         With slip lines, it is at most the coefficient 2/R of contacts in which the softer body shears.
         """
@@ -155,7 +155,7 @@ class FrictionLaw:
         return np.minimum(coefficient, 2 / self.junction_growth) if self.uses_slip_lines else coefficient
 
     def growth_effect(self, hardness: float) -> float:
-        """Return the change of the coefficient of fully yielding contacts due to yield by slip lines.
+        """Return the change of the friction coefficient of yielding contacts due to slip-line theory.
 
         The change is relative to contacts that do not grow, and negative if the softer body shears.
         """
@@ -175,7 +175,7 @@ class FrictionLaw:
         return self.tau0 * ratio / hardness
 
     def onset(self, load: Any, hardness: Any, nominal_area: float, area: Callable[[Any], Floats]) -> OnsetState:
-        """Return the state of contacts at the onset of sliding.
+        """Return the state of the contacts at the onset of sliding.
 
         Parameters
         ----------
@@ -206,7 +206,7 @@ class FrictionLaw:
         return OnsetState(np.where(fraction < 1, limited_coefficient, plastic_coefficient), area_at_onset, fraction)
 
     def _limited_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
-        """Return the fraction of the friction force that remains if no traction exceeds the shear strength.
+        """Return the fraction of the friction force that remains if the shear strength limits each traction.
 
         The traction at each point is the smaller of mu0 p + tau0 and the shear strength H/R. The pressures p follow a
         Weibull distribution over the true area, which is limited at `pressure` and has the mean load/area. The
@@ -249,7 +249,7 @@ class OnsetState:
 
 
 def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
-    """Solve for the pressure p at which contacts yield while their traction is s = mu0 p + tau0.
+    """Return the pressure p at which contacts yield under the traction mu0 p + tau0, by slip-line theory.
 
     With f = R s/H, slip lines give p/H = (1 + π/2 + arccos f + sqrt(1 - f²))/(2 + π). Half the hardness is returned if
     p = H/2 has f > 1: the interface is stronger than the softer body. The unknown of the Newton steps is
@@ -271,7 +271,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
 
 
 def _fraction_below(limit: Any, mean: Any) -> Floats:
-    """Return mean(min(p, limit)) / mean(p) for pressures p that are Weibull-distributed and at most 1.
+    """Return mean(min(p, limit)) / mean(p) for Weibull-distributed pressures p, none of which exceeds 1.
 
     The fraction is interpolated in a table, with errors below 1e-4.
     """
@@ -289,7 +289,7 @@ def _fraction_below(limit: Any, mean: Any) -> Floats:
 
 @lru_cache(maxsize=1)
 def _tabulate_fractions_below() -> Floats:
-    """Return mean(min(p, limit)) / mean(p) on a regular grid of mean(p) and limit/(limit + mean(p)).
+    """Return a table of mean(min(p, limit)) / mean(p) on a grid of mean(p) and limit/(limit + mean(p)).
 
     A pressure exceeds p < 1 with the probability exp(-rate p^shape). The shape, 1.5 - 0.65 mean(p), was fitted to rough
     pairs from elastic to plastic contact. The rates are found by bisection.
@@ -312,7 +312,7 @@ def _tabulate_fractions_below() -> Floats:
 
 
 def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
-    """Solve for the pressure of p² + α (mu0 p + tau0)² = H²."""
+    """Return the pressure p at which p² + α (mu0 p + tau0)² = H²."""
     half_linear_coefficient = alpha * (mu0 * tau0)
     # If the contact seizes, the difference of the two squares is zero or negative.
     constant_term = np.square(hardness) - alpha * tau0**2
@@ -325,7 +325,7 @@ def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Fl
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactSums:
-    """Sums over contacts (arrays of equal shape) that determine normal and tangential loads for any mu0 and tau0."""
+    """Sums over contacts that determine normal and tangential loads for any mu0 and tau0."""
 
     contact_count: NDArray[Any]
     contact_area: Floats = field(metadata={"unit": "µm²"})
@@ -356,7 +356,7 @@ class ContactSums:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validity(TextReprMixin):
-    """Validity indicators of the model. Load fractions refer to the load Σ F n_z and are NaN if there is no contact.
+    """Validity indicators of the asperity model at each approach. Load fractions are NaN without contact.
 
     Attributes
     ----------
@@ -385,13 +385,13 @@ class Validity(TextReprMixin):
 
     @classmethod
     def from_sums(cls, sums: Any) -> Self:
-        """Compute the validity indicators from contact sums."""
+        """Compute the validity indicators of the asperity model from contact sums."""
         return cls(**{item.name: validity_ratio(item.name, sums) for item in fields(cls)})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Validity indicators of the model for surfaces. They include all indicators of `Validity` and three more.
+    """Validity indicators of the asperity model for two surfaces: those of `Validity` and three more.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -428,7 +428,7 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Compute a validity indicator from contact sums. The result is NaN where numerator and denominator are zero.
+    """Return a validity indicator from contact sums, or NaN if numerator and denominator are zero.
 
     The sums are given as a mapping or as attributes.
     """
@@ -438,7 +438,7 @@ def validity_ratio(name: str, sums: Any) -> Floats:
 
 
 def compute_ratios(sums: Mapping[str, Floats], load: Floats, nominal_area: float | None = None) -> dict[str, Floats]:
-    """Compute all quantities that are ratios of contact sums at a normal load (mN), by name.
+    """Return all ratios of contact sums at a normal load (mN), by the name of the quantity.
 
     The sums are the sums of a member or means over an ensemble. Ratios to the nominal area (µm²) require that area.
     """
@@ -463,12 +463,12 @@ def _get_sum(sums: Any, name: str) -> Any:
 
 
 def sums_per_load(sums: Mapping[str, Any]) -> dict[str, float]:
-    """Divide the six contact sums that determine the loads by the elastic load."""
+    """Divide the six contact sums of a load by the elastic load."""
     return {name: float(sums[name] / sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
 
 
 class FrictionCurve(PlotReprMixin):
-    """Loads and friction of a pair at each step (approach or load), computed from stored contact sums."""
+    """Loads and friction of a pair at each approach or load, computed from stored contact sums."""
 
     contact_count: NDArray[Any]
     contact_area: Floats
@@ -477,18 +477,18 @@ class FrictionCurve(PlotReprMixin):
     effective_modulus: float
 
     def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the normal load F_N (mN) for mu0 and tau0 (GPa), which are broadcast against each other.
+        """Return the normal load F_N (mN) at each step, for mu0 and tau0 (GPa), which are broadcast.
 
         The shape is the broadcast shape of mu0 and tau0, followed by (k,) for k steps or by (m, k) for m directions.
         """
         return self._broadcast_law(mu0, tau0).load("normal", self)
 
     def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the tangential load F_T (mN) at which sliding starts. Shape and arguments are as for `normal_load`."""
+        """Return the tangential load F_T (mN) at the onset of sliding. Shape and arguments are as for `normal_load`."""
         return self._broadcast_law(mu0, tau0).load("tangential", self)
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return F_T / F_N, or NaN where the status is not "ok". Shape and arguments are as for `normal_load`.
+        """Return the friction coefficient F_T / F_N, or NaN unless the status is "ok". Arguments: as for `normal_load`.
 
         With sliding="all", the ratio is negative if the slopes push the upper body in the direction of motion more
         strongly than friction holds it. The results of `pair` then have the status "downhill" and no coefficient.
@@ -502,12 +502,12 @@ class FrictionCurve(PlotReprMixin):
         return coefficient
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
-        """Return "ok", "self-locked" (F_N <= 0) or "no-contact". Shape and arguments are as for `normal_load`."""
+        """Return "ok", "self-locked" (F_N <= 0) or "no-contact" at each step. Arguments are as for `normal_load`."""
         normal_load = self._broadcast_law(mu0, tau0).load("normal", self)
         return statuses_of_approaches(self.contact_count, normal_load)
 
     def plot(self, ax: Axes | None = None, *, mu0: ArrayLike | None = None, tau0: ArrayLike = 0.0) -> Axes:
-        """Draw the real contact area or, if mu0 is given, the friction coefficient as a function of the load.
+        """Draw the true contact area or, if mu0 is given, the friction coefficient against the load.
 
         mu0 and tau0 (GPa) are as for `normal_load`. Draws into given axes or new ones, and returns them.
         """
@@ -531,7 +531,7 @@ class FrictionCurve(PlotReprMixin):
 def choose_statuses(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Return the status of each curve, ensemble or member. The boolean arguments are broadcast against each other.
+    """Return the status of each curve, ensemble or member from boolean arrays, which are broadcast.
 
     `locked` refers to the last loading step. `below` means that the first loading step already supports more than the
     load.
@@ -549,7 +549,7 @@ def choose_statuses(
 
 
 def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return "ok", "self-locked" or "no-contact" for each approach, given the contact count and the normal load."""
+    """Return "ok", "self-locked" or "no-contact" for each approach, from the number of contacts and the normal load."""
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
@@ -557,7 +557,7 @@ MAX_FRICTION_PARAMETER = 1e12  # largest accepted mu0, and largest accepted tau0
 
 
 def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
-    """Return mu0 or tau0 as an array of non-negative numbers up to `MAX_FRICTION_PARAMETER`."""
+    """Check that mu0 or tau0 is between 0 and `MAX_FRICTION_PARAMETER`, and return it as an array."""
     array = float_array(name, values)
     if not (array <= MAX_FRICTION_PARAMETER).all():
         raise ValueError(f"{name} must be at most {MAX_FRICTION_PARAMETER:g}, got {short_repr(values)}")
@@ -567,7 +567,7 @@ def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
 
 
 def warn_if_tau0_is_large(tau0: Floats, effective_modulus: float) -> None:
-    """Warn if tau0 (GPa) is so large compared with E* that its unit is probably wrong by a factor of 1000."""
+    """Warn if tau0 (GPa) is so large compared with E* that its unit is probably wrong."""
     max_tau0, is_rubber = float(np.max(tau0, initial=0)), effective_modulus < MAX_RUBBER_MODULUS
     if max_tau0 > (MAX_RUBBER_SHEAR_STRENGTH_RATIO if is_rubber else MAX_SHEAR_STRENGTH_RATIO) * effective_modulus:
         smaller_unit = format_with_unit(max_tau0 / 1000, "GPa").split()[-1]
@@ -579,7 +579,7 @@ def warn_if_tau0_is_large(tau0: Floats, effective_modulus: float) -> None:
 
 
 def validate_mu0_and_tau0(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[float, float]:
-    """Check a single mu0 and a single tau0 (GPa), and return them."""
+    """Check one mu0 and one tau0 (GPa), and return them."""
     values = [
         float(validate_friction_parameter(name, validate_number(name, value, unit=unit)))
         for name, value, unit in (("mu0", mu0, ""), ("tau0", tau0, "GPa"))

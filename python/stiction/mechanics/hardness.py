@@ -1,4 +1,4 @@
-"""Area of contacts that yield, in closed form from the area of the elastic contact at the same load.
+"""Closed-form area of contacts that yield, from the area of the elastic contact at the same load.
 
 A limit on the pressure misses up to 30 % of the true area of metals, because metals also yield below the surface. The
 closed form was fitted to elastic-plastic calculations; see the page "Area of yielding contacts".
@@ -29,7 +29,7 @@ INDENTATION_AREA_RATIO = 24.5
 
 
 def size_effect_factor(length: ArrayLike, depth: ArrayLike, indent: ArrayLike = np.inf) -> Floats:
-    """Return the hardness of contacts, divided by the hardness that an indentation measured.
+    """Return the hardness of small contacts divided by the hardness that an indentation measured.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def estimate_indentation_depth(
 
 
 def yielded_area(elastic_area: ArrayLike, load: ArrayLike, hardness: ArrayLike, exponent: ArrayLike) -> Floats:
-    """Return the true area (µm²) of contacts that yield: A^m = A_el^m + (F/H)^m - (A_el/2)^m, or A_el if F < A_el H/2.
+    """Return the true area (µm²) of yielding contacts: A^m = A_el^m + (F/H)^m - (A_el/2)^m, or A_el if F < A_el H/2.
 
     The arguments are broadcast against each other. The area is not limited by the nominal area.
 

@@ -1,4 +1,4 @@
-"""Connected patches of a pressure map, their real areas and slopes, and the friction sums over each patch."""
+"""Connected patches of a contact, with their true areas, slopes and friction sums."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class PatchSums:
-    """Sums over each patch that determine F_N and F_T for every mu0 and tau0.
+    """Sums over each patch of a contact, which determine F_N and F_T for every mu0 and tau0.
 
     Shapes are (patches,) or (directions, patches).
     """
@@ -60,11 +60,11 @@ class PatchSums:
 
     @property
     def opposes_motion(self) -> NDArray[np.bool_]:
-        """Mask of the patches whose force on the upper surface opposes the motion, with shape (directions, patches)."""
+        """Mask of the patches that push the upper surface against its motion, with shape (directions, patches)."""
         return np.asarray(self.leaning > MAX_LEVEL_PATCH_SLOPE * self.steepness * self.force)
 
     def totals(self, sliding: SlidingRule) -> dict[str, Any]:
-        """Return the area and normal force of all patches, and the other sums over patches that contribute to friction.
+        """Return area and normal force of all patches, and the other sums over the patches where friction acts.
 
         Sums that depend on the direction have the shape (directions,).
         """
@@ -83,6 +83,6 @@ class PatchSums:
 def patch_sums(
     force: Floats, area: Floats, slope: list[Floats], patch: NDArray[np.int32], directions: Floats
 ) -> PatchSums:
-    """Compute friction sums over each patch from forces (mN), areas (µm²), slopes and m unit vectors of motion."""
+    """Return the friction sums of each patch from forces (mN), areas (µm²), slopes and m directions of motion."""
     slope_y = slope[0] if len(slope) == 2 else None
     return PatchSums(**_core.patch_sums(force, area, slope_y, slope[-1], patch, list(directions)))
