@@ -1,4 +1,4 @@
-"""Half-space contact of two rough surfaces: boundary-element solution, and the resulting friction.
+"""Half-space contact of two rough surfaces by the boundary-element method, and its friction.
 
 For small slopes, two elastic bodies in frictionless contact are equivalent to one gap over a half-space of modulus E*.
 Friction from half-space pressures and local slopes: Karpenko & Akay, Tribology International 34 (2001) 531.
@@ -67,13 +67,13 @@ MIN_PROCESS_ZONE_POINTS = 2.0
 
 
 def min_resolved_adhesion_range(work: float, spacing: float, effective_modulus: float) -> float:
-    """Return the shortest adhesion range (µm) that a grid resolves, for a work of adhesion (mN/µm) and E* (GPa)."""
+    """Return the shortest range (µm) of an attraction that a grid resolves, given work of adhesion (mN/µm) and E*."""
     return math.sqrt(MIN_PROCESS_ZONE_POINTS * spacing * work / effective_modulus)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceContact(PlotReprMixin):
-    """Half-space contact of two surfaces at one load. The fields are read-only arrays on the grid.
+    """Half-space contact of two surfaces at one load, as read-only arrays on the grid.
 
     Attributes
     ----------
@@ -200,7 +200,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off(self) -> float:
-        """Largest tension (mN) that the surfaces support when they are pulled apart, starting from the smallest load.
+        """Largest tension (mN) that the surfaces support when they are pulled apart from the smallest load.
 
         The force is computed on first use. No equilibrium was found at a tension that is 1 % larger, and none exists
         at a tension that is 5 % larger. If this is not certain, a warning contains "at least", and
@@ -220,7 +220,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_bound(self) -> tuple[float, bool]:
-        """Values of `pull_off` (mN) and `pull_off_is_bound`. Unlike `pull_off`, this property issues no warning."""
+        """Largest tension (mN), and True if it is only a lower bound, as `pull_off` but without a warning."""
         if self.work_of_adhesion == 0:
             return 0.0, False
         return -self._separation_solutions[0][-1].load, bool(self._separation_solutions[1])
@@ -237,7 +237,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def _separation_solutions(self) -> tuple[list[ContactSolution], str]:
-        """Contacts during separation, and the reason why the largest tension is uncertain, or "" if it is certain."""
+        """Contacts during separation, and why the largest tension is uncertain ("" if it is certain)."""
         contact_solution = self._contact_solutions[int(np.argmin(self.load))]
         return solve_separation(contact_solution, tolerance=self._tolerance, record=self._record)
 
@@ -256,7 +256,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """Stiffness dF/dδ (mN/µm, shape (k,)) for fixed contact points. It is infinite for a closed periodic gap.
+        """Normal stiffness dF/dδ (mN/µm) at each load for fixed contact points; infinite for a closed periodic gap.
 
         The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. The
         stiffness is computed on first use.
@@ -265,7 +265,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def closure_stiffness(self) -> Floats:
-        """Derivative dp/dc (GPa/µm, shape (k,)) of nominal pressure with respect to closure during first loading.
+        """Closure stiffness dp/dc (GPa/µm) at each load during first loading: nominal pressure per closure.
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
@@ -273,7 +273,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def unloading_closure_stiffness(self) -> Floats:
-        """Derivative dp/dc (GPa/µm, shape (k,)) of nominal pressure with respect to closure during unloading.
+        """Closure stiffness dp/dc (GPa/µm) at each load during unloading: nominal pressure per closure.
 
         Yielded points respond elastically as well. A tangential load starts to move the contact elastically, too: the
         initial tangential stiffness per nominal area is this stiffness times E*_t/E*.
@@ -282,7 +282,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def tilt(self) -> Floats:
-        """Tilt of the upper surface: slopes along y and x with shape (k, 2), or along x with shape (k, 1) for profiles.
+        """Tilt of the upper surface at each load: slopes along y and x for maps, or along x for profiles.
 
         The slopes are 0 if the tilt is fixed.
         """
@@ -292,7 +292,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def unloading_stiffness(self) -> Floats:
-        """Unloading stiffness dF/dδ (mN/µm, shape (k,)), also called ultrasonic stiffness.
+        """Unloading stiffness dF/dδ (mN/µm) at each load, also called ultrasonic stiffness.
 
         Yielded points respond elastically as well.
 
@@ -321,25 +321,25 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def direction(self) -> Floats:
-        """Direction of the motion of the upper surface, in degrees from +x towards +y, with shape () or (d,)."""
+        """Directions of motion of the upper surface, in degrees from +x towards +y."""
         return self._model.angles()
 
     @property
     def sliding(self) -> SlidingRule:
-        """Sliding rule, "opposing" or "all". It determines which patches contribute to friction."""
+        """Sliding rule, "opposing" or "all": friction acts at contacts that oppose the motion, or at all contacts."""
         return self._model.sliding
 
     @property
     def hardness(self) -> float | None:
-        """Largest possible pressure (GPa), or None if the bodies do not yield."""
+        """Hardness (GPa), the largest possible pressure, or None if the bodies do not yield."""
         return self._problem.hardness
 
     def with_sliding(self, sliding: SlidingRule) -> HalfSpaceCurve:
-        """Return the curve for another sliding rule. The contacts are the same and are not computed again."""
+        """Return the curve for another sliding rule, with the same contacts, which are not computed again."""
         return self._with_sums(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
-        """Return the curve for other directions of motion. The contacts are the same and are not computed again.
+        """Return the curve for other directions of motion, with the same contacts, which are not computed again.
 
         Parameters
         ----------
@@ -420,7 +420,7 @@ def half_space(
     progress: Callable[[int, int, float], object] | None = None,
     record: SolutionRecord | None = None,
 ) -> HalfSpaceCurve:
-    """Compute pressure, real contact area and friction of two rough surfaces on an elastic half-space.
+    """Compute contact pressure, true contact area and friction of two rough surfaces on an elastic half-space.
 
     Parameters
     ----------
@@ -563,7 +563,7 @@ def _solve_contacts(
     problem: HalfSpaceProblem, name: StepKind, steps: Floats, *, tolerance: float,
     progress: Callable[[int, int, float], object] | None, record: SolutionRecord,
 ) -> list[ContactSolution]:  # fmt: skip
-    """Solve the contact problem at each load (mN) or at each approach (µm)."""
+    """Solve the half-space contact at each load (mN) or at each approach (µm)."""
     if problem.work_of_adhesion > 0:
         return solve_with_adhesion(problem, steps, tolerance=tolerance, progress=progress, record=record)
     if problem.turns:
@@ -589,7 +589,7 @@ def _solve_contacts(
 def _add_adhesion(
     problem: HalfSpaceProblem, work: float, adhesion_range: float, effective_modulus: float
 ) -> HalfSpaceProblem:
-    """Add a work of adhesion (mN/µm) and its range (µm) to a problem. A range too short for the grid is increased."""
+    """Add an attraction to a problem, given work of adhesion (mN/µm) and range (µm). Too short a range is increased."""
     min_range = min_resolved_adhesion_range(work, max(problem.spacing), effective_modulus)
     if min_range > adhesion_range:
         warnings.warn(
@@ -632,7 +632,7 @@ def _sum_patches(
 
 
 def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
-    """Combine results at k loads into arrays of shape (k,). Quantities with d directions get the shape (d, k)."""
+    """Stack the results at k loads as arrays of shape (k,), or (d, k) for d directions."""
     columns = {}
     for name in rows[0]:
         column = np.array([row[name] for row in rows])
@@ -645,7 +645,7 @@ def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str,
 def solve_together_or_separately(
     solve: Callable[[Floats], HalfSpaceCurve], loads: Floats
 ) -> list[tuple[NDArray[np.intp], HalfSpaceCurve]]:
-    """Solve the contacts at all loads together or, if this fails, at each load separately.
+    """Solve the contacts at all loads together or, if that fails, at each load separately.
 
     Returns the curves and the indices of the solved loads.
     """
@@ -662,7 +662,7 @@ def solve_together_or_separately(
 
 
 def solve_at_zero_load(solve: Callable[[Floats], HalfSpaceCurve]) -> HalfSpaceCurve | None:
-    """Return the contact of adhering surfaces at zero load, or None if there is no solution."""
+    """Return the contact of adhering surfaces at zero load, or None without a solution."""
     try:
         return solve(np.zeros(1))
     except NoSolutionError:

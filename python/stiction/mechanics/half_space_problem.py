@@ -50,7 +50,7 @@ _uniform_displacements: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] 
 def get_half_space_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
 ) -> _core.HalfSpaceGrids:
-    """Return half-space grids with their elastic kernels. Calls with equal arguments share the same grids."""
+    """Return grids with their elastic kernels. Calls with equal arguments share the same grids."""
     key = shape, spacing, effective_modulus, periodic
     grids = _grids_by_key.get(key)
     if grids is None:
@@ -79,7 +79,7 @@ def solver_thread_count() -> int:
 
 @dataclass(frozen=True, eq=False)
 class HalfSpaceProblem:
-    """Contact problem of two surfaces: heights, gap (µm, with minimum 0) and contact conditions, in core units."""
+    """Contact problem of two surfaces: heights, gap (µm, at least 0), material and boundary conditions."""
 
     upper: Floats
     lower: Floats
@@ -98,7 +98,7 @@ class HalfSpaceProblem:
 
     @property
     def periodic(self) -> bool:
-        """True if the surfaces continue periodically beyond their edges."""
+        """True if the surfaces continue periodically beyond their sides."""
         return self.grids.periodic
 
     @cached_property
@@ -113,7 +113,7 @@ class HalfSpaceProblem:
 
     @property
     def has_finite_approach(self) -> bool:
-        """True if the approach of distant points is finite. The approach is infinite on a free half-plane."""
+        """True if distant points have a finite approach, unlike points of a free half-plane."""
         return self.periodic or len(self.spacing) == 2
 
     @property
@@ -123,7 +123,7 @@ class HalfSpaceProblem:
 
     @cached_property
     def uniform_pressure_displacement(self) -> Floats:
-        """Displacement (µm) of each point under a uniform pressure of 1 GPa on the measured points.
+        """Displacement (µm) of each point under a pressure of 1 GPa on all measured points.
 
         It is 0 for complete periodic surfaces.
         """
@@ -137,7 +137,7 @@ class HalfSpaceProblem:
 
     @cached_property
     def interface_slopes(self) -> list[Floats]:
-        """Slopes of the deformed interface at every point. Maps have slopes along y and x, and profiles along x."""
+        """Slopes of the deformed interface at every point: along y and x for maps, along x for profiles."""
         fraction = self.compliance_share
         interface_heights = (1 - fraction) * self.lower + fraction * self.upper
         return [slope.ravel() for slope in grid_slopes(interface_heights, self.spacing, periodic=self.periodic)]
@@ -145,7 +145,7 @@ class HalfSpaceProblem:
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
-    """Contact at one load (mN), with the pressure (GPa), the contact fraction and the patch number of each point."""
+    """Solution of a contact problem at one load (mN): pressure (GPa), contact fraction and patch of each point."""
 
     problem: HalfSpaceProblem
     load: float
@@ -173,13 +173,13 @@ class ContactSolution:
         return self.approach - displacement * cell_area / self.problem.area
 
     def on_grid(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return an array on the grid that contains given values at the points in contact, and 0 elsewhere."""
+        """Return numbers at the points in contact as an array on the grid, with 0 elsewhere."""
         grid = np.zeros(self.problem.gap.size, values.dtype)
         grid[self.points] = values
         return grid.reshape(self.problem.gap.shape)
 
     def sums(self, directions: Floats) -> PatchSums:
-        """Compute the friction sums of each patch for m directions of motion, given as unit vectors of shape (m, 2)."""
+        """Return the friction sums of each patch for m directions of motion, given as unit vectors of shape (m, 2)."""
         problem = self.problem
         slopes = [interface_slope[self.points] for interface_slope in problem.interface_slopes]
         return patch_sums(
@@ -187,7 +187,7 @@ class ContactSolution:
         )
 
     def curve_row(self) -> dict[str, Any]:
-        """Return the results that do not depend on friction, as one row of a curve."""
+        """Return the results that do not depend on friction, as one row of a load curve."""
         is_at_hardness = self.values == self.problem.hardness
         return {
             "load": self.load,
@@ -208,7 +208,7 @@ class ContactSolution:
 
     @cached_property
     def stiffness(self) -> float:
-        """Stiffness dF/dδ (mN/µm) while the contact points do not change.
+        """Normal stiffness dF/dδ (mN/µm) if the contact points do not change.
 
         The stiffness is infinite at full periodic contact, and NaN without an approach.
         """
@@ -216,7 +216,7 @@ class ContactSolution:
 
     @cached_property
     def unloading_stiffness(self) -> float:
-        """Stiffness dF/dδ (mN/µm) if all contact points respond elastically, as during unloading.
+        """Normal stiffness dF/dδ (mN/µm) during unloading, when all contact points respond elastically.
 
         In contrast to `stiffness`, yielded points respond too, because they unload elastically.
         """
@@ -224,7 +224,7 @@ class ContactSolution:
 
     @cached_property
     def closure_stiffness(self) -> float:
-        """Derivative dp/dc (GPa/µm) of nominal pressure with respect to closure while the contact points do not change.
+        """Closure stiffness dp/dc (GPa/µm) if the contact points do not change: nominal pressure per closure.
 
         The closure is the decrease of the mean gap: the approach minus the mean displacement of the surface. The
         stiffness is infinite at full contact, and NaN if all points have yielded.
@@ -233,7 +233,7 @@ class ContactSolution:
 
     @cached_property
     def unloading_closure_stiffness(self) -> float:
-        """Derivative dp/dc (GPa/µm) if all contact points respond elastically, as during unloading."""
+        """Closure stiffness dp/dc (GPa/µm) during unloading, when all contact points respond elastically."""
         if self.below_hardness.all():
             return self.closure_stiffness
         return self._compute_closure_stiffness(self._all_points)
@@ -252,17 +252,17 @@ class ContactSolution:
 
     @cached_property
     def response_at_fixed_tilt(self) -> tuple[Floats, float]:
-        """Pressures (sum: 1 GPa) that displace all contact points equally without a tilt, and the displacement (µm)."""
+        """Pressures (sum: 1 GPa) that displace all contact points equally without tilt, and their displacement (µm)."""
         if self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(self._all_points), threads=solver_thread_count())
         return self._linear_response if self.below_hardness.all() else self._unloading_response
 
     def _get_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the stored elastic response of the points that a mask selects: points below the hardness, or all."""
+        """Return the elastic response of the contact points in a mask: all, or those below the hardness."""
         return self._linear_response if free_mask is self.below_hardness else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the pressures (sum: 1 GPa) that displace all free points equally, and the displacement (µm)."""
+        """Return the pressures (sum: 1 GPa) that displace all points in a mask equally, and their displacement (µm)."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free_mask), threads=solver_thread_count())
         return TiltResponse.solve(self.problem, self.on_grid(free_mask)).balanced_response()
@@ -298,7 +298,7 @@ def make_problem(
     upper: Profile | Surface, lower: Profile | Surface, effective_modulus: float, *, periodic: bool,
     compliance_share: float, hardness: float | None,
 ) -> HalfSpaceProblem:  # fmt: skip
-    """Create the contact problem of two surfaces on the same grid. All arguments must have been checked before."""
+    """Create the contact problem of two surfaces on the same grid. The caller must have checked all arguments."""
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(f"upper and lower must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}")
     spacing = upper.spacings
@@ -328,7 +328,7 @@ StepKind = Literal["loads", "approaches"]
 def parse_loads_or_approaches(
     problem: HalfSpaceProblem, loads: ArrayLike | None, approaches: ArrayLike | None
 ) -> tuple[StepKind, Floats]:
-    """Check the given loads or approaches, and return their kind ("loads" or "approaches") and their values."""
+    """Check the given loads or approaches. Return "loads" or "approaches", and their numbers."""
     step_kind: StepKind = "loads" if approaches is None else "approaches"
     given_values = loads if approaches is None else approaches
     if given_values is None or (loads is not None and approaches is not None):
@@ -367,7 +367,7 @@ def parse_loads_or_approaches(
 
 
 def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
-    """Return, for each axis, the distances (µm) of the grid points from the centre of the measured points.
+    """Return the distances (µm) of the grid points from the centre of the measured points, along each axis.
 
     Each array has a shape for broadcasting over the grid.
     """
@@ -382,7 +382,7 @@ def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class TiltResponse:
-    """Responses of fixed contact points to a mean pressure of 1 GPa and to unit slopes of the upper surface."""
+    """Linear responses of fixed contact points to a mean pressure of 1 GPa and to unit tilts of the upper surface."""
 
     pressure: Floats  # pressures (GPa) at the contact points due to a mean pressure of 1 GPa
     approach: float  # approach (µm) due to a mean pressure of 1 GPa
@@ -394,7 +394,7 @@ class TiltResponse:
 
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
-        """Compute the response of the free points, which are given as a mask."""
+        """Compute the linear response of the contact points in a mask."""
         max_pressure = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
@@ -425,7 +425,7 @@ class TiltResponse:
         return cls(pressure, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
     def balanced_response(self) -> tuple[Floats, float]:
-        """Return pressures (sum: 1 GPa) whose resultant force acts at the centre, and the resulting approach (µm)."""
+        """Return pressures (sum: 1 GPa) whose resultant force acts at the centre, and their approach (µm)."""
         slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * slope_pressure for slope, slope_pressure in zip(slopes, self.slope_pressures, strict=True)
@@ -434,12 +434,12 @@ class TiltResponse:
 
 
 def mean_moments(pressure: Floats, arms: list[Floats]) -> Floats:
-    """Return the mean moments of a pressure (GPa µm) about the centre. The mean is taken over all grid points."""
+    """Return the moments of a pressure about the centre (GPa µm), averaged over all grid points."""
     return np.array([float((pressure * arm).mean()) for arm in arms])
 
 
 class ContactSolver:
-    """Solver for a contact problem at loads (mN) or approaches (µm) up to a limit. Missing points never touch."""
+    """Solver for one contact problem at loads (mN) or approaches (µm) up to a limit."""
 
     def __init__(
         self, problem: HalfSpaceProblem, name: StepKind, limit: float, *, tolerance: float,
@@ -462,7 +462,7 @@ class ContactSolver:
         )
 
     def at(self, step: float, near: Floats | None) -> _core.HalfSpaceSolution:
-        """Solve the contact at a load or an approach. Raises a `NoSolutionError` if the error exceeds the tolerance."""
+        """Solve the contact at a load or an approach. Raises `NoSolutionError` if the error exceeds the tolerance."""
         problem, is_load = self.problem, self.name == "loads"
         value = step / (problem.cell_area * problem.gap.size) if is_load else step
         solve_step = self._core.at if is_load else self._core.at_approach
@@ -497,7 +497,7 @@ class AdhesionState:
 
     @property
     def mean_attraction(self) -> float:
-        """Mean attraction over the grid points, GPa."""
+        """Mean attraction (GPa) over all grid points."""
         return self.contact_load - self.load
 
 
@@ -505,7 +505,7 @@ def to_contact_solution(
     problem: HalfSpaceProblem, solution: _core.HalfSpaceSolution | AdhesionState, load: float | None,
     attraction: Floats | float = 0.0, *, scale: float = 1.0,
 ) -> ContactSolution:  # fmt: skip
-    """Convert a solver result to a `ContactSolution`. If the load (mN) is None, compute it from the pressures."""
+    """Convert a result of the solver to a `ContactSolution`. Without a load (mN), it is the sum of the pressures."""
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)
     contact_arrays: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)
@@ -516,7 +516,7 @@ def to_contact_solution(
 
 
 def to_step_result(contact_solution: ContactSolution) -> StepResult:
-    """Convert the contact at one load to the result of a step, from which `from_step_result` restores it."""
+    """Convert a contact at one load to named arrays, from which `from_step_result` restores it."""
     names = ("load", "points", "values", "share", "patch", "approach", "error", "iterations")
     result = {name: getattr(contact_solution, name) for name in names}
     problem = contact_solution.problem
@@ -524,7 +524,7 @@ def to_step_result(contact_solution: ContactSolution) -> StepResult:
 
 
 def from_step_result(problem: HalfSpaceProblem, result: StepResult) -> ContactSolution:
-    """Restore the contact at one load from the result of a step (`to_step_result`)."""
+    """Restore a contact at one load from the named arrays of `to_step_result`."""
     if problem.turns:
         tilt = result["tilt"] if np.ndim(result["tilt"]) else float(result["tilt"])
         problem = replace(problem, upper=result["upper"], gap=result["gap"], tilt=tilt)

@@ -1,4 +1,4 @@
-"""Contact with free tilt: the upper surface rotates until the resultant force acts at the centre.
+"""Contact with free tilt: the upper surface tilts until the resultant force acts at the centre.
 
 The solution minimises the energy at the given load. The slopes of the rotation are Lagrange multipliers of the moments,
 which decrease as the slopes increase. This is a concave problem with two unknowns. It is solved by Newton steps with
@@ -47,7 +47,7 @@ RIGID_TILT_TOLERANCE = 1e-12
 
 
 def apply_tilt(problem: HalfSpaceProblem, slopes: Floats) -> HalfSpaceProblem:
-    """Tilt the upper surface of a problem about its centre. `slopes` are along y and x, or along x for profiles."""
+    """Tilt the upper surface of a problem about its centre, by slopes along y and x, or along x for profiles."""
     plane = sum(slope * arm for slope, arm in zip(slopes, lever_arms(problem), strict=True))
     return replace(problem, upper=problem.upper + plane, gap=problem.gap + plane, tilt=problem.tilt + slopes)
 
@@ -56,7 +56,7 @@ def solve_with_balanced_tilt(
     problem: HalfSpaceProblem, loads: Floats, *, tolerance: float,
     progress: Callable[[int, int, float], object] | None, record: SolutionRecord,
 ) -> list[ContactSolution]:  # fmt: skip
-    """Find the tilt at which the resultant force acts at the centre. Return the contact at each load (mN)."""
+    """Solve the contact at each load (mN) with the tilt at which the resultant force acts at the centre."""
     contact_solutions: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contact_solutions), iteration, error)
     arms, shape = lever_arms(problem), problem.gap.shape
@@ -74,7 +74,7 @@ def solve_with_balanced_tilt(
     def search_balance(
         start: HalfSpaceProblem, load: float, near: Floats | None, tolerance: float
     ) -> ContactSolution | None:
-        """Search the balanced tilt by Newton steps from the tilt of a problem. Return None if the search fails."""
+        """Search for the balanced tilt by Newton steps. Return None if the search fails."""
         mean_pressure = load / (problem.cell_area * problem.gap.size)
         contact_solution, moments = solve_contact_and_moments(start, load, near, tolerance)
         num_tried = 0
@@ -128,7 +128,7 @@ def solve_with_balanced_tilt(
 
 
 def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
-    """Return the slopes at which rigid surfaces balance a load, given as the sum of all pressures (GPa).
+    """Return the slopes at which rigid surfaces balance a load, which is the sum of all pressures (GPa).
 
     Without a hardness, rigid surfaces then touch at three points (two points of profiles) around the centre. The slopes
     maximise the energy, a concave and piecewise linear function, by Kelley's cutting planes.
