@@ -37,7 +37,7 @@ NUM_QUADRATURE_NODES = 24  # number of Gauss-Legendre nodes with which a smooth 
 def compliance_ratio(
     poisson: float | Sequence[float], compliance_share: float, transverse_fraction: Floats | float = 0.5
 ) -> Floats:
-    """Return E*/E*_t, the ratio of the tangential to the normal compliance of two bodies.
+    """Return the tangential compliance of two bodies divided by their normal compliance, E*/E*_t.
 
     The ratio is the mean of (1 - ν sin²)/(1 - ν) over the angle between the motion and the line to a force (Cerruti;
     Johnson, Contact Mechanics, 1985, eq. 3.75). `transverse_fraction` is the mean of sin²: 1/2 for circles
@@ -49,7 +49,7 @@ def compliance_ratio(
 
 
 def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
-    """Return the stiffnesses π E* a/K(1 - b²/a²), in mN/µm, of elliptic punches with semi-axes of shape (c, 2).
+    """Return the stiffnesses (mN/µm) of elliptic punches, π E* a/K(1 - b²/a²), along both axes.
 
     The formula is in Johnson (1985), section 3.8.
     """
@@ -59,7 +59,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return the mean of sin² for each elliptic contact, which is the `transverse_fraction` of `compliance_ratio`.
+    """Return the mean of sin² over each elliptic contact, the `transverse_fraction` of `compliance_ratio`.
 
     The angles (rad) are between the motion and the larger axis.
     """
@@ -73,7 +73,7 @@ def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
 
 
 class AsperityTangentialProblem:
-    """Tangential problem of asperity contacts that act in parallel. `angle` is the direction of motion in degrees.
+    """Tangential problem of parallel asperity contacts that move in the direction `angle` (degrees).
 
     frictional, adhesive : (c,) ndarray, mN
             mu0 times normal load, and tau0 times area.
@@ -109,7 +109,7 @@ class AsperityTangentialProblem:
         self.sliding_displacement = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring_stiffness
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the state in which all contacts together support a tangential load."""
+        """Return the slip state in which all contacts together support a tangential load."""
         from scipy.optimize import brentq
 
         del near  # no iteration is needed, so the initial guess is not used
@@ -134,7 +134,7 @@ class AsperityTangentialProblem:
         )  # fmt: skip
 
     def dissipated_energy(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) dissipated by slip: Σ Q (δ - 2 Q/k) for springs of strength Q and stiffness k."""
+        """Return the energy (mN µm) that slip dissipates: Σ Q (δ - 2 Q/k) for springs of strength Q and stiffness k."""
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_QUADRATURE_NODES)
         # Substitute t = cos φ, and integrate over φ from the edge of the contact (φ = 0) to the end of the slip zone.
@@ -145,13 +145,13 @@ class AsperityTangentialProblem:
         return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
-        """Return the spring strengths 3/4 mu0 F s² + 2/π tau0 A s. The array `sine` contains s = (1 - t²)^(1/2)."""
+        """Return the strengths of all springs, 3/4 mu0 F s² + 2/π tau0 A s, with s = (1 - t²)^(1/2) in `sine`."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )
 
     def _slip_depth(self, displacement: float) -> Floats:
-        """Return the relative slip depth of each contact, from 0 (no slip) to 1 (complete sliding)."""
+        """Return the relative depth of the slip zone in each contact, from 0 (no slip) to 1 (complete sliding)."""
         quadratic_coefficient, linear_coefficient = (
             1.5 * self.frictional / self.spring_stiffness,
             4 / np.pi * self.adhesive / self.spring_stiffness,
@@ -164,7 +164,7 @@ class AsperityTangentialProblem:
         return np.asarray(np.where(displacement >= self.sliding_displacement, 1.0, np.minimum(depth, 1.0)))
 
     def _tangential_loads(self, depth: Floats) -> Floats:
-        """Return the tangential load of each contact, mN."""
+        """Return the tangential load (mN) on each contact."""
         squared_stick_radius = 1 - depth**2
         is_sliding = depth >= 1
         frictional_fraction = np.where(
@@ -216,7 +216,7 @@ class HalfSpaceTangentialProblem:
 
     @cached_property
     def _solver(self) -> _core.HalfSpaceSolver:
-        """Solver for the tractions. A copy of the problem creates a new solver."""
+        """Solver for the tangential tractions. A copy of the problem creates a new solver."""
         return _core.HalfSpaceSolver(
             np.zeros(self.shape),
             self.grids,
@@ -229,7 +229,7 @@ class HalfSpaceTangentialProblem:
         return {name: value for name, value in vars(self).items() if name != "_solver"}
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the slip state of minimum energy among all states whose tractions support a tangential load."""
+        """Return the slip state of minimum energy whose tractions support a tangential load."""
         if load >= self.sliding_load:
             displacements = self._compute_displacements(self.bound)
             return self._make_slip_state(self.sliding_load, self.bound, float(displacements.max()), displacements)
@@ -253,7 +253,7 @@ class HalfSpaceTangentialProblem:
         )
 
     def dissipated_energy(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) dissipated by slip: the sum of traction bound times slip over all points.
+        """Return the energy (mN µm) that slip dissipates: traction bound times slip, summed over all points.
 
         The energy does not depend on the displacement of distant points.
         """
@@ -281,7 +281,7 @@ class HalfSpaceTangentialProblem:
         )  # fmt: skip
 
     def _compute_displacements(self, traction: Floats) -> Floats:
-        """Return the displacements (µm) of the points in contact under given tractions."""
+        """Return the tangential displacements (µm) of the points in contact under given tractions."""
         if self.stiffness == np.inf and np.ptp(traction) <= UNIFORMITY_TOLERANCE * traction.max():
             return np.zeros(traction.size)  # in full contact, a uniform traction causes no displacement
         displacements = (

@@ -38,7 +38,7 @@ DISPLACEMENT_TOLERANCE = 1e-7
 
 @dataclass(frozen=True)
 class SlipState:
-    """Slip state at one tangential load. Units are mN, µm and, for the tractions at contact points, GPa.
+    """Slip state at one tangential load, in mN and µm, and in GPa for tractions at contact points.
 
     `point_displacements` are the displacements of the contact points if the solver returned them.
     """
@@ -65,10 +65,10 @@ class TangentialProblem(Protocol):
     size: int
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the slip state at a tangential load between 0 and the sliding load. `near` is an initial guess."""
+        """Return the slip state at a tangential load up to the sliding load. `near` is an initial guess."""
 
     def dissipated_energy(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) that friction dissipates in first loading up to a given slip state."""
+        """Return the energy (mN µm) that friction dissipates until a slip state is reached in first loading."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -162,7 +162,7 @@ class Onset(PlotReprMixin):
     _slips: tuple[SlipState, ...] = field(repr=False)
 
     def traction(self, index: int) -> Floats:
-        """Return the tractions (GPa) of all points, row by row, at `tangential_load[index]`, with shape (points,).
+        """Return the tractions (GPa) of all points at `tangential_load[index]`, row by row.
 
         The traction is 0 outside the contact.
         For asperities, the mean over each contact is returned, (contacts,), in the order of `contacts`.
@@ -175,7 +175,7 @@ class Onset(PlotReprMixin):
         return make_read_only(self._values_at_all_points(self._slips[self._resolve_load_index(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
-        """Return the smallest `tangential_load` (mN) at which each point slips. It is NaN for points that never slip.
+        """Return the smallest tangential load (mN) at which each point slips, or NaN for points that never slip.
 
         For asperities, the load at which the whole contact slides is returned, (contacts,).
         """
@@ -185,7 +185,7 @@ class Onset(PlotReprMixin):
         return make_read_only(self._values_at_all_points(first_slip_load, np.nan))
 
     def energy_lost(self, amplitude: ArrayLike) -> Floats:
-        """Return the energy loss (mN µm) per load cycle for each tangential load amplitude in an array.
+        """Return the energy loss (mN µm) per load cycle for each amplitude of the tangential load.
 
         Parameters
         ----------
@@ -206,7 +206,7 @@ class Onset(PlotReprMixin):
         return np.array(losses).reshape(loads.shape)
 
     def loop(self, amplitude: float) -> tuple[Floats, Floats]:
-        """Return the displacements (µm) and the tangential loads (mN) of a load cycle with a given amplitude.
+        """Return displacements (µm) and tangential loads (mN) over a load cycle with a given amplitude.
 
         The cycle starts at the maximum. By Masing's rule, it consists of the points of the curve below the amplitude;
         more steps give a smoother cycle.
@@ -228,7 +228,7 @@ class Onset(PlotReprMixin):
         )
 
     def frame(self) -> pandas.DataFrame:
-        """Return the curve of first loading as a table, with one load per row and units in the column names.
+        """Return the curve of first loading as a table: one row per load, with units in the column names.
 
         `energy_lost` is the energy loss in a cycle with this amplitude. The table is the backbone of a Masing model.
         """
@@ -242,7 +242,7 @@ class Onset(PlotReprMixin):
         return pandas.DataFrame({name: np.concatenate([[0.0], column]) for name, column in columns.items()})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw tangential load against displacement, or against slipped area fraction if a displacement is not finite.
+        """Draw the tangential load against displacement or, without finite displacements, against slipped area.
 
         Draws into given axes or new ones, and returns them.
         """
@@ -252,7 +252,7 @@ class Onset(PlotReprMixin):
         )
 
     def iwan(self) -> FourParameterIwan:
-        """Fit Segalman's four-parameter Iwan model to the curve; see `FourParameterIwan`.
+        """Fit Segalman's four-parameter Iwan model to the onset curve; see `FourParameterIwan`.
 
         Raises
         ------
@@ -263,7 +263,7 @@ class Onset(PlotReprMixin):
         return fit_iwan(self.displacement, self.tangential_load, **curve_properties)
 
     def lugre(self) -> LuGre:
-        """Fit the bristle stiffness of the LuGre model to the curve; see `LuGre`.
+        """Fit the bristle stiffness of the LuGre model to the onset curve; see `LuGre`.
 
         Raises
         ------
@@ -292,7 +292,7 @@ class Onset(PlotReprMixin):
         return np.minimum(loads, self.sliding_load)
 
     def _solve_at_load(self, load: float) -> SlipState:
-        """Return the slip state at a tangential load, starting from the solved state with the nearest load."""
+        """Return the slip state at a tangential load, starting from the solution at the nearest load."""
         nearest_slip = min(self._slips, key=lambda slip: abs(slip.load - load))
         return (
             nearest_slip
@@ -305,7 +305,7 @@ def compute_onset(
     tangential_problem: TangentialProblem, *, mu0: float, tau0: float, direction: float, steps: int | Sequence[float],
     displacements: ArrayLike | None,
 ) -> Onset:  # fmt: skip
-    """Compute the onset curve for given fractions of the sliding load, or for given displacements."""
+    """Compute the onset curve at given fractions of the sliding load, or at given displacements."""
     sliding_state = tangential_problem.at(tangential_problem.sliding_load)
     slip_states: list[SlipState] = []
     if displacements is None:
@@ -342,7 +342,7 @@ MIN_RELATIVE_STRENGTH = 1e-9
 
 
 def resolve_index(index: Any, count: int, items: str) -> int:
-    """Convert an index that may be negative (counted from the end) to an index counted from the beginning."""
+    """Convert a negative index, which counts from the end, to one that counts from the start."""
     try:
         checked_index = validate_whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
@@ -353,7 +353,7 @@ def resolve_index(index: Any, count: int, items: str) -> int:
 
 
 def validate_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tuple[float, float]:
-    """Check that mu0 and tau0 (GPa) are not both negligible, and return them."""
+    """Check that mu0 or tau0 (GPa) is not negligible, and return both."""
     values = validate_mu0_and_tau0(mu0, tau0, effective_modulus)
     if max(values[0], values[1] / effective_modulus) < MIN_RELATIVE_STRENGTH:
         raise ValueError(
@@ -364,7 +364,7 @@ def validate_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) ->
 
 
 def parse_direction(direction: Direction, *, line: bool) -> float:
-    """Return a single direction in degrees from +x towards +y. For profiles, the direction must be along x."""
+    """Parse one direction of motion (degrees from +x towards +y), which must be along x for profiles."""
     model = ContactModel(direction=direction)
     if model.angles().ndim > 0:
         raise ValueError(f"direction must be a single angle, got {short_repr(direction)}")
@@ -374,7 +374,7 @@ def parse_direction(direction: Direction, *, line: bool) -> float:
 
 
 def parse_poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
-    """Return the Poisson's ratios of the upper and the lower body. A single ratio applies to both bodies."""
+    """Parse the Poisson's ratios of the upper and the lower body, given as a pair or as one number for both."""
     values = float_array("poisson", poisson)
     if values.shape not in ((), (1,), (2,)) or not ((values > -1) & (values <= 0.5)).all():
         raise ValueError(
@@ -386,7 +386,7 @@ def parse_poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float
 
 
 def parse_load_fractions(steps: int | Sequence[float]) -> Floats:
-    """Return fractions of the sliding load. An integer n gives n equal steps up to 1; a sequence is used unchanged."""
+    """Return fractions of the sliding load. An integer n stands for n equal steps up to 1."""
     if np.ndim(steps) == 0:
         count = validate_whole_number("steps", steps, minimum=1, maximum=100_000)
         return np.arange(1, count + 1) / count
@@ -429,7 +429,7 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
 def _solve_at_displacement(
     tangential_problem: TangentialProblem, target_displacement: float, sliding_state: SlipState, near: SlipState | None
 ) -> SlipState:
-    """Return the slip state at a displacement (µm). The load is found with a root finder."""
+    """Return the slip state at a displacement (µm), whose tangential load a root finder determines."""
     from scipy.optimize import brentq
 
     sliding_displacement = sliding_state.displacement

@@ -1,4 +1,4 @@
-"""Presliding models that are fitted to an onset curve: the four-parameter Iwan model and the LuGre model."""
+"""Presliding models fitted to an onset curve: the four-parameter Iwan model and the LuGre model."""
 
 from __future__ import annotations
 
@@ -56,12 +56,12 @@ class FourParameterIwan(TextReprMixin):
 
     @property
     def displacement_at_sliding(self) -> float:
-        """Displacement φ at which the model slides, µm."""
+        """Displacement φ (µm) at which the Iwan model slides."""
         chi, beta = self.chi, self.beta
         return self.sliding_load * (1 + beta) / (self.stiffness * (beta + (chi + 1) / (chi + 2)))
 
     def load(self, displacement: ArrayLike) -> Floats:
-        """Return the tangential load (mN) in first loading at displacements (µm) of at least 0."""
+        """Return the tangential load (mN) of the Iwan model in first loading, at displacements (µm) of at least 0."""
         displacements = _validate_displacement(displacement)
         ratio = np.minimum(displacements / self.displacement_at_sliding, 1.0)
         slip_fraction = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
@@ -69,7 +69,7 @@ class FourParameterIwan(TextReprMixin):
         return np.asarray(np.where(ratio < 1, load_before_sliding, self.sliding_load))
 
     def energy_lost(self, displacement: ArrayLike) -> Floats:
-        """Return the energy loss (mN µm) per cycle with a given displacement amplitude (µm)."""
+        """Return the energy loss (mN µm) of the Iwan model per cycle, for a displacement amplitude (µm)."""
         displacements, sliding_displacement = _validate_displacement(displacement), self.displacement_at_sliding
         ratio = np.minimum(displacements / sliding_displacement, 1.0)
         slip_fraction = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
@@ -119,14 +119,14 @@ class LuGre(TextReprMixin):
     residual: Floats = field(metadata={"unit": "mN"})
 
     def load(self, displacement: ArrayLike) -> Floats:
-        """Return the tangential load (mN) in first loading at displacements (µm) of at least 0."""
+        """Return the tangential load (mN) of the LuGre model in first loading, at displacements (µm) of at least 0."""
         return np.asarray(
             -self.sliding_load * np.expm1(-self.stiffness * _validate_displacement(displacement) / self.sliding_load)
         )
 
 
 def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffness: float) -> FourParameterIwan:
-    """Fit the Iwan model to a curve by minimising the squared load errors."""
+    """Fit the Iwan model to an onset curve by least squares of the load."""
     from scipy.optimize import least_squares
 
     _check_curve(displacement, load, MIN_FIT_POINTS)
@@ -149,7 +149,7 @@ def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffne
 
 
 def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuGre:
-    """Fit the LuGre model to a curve by minimising the squared load errors."""
+    """Fit the LuGre model to an onset curve by least squares of the load."""
     from scipy.optimize import least_squares
 
     _check_curve(displacement, load, 1)
