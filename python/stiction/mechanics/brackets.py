@@ -1,4 +1,4 @@
-"""Intervals for the contact area and friction that finer scans would give, and extrapolation to shorter wavelengths."""
+"""Bounds on contact area and friction for finer scans, and extrapolation to shorter wavelengths."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the largest factor by which a finer scan changes the area coefficient κ, in 95 % of cases.
+    """Return the factor by which a finer scan changes the area coefficient κ at most, in 95 % of cases.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 
@@ -37,7 +37,7 @@ def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
 
 
 def gap_rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
-    """Compute the rms gradient of a gap from the slopes that the half-space model uses."""
+    """Return the rms gradient of a gap, from the slopes that the half-space model uses."""
     gap_slopes = grid_slopes(gap.heights, gap.spacings, periodic=periodic)
     return math.sqrt(sum(float(np.mean(np.square(slope))) for slope in gap_slopes))
 
@@ -53,7 +53,7 @@ def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> Hurst
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the wavelength, with its interval, at which the rms gradient of the gap reaches a given value.
+    """Return the wavelength down to which the rms gradient of a gap reaches a given number, with its interval.
 
     The interval is computed from the factor `spread` of the gradient. NaN is returned if there is no such wavelength.
     """
@@ -72,7 +72,7 @@ def plastic_wavelength(
 def extrapolated_gradients(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest: float, gradient: float
 ) -> Floats:
-    """Extrapolate the gradient of a scan to finer scans. Return the gradient and its interval for each wavelength.
+    """Extrapolate the rms gradient of a scan to shorter wavelengths, with an interval at each wavelength.
 
     NaN is returned if there is no Hurst exponent.
     """
@@ -90,7 +90,7 @@ def extrapolated_gradients(
 
 
 def elastic_area_fraction(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Compute area fractions of elastic contacts for given gradients. `area_of_slope` is the value for a gradient of 1.
+    """Return area fractions of elastic contacts with given rms gradients. `area_of_slope` is the one at gradient 1.
 
     The arrays have the dimensions wavelength, load and statistic.
     """
@@ -99,12 +99,12 @@ def elastic_area_fraction(gradients: Floats, area_of_slope: Floats, spread: Floa
 
 
 def interface_area_ratio(gradient: Floats) -> Floats:
-    """Return the ratio of interface area to projected area, 1 + h'²/8, for two surfaces with equal rms slopes h'."""
+    """Return the interface area of two surfaces with equal rms slopes h' per projected area, 1 + h'²/8."""
     return np.asarray(1 + np.square(gradient) / 8)
 
 
 def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
-    """Return the factor by which slopes perpendicular to the motion increase mu_s if friction acts at all contacts.
+    """Return the factor by which slopes across the motion increase mu_s, with friction at all contacts.
 
     The factor is 1 + h'²/16 on areas and 1 on lines.
     """
@@ -112,7 +112,7 @@ def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
 
 
 def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_count: ArrayLike) -> Floats:
-    """Return the largest real contact area that finer scans of a yielding pair can give.
+    """Return the largest true contact area that finer scans of a yielding pair can give.
 
     `area` is the area of this scan, and `plastic_area` is F/H in the same unit. Shorter wavelengths redistribute the
     load between contacts, so the elastic rims of yielding contacts may grow. The limit does not apply to a scan without
@@ -127,7 +127,7 @@ def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_c
 def friction_range_for_finer_scans(
     value: float, mu0: float, adhesion: float, contact_count: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Return the range of mu_s that finer scans of a yielding pair can give if friction acts at all contacts.
+    """Return the range of mu_s for finer scans of a yielding pair, with friction at all contacts.
 
     `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper limit is computed from `value`, or from `upper` if
     given.
@@ -141,7 +141,7 @@ def friction_range_for_finer_scans(
 def max_friction_for_finer_scans(
     value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contact_count: float
 ) -> Floats:
-    """Return the largest mu_s that finer scans of a yielding pair can give. Arguments are numbers or samples."""
+    """Return the largest mu_s for finer scans of a yielding pair, from numbers or samples."""
     # The friction due to tau0 is proportional to the contact area.
     adhesive_friction = np.asarray(value - mu0)
     increase = max_area_for_finer_scans(adhesive_friction, adhesion, contact_count) - np.maximum(

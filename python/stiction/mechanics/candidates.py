@@ -34,7 +34,7 @@ _GROOVE_TOLERANCE = 1e-9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Candidates:
-    """Local minima of the spline-interpolated gap between two surfaces, in grid order. All arrays are read-only.
+    """Local minima of the gap between two surfaces, interpolated by splines. All arrays are read-only.
 
     Returned by `candidates`; `contacts` and `press` accept it instead of two surfaces. Positions are in the frame of
     the lower surface.
@@ -71,11 +71,11 @@ class Candidates:
     sources: tuple[str, ...] = ()
 
     def __len__(self) -> int:
-        """Return the number of candidates."""
+        """Return the number of contact candidates."""
         return len(self.core)
 
     def __repr__(self) -> str:
-        """Return one line with the number of candidates and the search criteria."""
+        """Return one line with the number of contact candidates and how they were searched for."""
         return f"Candidates: {len(self)} up to an approach of {self.deepest:.4g} µm, {self.curvature} curvature"
 
     @property
@@ -172,7 +172,7 @@ def candidates(
 def candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return the candidates (None if two surfaces were given) and the contact model."""
+    """Return the contact candidates (None if two surfaces were given) and the contact model."""
     if not isinstance(upper, Candidates):
         return None, make_pair_model(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:

@@ -34,7 +34,7 @@ _R = TypeVar("_R")
 
 
 def validate_positive_arguments(**arguments: ArrayLike) -> list[Floats]:
-    """Check that all arguments are positive, and return them as arrays."""
+    """Check that all arguments of a function are positive, and return them as arrays."""
     arrays = []
     for name, values in arguments.items():
         array = float_array(name, values)
@@ -45,7 +45,7 @@ def validate_positive_arguments(**arguments: ArrayLike) -> list[Floats]:
 
 
 def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Wrap a function so that it raises a `ValueError` if a number exceeds the range of double precision."""
+    """Wrap a function so that it raises a `ValueError` if a result exceeds the range of double precision."""
 
     @functools.wraps(function)
     def call_with_overflow_check(*args: _P.args, **kwargs: _P.kwargs) -> _R:
@@ -429,7 +429,7 @@ def maugis_dugdale(
 
 
 def _maugis_radius_and_load(logarithm: float, strength: float) -> tuple[float, float]:
-    """Return the contact radius and the load of the Maugis-Dugdale model in dimensionless units.
+    """Return contact radius and load in the Maugis-Dugdale model, in dimensionless units.
 
     The argument is the logarithm of m - 1, where m is the ratio of the radii of attraction and contact.
     """
@@ -990,7 +990,7 @@ def gentle_friction(
 
 
 def _mean_secant_and_cosine(deviation: Floats) -> tuple[Floats, Floats]:
-    """Return the means of (1 + s²)^(1/2) and (1 + s²)^(-1/2) for a normally distributed slope s."""
+    """Return the means of (1 + s²)^(1/2) and (1 + s²)^(-1/2) over normally distributed slopes s."""
     from scipy import special
 
     is_small = deviation < _SMALL_SLOPE_LIMIT
@@ -1158,7 +1158,7 @@ def westergaard_gap(
 def _sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return the sine and cosine of πx/λ, the mean pressure, the full-contact pressure, and the amplitude."""
+    """Return terms of Westergaard's solution: sine and cosine of πx/λ, two pressures and the amplitude."""
     p, d, wavelengths, e = validate_positive_arguments(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )

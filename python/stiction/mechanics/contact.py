@@ -23,7 +23,7 @@ from stiction.surfaces.surface import Surface, as_body
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contacts(TextReprMixin):
-    """All contacts of a pair at one approach, one per row, in grid order. All arrays are read-only.
+    """Contacts of two surfaces at one approach, one per row. All arrays are read-only.
 
     Vectors are (x, y, z) with z as height; y is 0 on profiles. Positions are in the frame of the lower surface.
 
@@ -175,7 +175,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Asperities(TextReprMixin):
-    """Osculating spheres of a profile, one for each point. All arrays are read-only.
+    """Osculating spheres of a profile, one at each point. All arrays are read-only.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Closure of a joint under normal load: the hyperbola of Bandis, fitted to computed closures.
+"""Closure of a joint under normal load: Bandis' hyperbola, fitted to computed closures.
 
 Bandis, Lumsden & Barton, International Journal of Rock Mechanics and Mining Sciences 20 (1983) 249.
 """
@@ -19,7 +19,7 @@ MAX_CLOSURE_EXTRAPOLATION = (
 
 @dataclass(frozen=True)
 class BandisLaw:
-    """Closure law p = K c / (1 - c/V) of a joint, with the deviation of the fit.
+    """Bandis' closure law of a joint, p = K c / (1 - c/V), with the deviation of its fit.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class BandisLaw:
 
 
 def fit_bandis_law(pressure: Floats, closure: Floats) -> BandisLaw:
-    """Fit Bandis' law to closures (µm) at nominal pressures (GPa) by least squares of relative deviations.
+    """Fit Bandis' law to closures (µm) at nominal pressures (GPa), by least squares of relative deviations.
 
     All numbers are NaN if the joint does not close, or if the closures are too small to determine the maximum.
     """

@@ -1,4 +1,4 @@
-"""Contact laws: the force and the area of a single asperity contact.
+"""Contact laws: force and area of a single asperity contact.
 
 A law is a frozen dataclass whose fields are its parameters with their units. The class determines the name of the law
 and its table in a study file. The core has a law with the same name and parameters. The effective modulus is common to
@@ -17,7 +17,7 @@ from stiction._units import short_repr
 
 
 def parameter_field(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
-    """Return a dataclass field for a contact law parameter, with its unit ("µm", "GPa" or "") and its limits.
+    """Return a dataclass field for a parameter of a contact law, with its unit ("µm", "GPa" or "") and limits.
 
     Parameters without limits must be above 0.
     """
@@ -26,7 +26,7 @@ def parameter_field(unit: str, *, default: Any = MISSING, least: float | None = 
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """Base class of the contact laws, which give the force and area of one contact. `CONTACT_LAWS` lists all laws."""
+    """Base class of the contact laws, which give force and area of one contact. `CONTACT_LAWS` lists all laws."""
 
     name: ClassVar[str]
 
@@ -35,7 +35,7 @@ class ContactLaw:
         cls.name = re.sub(r"(?<!^)(?=[A-Z])", "-", cls.__name__).lower()
 
     def parameters(self, effective_modulus: float) -> dict[str, float]:
-        """Return the parameters of the law that the core requires, including E* (GPa)."""
+        """Return the parameters that the C++ core needs for this contact law, including E* (GPa)."""
         parameters = {item.name: validate_number(item.name, getattr(self, item.name)) for item in fields(self)}
         return {
             "effective_modulus": validate_number("effective_modulus", effective_modulus, unit="GPa", above=0),
@@ -124,7 +124,7 @@ CONTACT_LAWS_BY_NAME: dict[str, ContactLaw] = {
 
 
 def parse_contact_law(law: ContactLaw | LawName) -> ContactLaw:
-    """Return the contact law with a given name. A law is returned unchanged; other values raise a `ValueError`."""
+    """Return the contact law with a given name, or a given law unchanged. Other arguments raise a `ValueError`."""
     if isinstance(law, str):
         check_choice("law", law, LawName)
         return CONTACT_LAWS_BY_NAME[law]

@@ -1,4 +1,4 @@
-"""Load curves: sums over asperity contacts at each approach, from which loads and friction are computed.
+"""Load curves: sums over asperity contacts at each approach, which determine loads and friction.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7.
 """
@@ -35,17 +35,17 @@ from stiction.surfaces.surface import Surface
 
 @dataclass(frozen=True)
 class LoadCurveInputs:
-    """Inputs of a load curve: the contact candidates or the two surfaces, and the contact model."""
+    """Inputs of a load curve: contact candidates or surfaces, and the contact model."""
 
     bodies: tuple[Any, ...]
     model: ContactModel
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state for pickling. Candidates are omitted, because C++ core objects cannot be pickled."""
+        """Return the state for pickling, without contact candidates, which belong to the C++ core."""
         return {"bodies": () if len(self.bodies) == 1 else self.bodies, "model": self.model}
 
     def at(self, approach: float) -> Contacts:
-        """Return all contacts at an approach. The contacts do not depend on the direction of motion."""
+        """Return all contacts at one approach, which do not depend on the direction of motion."""
         if not self.bodies:
             raise ValueError(
                 "the curve comes from another process and does not contain its contact candidates, which are required "
@@ -138,7 +138,7 @@ class LoadCurve(FrictionCurve, ContactSums):
 
     @property
     def validity(self) -> Validity:
-        """Validity indicators of the model at each approach, as arrays of shape (k,)."""
+        """Validity indicators of the asperity model at each of the k approaches."""
         return Validity.from_sums(self)
 
 
@@ -185,11 +185,11 @@ class SurfaceLoadCurve(LoadCurve):
 
     @property
     def validity(self) -> SurfaceValidity:
-        """Validity indicators of the model at each approach, as arrays of shape (k,)."""
+        """Validity indicators of the asperity model at each of the k approaches."""
         return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the lateral force (mN) that keeps the upper surface on its path. Forces to the left are positive.
+        """Return the lateral force (mN) that keeps the upper surface on its path. A force to the left is positive.
 
         Shape and arguments are the same as for `normal_load`. Negative values point to the right.
         """
@@ -214,7 +214,7 @@ def press(found: Candidates, approaches: ArrayLike, /, **contact: Unpack[Contact
 
 @add_model_keywords_to_signature
 def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any) -> LoadCurve:
-    """Use the asperity model to compute the loads and the contact area of two surfaces at given approaches.
+    """Compute loads and contact area of two surfaces at given approaches, in the asperity model.
 
     The call is ``press(upper, lower, approaches)`` or ``press(candidates, approaches)``.
 

@@ -1,4 +1,4 @@
-"""Contact under load control: the approach of two surfaces at given normal loads."""
+"""Contact at a given load: the approach at which two surfaces support it."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def approach_at_load(
 
 
 class SurfacePair:
-    """Pair of surfaces that caches the minima of its gap, so that pressing it again is fast."""
+    """Pair of surfaces that stores the minima of its gap, so that pressing it again is fast."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
@@ -119,7 +119,7 @@ class SurfacePair:
         self._cached_candidates: Candidates | None = None
 
     def press(self, approaches: Floats, model: ContactModel) -> ContactSums:
-        """Return the same sums as the function `press`, reusing gap minima from earlier calls if possible."""
+        """Return the sums of the function `press`, with gap minima from earlier calls if possible."""
         arguments: dict[str, Any] = {"approaches": approaches}
         if isinstance(self.upper, Surface):
             arguments["directions"] = model.directions()
@@ -134,7 +134,7 @@ class SurfacePair:
         tau0: float,
         model: ContactModel,
     ) -> Floats:
-        """Find the approach that supports each load. F_N is below the load at `lower_approaches` only."""
+        """Find the approach that supports each load, given approaches at which the load is too small."""
         arguments = {"loads": loads, "left": lower_approaches, "right": upper_approaches, "mu0": mu0, "tau0": tau0}
         return np.asarray(
             self._call_core(stiction._core.approaches_at, float(upper_approaches.max()), model, arguments)
@@ -143,7 +143,7 @@ class SurfacePair:
     def _call_core(
         self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
     ) -> Any:
-        """Call a core function with the gap minima up to an approach, or with both surfaces for "cell" detection."""
+        """Call a core function with the gap minima down to an approach or, for "cell" detection, with both surfaces."""
         model = make_pair_model(self.upper, self.lower, {"model": model})
         arguments = arguments | {"model": model.core()}
         if model.detection == "cell":
@@ -165,7 +165,7 @@ class SurfacePair:
 def find_approaches_at_loads(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the smallest approach that supports each load, and "ok" or the reason why the approach is NaN."""
+    """Return the smallest approach that supports each load, and "ok" or why the approach is NaN."""
 
     def normal_load(sums: ContactSums) -> Floats:
         return friction.FrictionLaw(mu0, tau0).load("normal", sums)

@@ -35,7 +35,7 @@ MAX_RUBBER_MODULUS = 0.1
 
 
 class MaterialValue(float):
-    """Property of a material: a representative number, with its range and its source.
+    """Property of a material: a typical number, its range and its source.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class MaterialValue(float):
     source: str
 
     def __new__(cls, low: float, high: float, source: str) -> MaterialValue:
-        """Create a value from the two limits of its range. The limits must not be negative."""
+        """Create a property from the limits of its range, which must not be negative."""
         for name, end in (("low", low), ("high", high)):
             if validate_number(name, end) < 0:
                 raise ValueError(f"{name} must be at least 0, got {short_repr(end)}")
@@ -77,7 +77,7 @@ class MaterialValue(float):
 
 @dataclass(frozen=True)
 class Material:
-    """Solid material: elastic constants and hardness, each as a range with its source.
+    """Solid material with elastic constants and hardness, each as a range with its source.
 
     Attributes
     ----------
@@ -281,23 +281,23 @@ def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
 
 
 def softest_material(*bodies: Material) -> Material | None:
-    """Return the material with the lowest hardness, or None without materials, or if a material has no hardness."""
+    """Return the material with the lowest hardness, or None if one has no hardness, or without materials."""
     hardnesses = [(body.hardness, body) for body in bodies if body.hardness is not None]
     return min(hardnesses, key=lambda pair: pair[0])[1] if hardnesses and len(hardnesses) == len(bodies) else None
 
 
 def names_match(text: str, name: str) -> bool:
-    """Return True if two names are equal apart from case, blanks and punctuation. Aliases are not considered."""
+    """Return True if two names of materials are equal except for case, blanks and punctuation."""
     return _normalise_name(text) == _normalise_name(name)
 
 
 def is_coating_formula(name: str) -> bool:
-    """Return whether a name is a formula of a hard or a solid lubricant coating, ignoring upper and lower case."""
+    """Return whether a name is the formula of a hard or lubricant coating, in upper or lower case."""
     return _normalise_name(name) in {_normalise_name(formula) for formula in COATING_FORMULAS}
 
 
 def _is_formula_of_another_material(name: str, other: Material) -> bool:
-    """Return whether a name is a formula, such as "TiN", that matches another material only if case is ignored."""
+    """Return whether a name, such as "TiN", is a formula that matches another material (tin) only without case."""
     letters = "".join(character for character in name if character.isalnum())
     exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(other))
     if letters in exact_names or letters in (letters.lower(), letters.upper()):

@@ -1,4 +1,4 @@
-"""Parameters of a contact calculation (contact model), passed from the study file to the C++ core."""
+"""Contact model: the parameters of a contact calculation, from the study file to the C++ core."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _SAME_HEIGHT_TOLERANCE = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class ContactModel:
-    """Parameters of a contact calculation, passed to `contacts`, `press` and `approach_at_load` as `model`.
+    """Parameters of a contact calculation, the argument `model` of `contacts`, `press` and `approach_at_load`.
 
     Keyword arguments of these functions take precedence over the model.
 
@@ -100,7 +100,7 @@ class ContactModel:
         self.core()
 
     def angles(self) -> Floats:
-        """Return the directions in degrees from +x towards +y.
+        """Return the directions of motion in degrees from +x towards +y.
 
         The shape is () for one direction and (m,) for a sequence.
         """
@@ -108,7 +108,7 @@ class ContactModel:
         return angles if self._has_many_directions() else angles.reshape(())
 
     def directions(self) -> Floats:
-        """Return the m directions as horizontal unit vectors (x, y), with shape (m, 2)."""
+        """Return the m directions of motion as unit vectors (x, y), with shape (m, 2)."""
         return np.array([_unit_vector(angle) for angle in self._angles])
 
     def _has_many_directions(self) -> bool:
@@ -124,7 +124,7 @@ class ContactModel:
         )
 
     def for_profiles(self) -> ContactModel:
-        """Return the model with the defaults for profiles. The direction must be along x."""
+        """Return the model with the defaults for profiles, whose direction of motion must be along x."""
         if self._has_many_directions() or self._angles[0] not in (0.0, 180.0):
             raise ValueError(f'direction on profiles must be "+x" or "-x", got {short_repr(self.direction)}')
         return self._with_defaults(self.detection or "cell", self.curvature or "convex")
@@ -147,7 +147,7 @@ class ContactModel:
         return replace(self, detection=detection, curvature=curvature)
 
     def core(self) -> stiction._core.ContactModel:
-        """Return the model as an object of the C++ core. The object contains only the first direction."""
+        """Return the model as an object of the C++ core, with the first direction of motion only."""
         return self._core
 
     @cached_property
@@ -159,12 +159,12 @@ class ContactModel:
         )  # fmt: skip
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state for pickling. Cached values, such as the object of the core, are omitted."""
+        """Return the state for pickling, without cached objects such as that of the C++ core."""
         return {name: value for name, value in vars(self).items() if not name.startswith("_")}
 
 
 def _parse_angle(direction: Any) -> float:
-    """Return a direction in degrees from +x towards +y (0 <= angle < 360)."""
+    """Parse a direction of motion (degrees from +x towards +y), and return it from 0 up to 360."""
     if isinstance(direction, str):
         if direction not in ("+x", "-x"):
             raise ValueError(f'direction must be "+x", "-x" or an angle in degrees, got {short_repr(direction)}')
@@ -173,7 +173,7 @@ def _parse_angle(direction: Any) -> float:
 
 
 def _unit_vector(angle: float) -> tuple[float, float]:
-    """Return the unit vector at an angle (degrees). Its components are exact for multiples of 90 degrees."""
+    """Return the unit vector at an angle (degrees), with exact components at multiples of 90 degrees."""
     quarter_turns, remaining_angle = divmod(angle, 90.0)
     x, y = math.cos(math.radians(remaining_angle)), math.sin(math.radians(remaining_angle))
     return [(x, y), (-y, x), (-x, -y), (y, -x)][int(quarter_turns) % 4]
@@ -185,7 +185,7 @@ _DEFAULT_SURFACE_MODEL = _DEFAULT_MODEL.for_surfaces()
 
 
 class ContactModelArguments(TypedDict, total=False):
-    """Keyword arguments for a contact model: `model`, and parameters that override its values."""
+    """Keyword arguments for a contact model: `model`, and parameters that replace some of its own."""
 
     model: ContactModel
     effective_modulus: float
@@ -198,7 +198,7 @@ class ContactModelArguments(TypedDict, total=False):
 
 
 def make_model(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
-    """Create a contact model from keyword arguments. The default model provides the parameters that are not given."""
+    """Create a contact model from keyword arguments, with defaults for all others."""
     parameters: dict[str, Any] = dict(keywords)
     model: ContactModel = parameters.pop("model", default or _DEFAULT_MODEL)
     check_instance("model", model, ContactModel, "a ContactModel")
@@ -215,7 +215,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
 
 
 def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
-    """Check two surfaces and create their complete contact model from keyword arguments."""
+    """Check two surfaces, and create their contact model from keyword arguments."""
     check_pair(upper, lower)
     check_modulus_is_given(keywords, upper, lower)
     if isinstance(upper, Surface):
@@ -224,7 +224,7 @@ def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> C
 
 
 def modulus_or_default(effective_modulus: Any, *bodies: Profile | Surface) -> float:
-    """Return the given modulus (GPa), or the default modulus for generated surfaces.
+    """Return the given effective modulus (GPa), or the default of generated surfaces.
 
     For generated surfaces, the default is the modulus of the paper. For measured surfaces, a modulus is required.
     """
@@ -235,13 +235,13 @@ def modulus_or_default(effective_modulus: Any, *bodies: Profile | Surface) -> fl
 
 
 def check_modulus_is_given(keywords: Mapping[str, object], *bodies: Profile | Surface) -> None:
-    """Raise a `ValueError` if a surface was measured and neither a modulus nor a model is given."""
+    """Raise a `ValueError` if a surface was measured, but neither modulus nor model is given."""
     if "effective_modulus" not in keywords and "model" not in keywords:
         reject_missing_modulus(*map(source_history_entry, bodies))
 
 
 def reject_missing_modulus(*sources: str) -> None:
-    """Raise a `ValueError` if a surface was read from a file, because the modulus must then be given."""
+    """Raise a `ValueError` if a surface was read from a file, for which the modulus must be given."""
     for source in filter(None, sources):
         raise ValueError(
             f"effective_modulus (GPa) must be given, because a body was {source}; the default "
@@ -250,12 +250,12 @@ def reject_missing_modulus(*sources: str) -> None:
 
 
 def source_history_entry(body: Profile | Surface) -> str:
-    """Return the history entry that names the file of a measured body, or "" if the body was generated."""
+    """Return the history entry with the file of a measured body, or "" for a generated body."""
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 
 def add_model_keywords_to_signature(function: _Function) -> _Function:
-    """Add the keyword arguments of the contact model to the signature of a function, for tooltips."""
+    """Add the keyword arguments of the contact model to the signature of a function, for its tooltip."""
     signature = inspect.signature(function)
     parameters = [
         parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD
@@ -272,7 +272,7 @@ def add_model_keywords_to_signature(function: _Function) -> _Function:
 
 
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
-    """Check that two bodies have the same type and equal spacings. If `whole` is True, also reject missing points."""
+    """Check that two bodies have the same type and equal spacings and, with `whole`, no missing points."""
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
         if whole:
@@ -289,7 +289,7 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
 
 
 def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> None:
-    """Warn if the two surfaces of a pair are the same surface, or mirror images of each other."""
+    """Warn if both surfaces of a pair are the same surface, or its mirror image."""
     upper_history, lower_history = map(list_history_without_flips, (upper, lower))
     is_same = upper_history == lower_history
     flip_parities = [count_flips(body) % 2 for body in (upper, lower)]
@@ -321,7 +321,7 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:
-    """Return True if two arrays differ only by a constant. The first rows are compared first, to save time."""
+    """Return True if two arrays differ only by a constant, comparing the first rows first."""
     tolerance = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
     first_differences = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
     return float(np.ptp(first_differences)) <= tolerance and float(np.ptp(a - b)) <= tolerance

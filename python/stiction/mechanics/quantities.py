@@ -1,4 +1,4 @@
-"""Table of all quantities in results, with the unit, name, dimensions and uses of each quantity.
+"""Table of all quantities in results, with unit, name and dimensions, and where each is shown.
 
 All lists of quantities are selections from `QUANTITIES`. Texts, reports and CSV files list quantities in the order of
 the table.
@@ -53,7 +53,7 @@ OutputView = Literal["table", "verbose", "report", "csv", "hatch"]
 
 @dataclass(frozen=True, kw_only=True)
 class ResultQuantity:
-    """Properties of a result quantity, a coordinate or a dimension."""
+    """Properties of a quantity, a coordinate or a dimension of a result."""
 
     unit: str
     words: str  # phrase for a quantity in axis labels and in the `long_name` of a variable
@@ -88,12 +88,12 @@ class ResultQuantity:
 
     @property
     def table_label(self) -> str:
-        """Label in tables: `brief`, or `words` if `brief` is empty."""
+        """Label of the quantity in tables: `brief`, or else `words`."""
         return self.brief or self.words
 
     @property
     def table_unit(self) -> str:
-        """Unit in tables and reports, before a prefix is chosen: "%", or the core unit."""
+        """Unit of the quantity in tables and reports: "%", or the core's unit without a prefix."""
         return "%" if self.percent else self.unit
 
     @property
@@ -130,7 +130,7 @@ _MEASURED_SOURCE: frozenset[QuantitySource] = frozenset({"measured"})
 
 
 def _sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -> ResultQuantity:
-    """Return the table entry of a contact sum, using the unit and the description declared by the core."""
+    """Return the table entry of a contact sum, whose unit and description the core declares."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: QuantitySource = "asperities" if name in CORE_SUMS else "areal"
     defaults: dict[str, Any] = {
@@ -520,17 +520,17 @@ QUANTITIES: dict[str, ResultQuantity] = {
 
 
 def select_quantity_names(condition: Callable[[ResultQuantity], Any]) -> tuple[str, ...]:
-    """Return the names of the quantities that satisfy a condition, in table order."""
+    """Return the names of the quantities that fulfil a condition, in the order of the table."""
     return tuple(name for name, each in QUANTITIES.items() if condition(each))
 
 
 def quantity_names_shown_in(view: OutputView) -> tuple[str, ...]:
-    """Return the names of the quantities that a view, such as "csv" or "report", shows."""
+    """Return the names of the quantities that an output, such as "csv" or "report", shows."""
     return select_quantity_names(lambda each: view in each.shown)
 
 
 def is_requested(name: str, names: Collection[str] | None) -> bool:
-    """Return whether a quantity is among the requested names. None stands for all quantities."""
+    """Return whether a quantity is among the requested names; None means that all are requested."""
     return names is None or name in names
 
 
@@ -627,7 +627,7 @@ INTERPOLATED_QUANTITIES = tuple(
 
 
 def quantity_attributes(name: str) -> dict[str, str]:
-    """Return the attributes that describe a quantity as a variable of a dataset."""
+    """Return the attributes with which a dataset describes a quantity."""
     quantity = QUANTITIES[name]
     return {"units": quantity.unit, "long_name": quantity.words} if quantity.unit else {"long_name": quantity.words}
 
@@ -637,13 +637,13 @@ INTERVAL_KIND_ATTRIBUTE = "interval_kind"
 
 
 def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:
-    """Return the kind of the intervals of a quantity in a variable with the given attributes."""
+    """Return the kind of interval of a quantity, from the attributes of its variable."""
     kind: EstimateKind = attributes.get(INTERVAL_KIND_ATTRIBUTE, QUANTITIES[name].interval_kind)
     return kind
 
 
 def column_title_and_factor(name: str) -> tuple[str, float]:
-    """Return the spreadsheet column title of a quantity, and the factor that converts its values to the column unit."""
+    """Return a quantity's column title in spreadsheets, and the factor to the unit of the column."""
     quantity = QUANTITIES[name]
     unit = quantity.column_unit or quantity.unit
     return quantity.table_label + (f" ({unit})" if unit not in ("", "1") else ""), quantity.column_factor

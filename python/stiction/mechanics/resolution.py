@@ -1,4 +1,4 @@
-"""Area and friction as functions of the shortest resolved wavelength, and limits for both if the bodies yield."""
+"""Area and friction against the shortest resolved wavelength, and bounds on both if the bodies yield."""
 
 from __future__ import annotations
 
@@ -188,7 +188,7 @@ def resolution(
 
 
 def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) -> xr.DataArray:
-    """Evaluate the friction coefficient from a dataset that `resolution` returned, for any mu0 and tau0.
+    """Return the friction coefficient for any mu0 and tau0, from a dataset that `resolution` returned.
 
     Parameters
     ----------
@@ -258,12 +258,12 @@ class _BodyPair:
 
     @property
     def nominal_area(self) -> float:
-        """Nominal area of the pair, µm². A profile has a width of 1 µm."""
+        """Nominal area (µm²) of the pair. A profile counts as 1 µm wide."""
         return math.prod(self.upper.spacings) * self.upper.heights.size
 
     @property
     def shortest_cut_off(self) -> float:
-        """Shortest possible cutoff wavelength (µm), twice the largest grid spacing."""
+        """Shortest possible cutoff (µm): twice the largest grid spacing."""
         return 2 * max(self.upper.spacings)
 
     def compute_gap(self, upper: Profile | Surface, lower: Profile | Surface) -> Profile | Surface:
@@ -323,7 +323,7 @@ def _make_cutoff_dataset(
     pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return areas, pressures and contact sums as functions of the cutoff. Values without a solution are NaN."""
+    """Return areas, pressures and contact sums against the cutoff, with NaN where there is no solution."""
     import xarray as xr
 
     gaps = [pair.compute_gap(*pair.bodies_with_cut_off(length)) for length in lengths]
@@ -380,7 +380,7 @@ def _add_plastic_limits(
     result: xr.Dataset, pair: _BodyPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
     hardness: float | None, parameters: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Add the plastic limit, the plastic wavelength and extrapolated elastic values to a dataset."""
+    """Add the plastic limit, the plastic wavelength and extrapolated elastic contacts to a dataset."""
     gap = pair.compute_gap(pair.upper, pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
     estimate = brackets.estimate_gap_hurst_exponent(gap, pair.periodic)
@@ -459,7 +459,7 @@ def spectral_resolution(
     kappa: float = KAPPA_AT_SMALL_LOADS,
     wavelengths: ArrayLike | None = None,
 ) -> xr.Dataset:
-    r"""Compute area and friction of two surfaces as functions of the shortest wavelength, using closed-form solutions.
+    r"""Estimate area and friction of two surfaces against the shortest wavelength, in closed form.
 
     Parameters
     ----------

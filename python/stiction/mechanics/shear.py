@@ -1,4 +1,4 @@
-"""Direct shear test: contacts of two faces while the upper one is displaced in steps along one direction.
+"""Direct shear test: contacts of two faces, the upper one of which is displaced in steps.
 
 Each step is a half-space contact. The normal load is constant, or rises with the dilation at a constant stiffness.
 """
@@ -88,7 +88,7 @@ _VARIABLE_ATTRIBUTES: dict[str, dict[str, str]] = {
 
 @dataclass(frozen=True, eq=False)
 class ShearBox:
-    """Two faces in a direct shear test, and the conditions of the test, in core units.
+    """Two faces in a direct shear test, with the conditions of the test.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ class ShearBox:
 
     @property
     def initial_overlap_area(self) -> float:
-        """Area (µm²) of the points that were measured on both faces, in the overlap at the start of the path."""
+        """Area (µm²) of the initial overlap that was measured on both faces."""
         return _measured_area(*self.faces_at(np.zeros(self.lower.heights.ndim, np.int64)))
 
     def choose_offsets(self, path: float, steps: int) -> NDArray[np.int64]:
@@ -152,11 +152,11 @@ class ShearBox:
 
     @property
     def can_have_strips(self) -> bool:
-        """True for maps with free edges. Profiles and periodic faces have no strips."""
+        """True if the faces can be cut into strips: maps with free sides, but not profiles or periodic faces."""
         return self.lower.heights.ndim > 1 and self.boundary != "periodic"
 
     def find_max_strips(self, offsets: NDArray[np.int64], min_points: int = MIN_OVERLAP_POINTS) -> int:
-        """Return the largest number of strips whose overlaps are at least `min_points` wide; 0 if there are none.
+        """Return the largest number of strips whose overlaps are at least `min_points` wide, or 0.
 
         Strips move sideways if the motion is oblique to the grid.
         """
@@ -169,11 +169,11 @@ class ShearBox:
 
     @property
     def _strip_axis(self) -> int:
-        """Axis of a face along which the faces are cut into strips; the strips run along the motion."""
+        """Axis across which both faces are cut into strips that run along the motion."""
         return int(np.argmin(np.abs(self._motion)))
 
     def cut_strips(self, offsets: NDArray[np.int64], count: int | None = None) -> list[ShearBox]:
-        """Cut the faces into strips along the motion, and return a test of each strip at the same normal stress.
+        """Cut both faces into strips along the motion, and return a shear test of each at the same normal stress.
 
         By default `MIN_STRIPS` to `MAX_STRIPS` strips, or none if the faces are too narrow. Strips with few measured
         points are left out. `offsets` are the positions of the test.
@@ -204,7 +204,7 @@ class ShearBox:
         return np.asarray((offsets * self.lower.spacings) @ self._motion)
 
     def _find_overlap(self, offset: NDArray[np.int64]) -> tuple[list[int], list[int], list[int]]:
-        """Return the first index on the upper and on the lower face, and the shape of the overlap."""
+        """Return the first index of the overlap on the upper and on the lower face, and its shape."""
         lower_start = [max(0, int(step)) for step in offset]
         upper_start = [start - int(step) for start, step in zip(lower_start, offset, strict=True)]
         shape = [
@@ -216,7 +216,7 @@ class ShearBox:
         return upper_start, lower_start, shape
 
     def faces_at(self, offset: NDArray[np.int64]) -> tuple[Any, Any]:
-        """Return the parts of the upper and of the lower face that overlap at an offset."""
+        """Return the overlapping parts of the upper and of the lower face at an offset."""
         if self.boundary == "periodic":
             axes = tuple(range(offset.size))
             heights = np.roll(self.upper.heights, tuple(map(int, offset)), axes)
@@ -230,7 +230,7 @@ class ShearBox:
         return upper, lower
 
     def solve_contact(self, offset: NDArray[np.int64], elastic_loads: ArrayLike) -> HalfSpaceCurve:
-        """Solve the contact at an offset under given sums of the vertical contact forces (mN)."""
+        """Solve the contact at an offset for given vertical contact forces (mN)."""
         upper, lower = _close_round_off_gap(*self.faces_at(offset))
         return half_space(
             upper, lower, np.atleast_1d(elastic_loads), effective_modulus=self.effective_modulus,
@@ -248,7 +248,7 @@ class ShearBox:
         return upper_slopes, lower_slopes
 
     def _find_edges(self, offset: NDArray[np.int64]) -> Floats:
-        """Mark the edge points of the overlap: 0 where only the upper face ends, 1 where only the lower face ends.
+        """Mark the sides of the overlap: 0 where only the upper face ends, 1 where only the lower face ends.
 
         Elsewhere the values are NaN.
         """
@@ -304,7 +304,7 @@ class ShearBox:
     def _solve_step(
         self, offset: NDArray[np.int64], first: StepResult | None, previous: StepResult | None
     ) -> StepResult:
-        """Find the elastic load at which the normal load reaches its target, and return the contact at this load."""
+        """Solve the contact at an offset for the elastic load at which the normal load reaches its target."""
         upper, lower = self.faces_at(offset)
         gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
         first_contact_height = -float((gap if missing is None else gap[~missing]).min())
@@ -317,7 +317,7 @@ class ShearBox:
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
         def compare_load(elastic_load: float) -> tuple[float, float]:
-            """Return the normal load minus its target, and the target."""
+            """Return how far the normal load is above its target, and the target."""
             curve = self.solve_contact(offset, elastic_load)
             rows.append(self._make_row(curve, offset, first_contact_height, elastic_load))
             if first is None:
@@ -340,7 +340,7 @@ class ShearBox:
     def _make_row(
         self, curve: HalfSpaceCurve, offset: NDArray[np.int64], first_contact_height: float, elastic_load: float
     ) -> StepResult:
-        """Return the contact sums of a solved contact, and the height of the upper face."""
+        """Return the contact sums of a solved contact, with the height of the upper face."""
         solution = curve.at(0)
         problem, pressure = solution.problem, solution.on_grid(solution.values)
         displacement = problem.grids.displacement(pressure, threads=solver_thread_count())
@@ -363,7 +363,7 @@ class ShearBox:
         return float(self.law.load("normal", row))
 
     def solve_closure(self, record: SolutionRecord) -> BandisLaw:
-        """Solve the closure at the start of the path up to the normal load, and fit Bandis' law to it."""
+        """Solve the closure up to the normal load at the start of the path, and fit Bandis' law."""
         loads = self.load * np.geomspace(1 / MAX_CLOSURE_LOAD_RATIO, 1.0, NUM_CLOSURE_LOADS)
         offset = np.zeros(self.lower.heights.ndim, np.int64)
 
@@ -379,7 +379,7 @@ class ShearBox:
     def solve_peak_pressure(
         self, test: xr.Dataset, offsets: NDArray[np.int64], rows: list[StepResult], record: SolutionRecord
     ) -> xr.DataArray | None:
-        """Return the contact pressure at the peak on the grid of the overlap, or None if the test has no peak."""
+        """Return the contact pressure at the peak of the shear curve, or None without a peak."""
         import xarray as xr
 
         if test.attrs["peak_status"] != STATUS_OK:
@@ -403,7 +403,7 @@ class ShearBox:
         return xr.DataArray(pressure, coordinates, tuple(coordinates), attrs=attributes)
 
     def to_dataset(self, offsets: NDArray[np.int64], rows: list[StepResult]) -> xr.Dataset:
-        """Return the solved steps as a dataset over the displacement."""
+        """Return the solved steps as a dataset against the displacement."""
         import xarray as xr
 
         columns = {name: np.array([float(row[name]) for row in rows]) for name in _STEP_NUMBER_NAMES}
@@ -437,12 +437,12 @@ def _slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
 
 
 def _select_points(face: Any, selection: tuple[slice, ...]) -> Any:
-    """Return the part of a face at the selected grid points."""
+    """Return the part of a face at given grid points."""
     return replace(face, heights=face.heights[selection], history=(), missing=select_from_mask(face.missing, selection))
 
 
 def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
-    """Set the gap of two faces to 0 if it varies by round-off only; such a gap has no solution."""
+    """Set a gap of two faces to 0 if it varies only by round-off, because the contact would have no solution."""
     missing = combine_missing_masks(upper, lower)
     gap = upper.heights - lower.heights if missing is None else (upper.heights - lower.heights)[~missing]
     if np.ptp(gap) > MAX_ROUND_OFF_GAP * np.ptp(lower.heights):
@@ -459,7 +459,7 @@ def _measured_area(upper: Profile | Surface, lower: Profile | Surface) -> float:
 def _find_root(
     compare_load: Callable[[float], tuple[float, float]], guess: float, load: float, max_load: float
 ) -> Status:
-    """Find the elastic load at which an increasing function is 0, by the secant method within a bracket.
+    """Find the elastic load at which an increasing function is 0, by a bracketed secant method.
 
     The function is evaluated last at this load.
     """
@@ -488,7 +488,7 @@ def _find_root(
 
 
 def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
-    """Return the angles (degrees) whose tangent is the dilation (last axis) per displacement.
+    """Return the dilation angles (degrees), whose tangent is the change of the dilation per displacement.
 
     The slope at a displacement is the slope of the line through its two neighbours. At an end of the path, the line
     passes through the end and its only neighbour.
@@ -500,7 +500,7 @@ def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
 
 
 def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:
-    """Return the peak of a shear curve, its displacement and dilation angle, and the value at the end, as attributes.
+    """Return the peak of a shear curve, where it occurs, and the friction at the end, as attributes.
 
     The peak is NaN if the faces lock. The value at the end is NaN if the faces slide there without a tangential load.
     """

@@ -1,4 +1,4 @@
-"""Record of a half-space computation: the number of iterations, and the results of finished steps."""
+"""Record of a half-space computation: iterations, and results of finished steps."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ StepResult = dict[str, Any]
 
 
 class SolutionRecord:
-    """Record that counts the solver iterations of a computation, and runs its steps.
+    """Record of a computation, which counts solver iterations and runs the steps.
 
     A step, such as the contact at one load, depends only on the inputs of the computation and on earlier steps. A
     subclass may therefore store the results of steps: a computation that is repeated reads them instead of computing
@@ -24,16 +24,16 @@ class SolutionRecord:
         self.counter = _core.IterationCounter()
 
     def __reduce__(self) -> tuple[type[SolutionRecord], tuple[()]]:
-        """Copy and pickle a record as a new record."""
+        """Copy or pickle the record as a new, empty record."""
         return SolutionRecord, ()
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:
-        """Return the result of the next step. An error of the given type also counts as a result."""
+        """Run the next step and return its result, which may be an error of the given type."""
         return compute()
 
     def read_state(self) -> StepResult | None:
-        """Return the stored state of the current step if an earlier computation was interrupted during the step."""
+        """Return the stored state of the current step, if an earlier computation was interrupted within it."""
         return None
 
     def offer_state(self, get_state: Callable[[], StepResult]) -> None:
-        """Store the state of the current step if the last state was stored some time ago."""
+        """Store the state of the current step, unless one was stored a short time ago."""

@@ -260,7 +260,7 @@ def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str |
 
 
 def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
-    """Find rows or columns of a map, or points of a profile, that repeat the previous one."""
+    """Find rows or columns of a map, or points of a profile, that repeat others and may not have been measured."""
     if not scan.from_file:
         return
     if scan.heights.ndim == 1:
