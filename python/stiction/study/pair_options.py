@@ -34,18 +34,18 @@ from stiction.surfaces.surface import Surface
 
 
 class HeightData(Protocol):
-    """Height data object from a library such as surfalize or xarray. Its attribute `data` contains the heights."""
+    """Height data of a library such as surfalize or xarray, with the attribute `data`."""
 
     @property
     def data(self) -> object:
-        """Heights as a NumPy array or a similar object."""
+        """Heights of the object, as a NumPy array or similar."""
 
 
 class Topography(Protocol):
-    """Topography object from the library SurfaceTopography."""
+    """Topography of the library SurfaceTopography."""
 
     def heights(self) -> object:
-        """Heights as a NumPy array or a similar object."""
+        """Return the heights of the topography, as a NumPy array or similar."""
 
 
 def _parse_single_value(value: object) -> object:
@@ -95,7 +95,7 @@ def _parse_degrees(value: object) -> float:
 
 
 def _parse_positions(value: object) -> object:
-    """Parse a list of lengths, or a list of (x, y) pairs of lengths, into a flat list."""
+    """Parse lengths, or (x, y) pairs of lengths, into a flat list."""
     value = unwrap_scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
     if not isinstance(items, (list, tuple)):
@@ -145,11 +145,11 @@ LevellingForm = Literal["mean", "line", "plane", "quadratic", "none"]
 
 
 class PairProperties(Protocol):
-    """Properties of a pair that determine which options are applicable."""
+    """Properties of a pair on which the applicable options depend."""
 
     @property
     def options(self) -> PairOptions:
-        """All options of the pair."""
+        """All options given for the pair."""
 
     @property
     def are_maps(self) -> bool:
@@ -161,43 +161,43 @@ class PairProperties(Protocol):
 
     @property
     def has_spectrum(self) -> bool:
-        """True if at least one body is given as a spectrum that joins several scans."""
+        """True if at least one body is given as a spectrum joined from several scans."""
 
     @property
     def has_masked_points(self) -> bool:
-        """True if at least one body has masked points."""
+        """True if at least one body has masked points, which were not measured."""
 
     @property
     def has_surrogates(self) -> bool:
-        """True if the study generates surrogates, which are random surfaces with the measured spectra."""
+        """True if the study generates surrogates: random surfaces with the measured spectra."""
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Number of scans of each body, as a pair (upper, lower)."""
+        """Numbers of scans of the upper and of the lower body."""
 
     @property
     def press_mode(self) -> str:
-        """Bodies that are pressed: "areas" (whole maps), "lines" (profiles or scan lines), or "surrogates"."""
+        """Bodies that are pressed: "areas" (maps), "lines" (profiles or lines of maps) or "surrogates"."""
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models to compute. The first model is used for the result."""
+        """Contact models to compute; the first gives the result."""
 
     @property
     def contact_law(self) -> str:
-        """Name of the contact law used by the asperity model."""
+        """Name of the contact law in the asperity model."""
 
 
 @dataclass(frozen=True)
 class OptionCondition:
-    """Condition for using an option, and the message of the error raised if the condition is not met."""
+    """Condition for using an option, and the error message if it is not met."""
 
     holds: Callable[[PairProperties], bool]
     message: str  # message of a condition, after the option name; {name} stands for another option
 
 
 def select_body_value(name: str, values: Any, index: int) -> Any:
-    """Return the value of an option for the upper (0) or the lower body (1). A single value applies to both bodies."""
+    """Return the value of an option for the upper (0) or the lower body (1). A single value applies to both."""
     values = values if isinstance(values, list) else [values]
     if len(values) > 2:
         raise ArgumentError(
@@ -207,7 +207,7 @@ def select_body_value(name: str, values: Any, index: int) -> Any:
 
 
 def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]], OptionCondition]:
-    """Return a decorator that turns a function into a condition with the given error message."""
+    """Turn a function into a condition for options, with a given error message."""
 
     def decorate(holds: Callable[[PairProperties], bool]) -> OptionCondition:
         return OptionCondition(holds, message)
@@ -217,13 +217,13 @@ def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]],
 
 @make_condition("must be one map")
 def is_gap_map(pair: PairProperties) -> bool:
-    """Return whether a single height map of the gap is given."""
+    """Return whether a height map of the gap is given instead of two bodies."""
     return pair.are_maps and pair.scan_counts == (1, 1)
 
 
 @make_condition("must not be combined with {gap}, because the relative position of the two faces is fixed")
 def has_two_bodies(pair: PairProperties) -> bool:
-    """Return whether two bodies are given instead of the gap between them."""
+    """Return whether two bodies are given, and not the gap between them."""
     return pair.options.gap is None
 
 
@@ -235,19 +235,19 @@ def has_two_profiles(pair: PairProperties) -> bool:
 
 @make_condition("is for two profiles that are pressed as lines; other bodies have a nominal area")
 def presses_profiles_as_lines(pair: PairProperties) -> bool:
-    """Return whether both bodies are profiles and are pressed as lines."""
+    """Return whether both bodies are profiles that are pressed as lines."""
     return pair.are_profiles and pair.press_mode == "lines"
 
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def has_complete_scans_for_surrogates(pair: PairProperties) -> bool:
-    """Return False if surrogates are requested for a scan that has masked points."""
+    """Return False if surrogates are requested for a scan with masked points."""
     return not (pair.has_masked_points and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def has_complete_scans_for_asperities(pair: PairProperties) -> bool:
-    """Return False if the asperity model is used for a scan that has masked points."""
+    """Return False if the asperity model is used for a scan with masked points."""
     return not pair.has_masked_points or "asperities" not in pair.contact_models
 
 
@@ -259,109 +259,109 @@ def has_complete_scans(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with a spectrum, because its surfaces are generated")
 def has_no_spectrum(pair: PairProperties) -> bool:
-    """Return False if one of the bodies is a spectrum that joins several scans."""
+    """Return False if a body is a spectrum joined from several scans."""
     return not pair.has_spectrum
 
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_line_pairs(pair: PairProperties) -> bool:
-    """Return whether several pairs of lines can be formed, either from maps or from surrogates of profiles."""
+    """Return whether several pairs of lines exist, from maps or from surrogates of profiles."""
     return not pair.are_profiles or (pair.press_mode == "lines" and pair.has_surrogates)
 
 
 @make_condition("is for lines; for maps give {lines} as well")
 def presses_lines(pair: PairProperties) -> bool:
-    """Return whether profiles or scan lines are pressed, rather than whole maps."""
+    """Return whether profiles or lines of maps are pressed, and not whole maps."""
     return pair.press_mode == "lines"
 
 
 @make_condition("is for lines of surfaces")
 def presses_lines_of_maps(pair: PairProperties) -> bool:
-    """Return whether the pressed bodies are lines of height maps."""
+    """Return whether lines of height maps are pressed."""
     return pair.press_mode == "lines" and not pair.are_profiles
 
 
 @make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairProperties) -> bool:
-    """Return whether two height maps are pressed as maps, not line by line."""
+    """Return whether two height maps are pressed as maps, and not line by line."""
     return pair.press_mode == "areas"
 
 
 @make_condition("is for areas; lines are always moved in both directions")
 def presses_maps_or_surrogates(pair: PairProperties) -> bool:
-    """Return whether height maps, measured or surrogates, are pressed as maps, not line by line."""
+    """Return whether height maps, measured or surrogates, are pressed as maps, and not line by line."""
     return pair.press_mode != "lines"
 
 
 @make_condition("is for lines, or for the areas of two maps")
 def presses_scans(pair: PairProperties) -> bool:
-    """Return whether the scans themselves are pressed, as maps or line by line, rather than surrogates."""
+    """Return whether the scans themselves are pressed, and not surrogates."""
     return pair.press_mode != "surrogates"
 
 
 @make_condition("must not be given with {positions}")
 def uses_default_positions(pair: PairProperties) -> bool:
-    """Return False if the user has listed the relative positions of the bodies."""
+    """Return False if the user lists the relative positions of the bodies."""
     return pair.options.positions is None
 
 
 @make_condition("is for {surrogates}")
 def presses_surrogates(pair: PairProperties) -> bool:
-    """Return whether at least some members are surrogates of the scans."""
+    """Return whether at least some members are surrogates."""
     return pair.has_surrogates
 
 
 @make_condition("must not be combined with {check}, which uses both contact models")
 def uses_one_contact_model(pair: PairProperties) -> bool:
-    """Return whether the options select a single contact model."""
+    """Return whether the options select one contact model."""
     return not pair.options.check
 
 
 @make_condition("is for {mechanics} half-space")
 def uses_half_space_model(pair: PairProperties) -> bool:
-    """Return whether the half-space model is used, for the result or for a check."""
+    """Return whether the half-space model gives the result or checks it."""
     return "half-space" in pair.contact_models
 
 
 @make_condition("is for {mechanics} half-space")
 def has_half_space_result(pair: PairProperties) -> bool:
-    """Return whether the result is computed with the half-space model."""
+    """Return whether the half-space model gives the result."""
     return pair.contact_models[0] == "half-space"
 
 
 @make_condition("is for {mechanics} half-space alone")
 def uses_only_half_space_model(pair: PairProperties) -> bool:
-    """Return whether the half-space model is used without a check by the asperity model."""
+    """Return whether only the half-space model is used, without a check by the asperity model."""
     return pair.contact_models == ("half-space",)
 
 
 @make_condition("is for {mechanics} asperities")
 def uses_asperity_model(pair: PairProperties) -> bool:
-    """Return whether the asperity model is used, for the result or for a check."""
+    """Return whether the asperity model gives the result or checks it."""
     return "asperities" in pair.contact_models
 
 
 @make_condition("must not be combined with {lay} grooves, which needs the law of cylinders")
 def has_contact_law_for_lay(pair: PairProperties) -> bool:
-    """Return whether the contact law suits the lay: grooves require the law for elastic cylinders."""
+    """Return whether the contact law suits the lay: grooves need the law of elastic cylinders."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
 
 
 @make_condition("is for {law} jackson-green")
 def has_contact_law_with_yield(pair: PairProperties) -> bool:
-    """Return whether the Jackson-Green contact law is used, which requires a yield strength."""
+    """Return whether the contact law of Jackson and Green is used, which needs a yield strength."""
     return pair.contact_law == JacksonGreen.name
 
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_no_hardness_for_asperities(pair: PairProperties) -> bool:
-    """Return False if a given hardness determines the yield strength of the asperities."""
+    """Return False if a hardness already determines the yield strength of the asperities."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
 @make_condition("is for {mechanics} half-space, and for {law} jackson-green")
 def has_contact_model_with_hardness(pair: PairProperties) -> bool:
-    """Return whether one of the selected contact models can use a hardness."""
+    """Return whether a contact model is used that can take a hardness into account."""
     return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name
 
 
@@ -385,13 +385,13 @@ def has_work_of_adhesion(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {interface}, which contains mu0 and tau0")
 def has_no_interface(pair: PairProperties) -> bool:
-    """Return False if an interface determines mu0 and tau0."""
+    """Return False if an interface already determines mu0 and tau0."""
     return pair.options.interface is None
 
 
 @make_condition("is for {young} and {law} jackson-green")
 def needs_poisson_ratio(pair: PairProperties) -> bool:
-    """Return whether Young's modulus or the Jackson-Green contact law requires Poisson's ratio."""
+    """Return whether Young's modulus or the contact law of Jackson and Green needs Poisson's ratio."""
     return pair.options.young is not None or pair.contact_law == JacksonGreen.name
 
 
@@ -406,7 +406,7 @@ DEFAULT_UNITS: dict[OptionKind, str] = {
 
 @dataclass(frozen=True, kw_only=True)
 class FormField:
-    """Form field that represents an option in the app."""
+    """Input field of an option in the app."""
 
     label: str
     place: Literal["scan", "body", "load", "more"] = "more"
@@ -421,7 +421,7 @@ class FormField:
 
 @dataclass(frozen=True)
 class PairOption:
-    """Declaration of a pair option, shared by the command line, the Python interface, study files and the app."""
+    """Declaration of an option for a pair, for command line, Python, study files and app."""
 
     value: str  # placeholder of an option's value in the help, such as PRESSURE; empty for a switch
     help: str  # help text of an option, in one or two sentences; {name} stands for another option
@@ -503,7 +503,7 @@ class SurfaceOptions(OptionGroup):
 
 
 class FileReadingOptions(OptionGroup):
-    """Options for reading files. Each option has one value for both files, or one value per file."""
+    """Options for reading scan files, each with one value for both files or one per file."""
 
     title: ClassVar[str] = "Reading files"
 
@@ -691,7 +691,7 @@ class FrictionOptions(OptionGroup):
 
 
 class ContactOptions(OptionGroup):
-    """Options that select the contact model and its parameters."""
+    """Options for the contact model and its parameters."""
 
     title: ClassVar[str] = "Contact model"
 
@@ -785,12 +785,12 @@ class PairOptions(
     EnsembleOptions,
     ExtraComputationOptions,
 ):
-    """All options for a pair of two measured bodies."""
+    """All options for a measured pair."""
 
     title: ClassVar[str] = "Options of a pair"
 
     def option_value(self, name: str) -> object:
-        """Return the value of an option, or None if the option was not given."""
+        """Return the value of an option, or None if it was not given."""
         value: object = getattr(self, name)
         return None if value is False else value
 
@@ -818,7 +818,7 @@ READING_OPTION_NAMES: tuple[str, ...] = tuple(
 
 
 def split_option_text(name: str, text: str) -> str | tuple[str, ...]:
-    """Split the text of an option at commas, or return the text unchanged if the option has a single value."""
+    """Split an option's text at commas if the option can have several values."""
     return tuple(split_values(text)) if PAIR_OPTIONS[name].is_list and "," in text else text
 
 
@@ -831,7 +831,7 @@ OPTION_CHECK_ORDER: tuple[str, ...] = tuple(
 
 
 def list_option_choices(name: str) -> tuple[str, ...]:
-    """Return the words that an option accepts, or an empty tuple if its values are not a fixed list of words."""
+    """Return the words that an option accepts, or nothing if it accepts other values."""
     annotation = PairOptions.model_fields[name].annotation
     literal_type = next((argument for argument in get_args(annotation) if get_args(argument)), annotation)
     return tuple(argument for argument in get_args(literal_type) if isinstance(argument, str))
@@ -860,7 +860,7 @@ def format_python_name(name: str) -> str:
 
 @contextmanager
 def convert_validation_errors() -> Iterator[None]:
-    """Convert the first error in a pydantic validation error to an `ArgumentError`."""
+    """Convert the first error in a pydantic validation error to an `ArgumentError` about an option."""
     try:
         yield
     except ValidationError as error:
@@ -887,7 +887,7 @@ def convert_validation_errors() -> Iterator[None]:
 
 
 def validate_option_values(values: dict[str, object]) -> PairOptions:
-    """Validate option values given by field name, and create options from them.
+    """Validate the values of options, given by field name, and return the options.
 
     Raises an `ArgumentError` if a value is invalid.
     """
