@@ -1,4 +1,4 @@
-"""Conversion of the options of a measured pair to a study of this pair."""
+"""Conversion of the options of a measured pair to a study."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ GAP_REMARK = (
 
 
 class MeasuredPair:
-    """Pair of measured bodies with its contact options, which are converted to core units (µm, mN, GPa).
+    """Measured bodies with the options of their contact, converted to core units (µm, mN, GPa).
 
     Invalid options raise an `ArgumentError`.
     """
@@ -105,7 +105,7 @@ class MeasuredPair:
         self._check_conditions(OPTION_CHECK_ORDER if reads_scans else ())
 
     def _check_conditions(self, names: Iterable[str]) -> None:
-        """Raise an `ArgumentError` for the first of the named options that is given but does not apply."""
+        """Raise an `ArgumentError` for the first of the named options that is given but not applicable."""
         for name in names:
             if (value := self.options.option_value(name)) is None:
                 continue
@@ -126,7 +126,7 @@ class MeasuredPair:
 
     @classmethod
     def check_entries(cls, **values: object) -> None:
-        """Parse the values of options as `from_values` does, but without reading the scans.
+        """Parse the values of options without reading the scans.
 
         Raises an `ArgumentError` for the first invalid value. Conditions that depend on the scans are not checked.
         """
@@ -145,7 +145,7 @@ class MeasuredPair:
         return kind
 
     def _parse_quantity(self, name: str, value: object) -> Quantity:
-        """Parse the value of an option as a quantity of the required kind."""
+        """Parse the value of an option as a quantity with the option's kind of unit."""
         return parse_quantity(name, value, self._find_quantity_kind(name))
 
     def _parse_quantities(self, name: str, values: object) -> list[Quantity]:
@@ -155,7 +155,7 @@ class MeasuredPair:
 
     @cached_property
     def files(self) -> tuple[MeasuredBodySettings, MeasuredBodySettings]:
-        """Study entries for the files of both bodies, including the reading options."""
+        """Scans of both bodies for the study, with their reading options."""
         entries = []
         for index, side in enumerate(SIDES):
             scans = self.options.option_value(side) if self.options.gap is None else self.options.gap
@@ -165,7 +165,7 @@ class MeasuredPair:
         return entries[0], entries[1]
 
     def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredBodySettings:
-        """Create the study entry for a body. The body is a file with reading options, or an object in memory."""
+        """Describe a body for the study: a file with reading options, or an object in memory."""
         options = self.options
         properties: dict[str, Any] = {}
         if options.tip is not None:
@@ -218,7 +218,7 @@ class MeasuredPair:
         return name
 
     def _build_body_from_array(self, side: str, index: int, heights: Any) -> MeasuredBody:
-        """Convert an array of heights to a body, using the given spacing and unit."""
+        """Convert an array of heights to a body with the given spacing and unit."""
         spacing: Any = self._select_option_value("spacing", index)
         unit: Any = self._select_option_value("unit", index) or "um"
         if spacing is None:
@@ -235,7 +235,7 @@ class MeasuredPair:
 
     @cached_property
     def bodies(self) -> tuple[MeasuredBody, MeasuredBody]:
-        """First scan of the slider and first scan of the counterface."""
+        """First scan of the upper and of the lower body."""
         upper, lower = (file.read() for file in self.files)
         return upper, lower
 
@@ -251,12 +251,12 @@ class MeasuredPair:
 
     @property
     def has_spectrum(self) -> bool:
-        """True if at least one body is given as a spectrum that joins several scans."""
+        """True if at least one body is given as a spectrum joined from several scans."""
         return any(isinstance(body, JoinedSpectrum) for body in self.bodies)
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Number of scans of each body, as a pair (upper, lower)."""
+        """Numbers of scans of the upper and of the lower body."""
         upper, lower = self.files
         return len(upper.scans), len(lower.scans)
 
@@ -264,19 +264,19 @@ class MeasuredPair:
 
     @property
     def has_masked_points(self) -> bool:
-        """True if at least one body has masked points."""
+        """True if at least one body has masked points, which were not measured."""
         return any(getattr(body, "missing", None) is not None for body in self.bodies)
 
     @property
     def press_mode(self) -> str:
-        """Bodies that are pressed: "areas" (whole maps), "lines" (profiles or scan lines), or "surrogates"."""
+        """Bodies that are pressed: "areas" (maps), "lines" (profiles or lines of maps) or "surrogates"."""
         if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
         return "areas" if self.are_maps and self.options.lines is None else "lines"
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models to compute. The first model is used for the result."""
+        """Contact models to compute; the first gives the result."""
         default: Mechanics = (
             "half-space"
             if self.press_mode != "lines" or self.has_masked_points or self._uses_plastic_lines
@@ -288,7 +288,7 @@ class MeasuredPair:
 
     @property
     def _uses_plastic_lines(self) -> bool:
-        """True if both bodies are profiles, the softer material has a hardness, and no asperity option is given."""
+        """True for profiles whose softer material has a hardness, if no option of the asperity model is given."""
         asperity_options = (
             self.options.law,
             self.options.yield_strength,
@@ -301,17 +301,17 @@ class MeasuredPair:
 
     @property
     def contact_law(self) -> str:
-        """Name of the contact law used by the asperity model."""
+        """Name of the contact law in the asperity model."""
         return self.options.law or ("hertz-cylinder" if self.options.lay == "grooves" else DEFAULT_CONTACT_LAW)
 
     @property
     def has_surrogates(self) -> bool:
-        """True if the study generates surrogates, which are random surfaces with the measured spectra."""
+        """True if the study generates surrogates: random surfaces with the measured spectra."""
         return self.press_mode == "surrogates" or self.options.surrogates not in (None, "none")
 
     @cached_property
     def elasticity(self) -> PairElasticity:
-        """Elasticity of both bodies. Uncertain inputs enter with their central values."""
+        """Elastic constants of both bodies, at the central values of uncertain inputs."""
         modulus, young, poisson = (
             self._get_central_option_value(name) for name in ("effective_modulus", "young", "poisson")
         )
@@ -319,7 +319,7 @@ class MeasuredPair:
 
     @cached_property
     def uncertain_inputs(self) -> dict[str, list[InputValue]]:
-        """Inputs that are given as a range or with an uncertainty, by name."""
+        """Uncertain inputs of the pair, by name."""
         inputs: dict[str, list[InputValue]] = {}
         for name in INPUT_KINDS:
             texts = [text for text in split_values(self.options.option_value(name)) if text is not None]
@@ -334,7 +334,7 @@ class MeasuredPair:
         return inputs
 
     def _parse_inputs(self, name: str) -> list[InputValue]:
-        """Parse the values of an option as entries of a study. Numbers are in core units."""
+        """Parse the values of an option as inputs of a study, with numbers in core units."""
         values = [value for value in split_values(self.options.option_value(name)) if value is not None]
         if INPUT_KINDS[name]:
             values = [value if isinstance(value, str) else exact_quantity_text(value, "GPa") for value in values]
@@ -348,7 +348,7 @@ class MeasuredPair:
 
     @cached_property
     def given_interface(self) -> InterfaceStrength | None:
-        """Joint distribution of mu0 and tau0 defined by the interface, or None if no interface is given."""
+        """Interface that defines mu0 and tau0, or None if none is given."""
         if self.options.interface is None:
             return None
         if isinstance(self.options.interface, InterfaceStrength):
@@ -362,7 +362,7 @@ class MeasuredPair:
 
     @cached_property
     def half_space_inputs(self) -> Inputs:
-        """Inputs of half-spaces without adhesion or junction growth: mu0, tau0, elastic constants and hardness.
+        """Inputs of a half-space without adhesion and junction growth: mu0, tau0, elastic constants and hardness.
 
         With an interface, mu0 and tau0 are its medians.
         """
@@ -380,11 +380,11 @@ class MeasuredPair:
 
     @property
     def _materials(self) -> tuple[Material, ...]:
-        """Materials of both bodies, or an empty tuple if the bodies are not given by name."""
+        """Materials of both bodies, or an empty tuple if the options name no materials."""
         return tuple(material(name) for name in self.elasticity.materials or ())
 
     def _parse_single_strength(self, name: str) -> InputValue:
-        """Parse mu0 or tau0, which must be one value or one range."""
+        """Parse mu0 or tau0 as one number or one range."""
         if self.given_interface is not None or self.options.option_value(name) is None:
             value = self._get_central_option_value(name)
             return parse_input_value(name, exact_quantity_text(value, "GPa") if INPUT_KINDS[name] else value)
@@ -397,7 +397,7 @@ class MeasuredPair:
         return values[0]
 
     def _get_central_option_value(self, name: str) -> Any:
-        """Return the value of an option. Uncertain inputs are replaced by their central values."""
+        """Return the value of an option, at the central value if it is uncertain."""
         if name in ("mu0", "tau0") and self.given_interface is not None:
             return round_median_strength(self.given_interface)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
@@ -409,7 +409,7 @@ class MeasuredPair:
 
     @cached_property
     def loads(self) -> list[Quantity]:
-        """Requested loads (mN) in ascending order. Pressures are converted with the nominal area."""
+        """Requested loads (mN) in ascending order. A pressure is multiplied by the nominal area."""
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
         width_factor = 1.0 if self.options.width is None else PROFILE_WIDTH / self._profile_width
         # Round the forces, so that they contain no round-off.
@@ -430,7 +430,7 @@ class MeasuredPair:
 
     @property
     def _max_cell_adhesion_force(self) -> float:
-        """Largest adhesive force (mN) on a grid cell: w/ρ times cell area (w: work, ρ: range of adhesion)."""
+        """Largest attraction (mN) on a grid cell: work of adhesion divided by its range, times the cell area."""
         num_points = int(np.prod(self._body_attributes.attributes["shape"]))
         spacings = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work_of_adhesion, study_range = (
@@ -445,7 +445,7 @@ class MeasuredPair:
 
     @property
     def _profile_width(self) -> float:
-        """Width (µm) over which a force on two profiles is distributed."""
+        """Width (µm) over which the force on two profiles is distributed."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
@@ -457,7 +457,7 @@ class MeasuredPair:
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Loads as given by the user: (value in mN, False) for a force, or (value in GPa, True) for a pressure."""
+        """Loads as the user gave them: (mN, False) for a force, or (GPa, True) for a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -474,14 +474,14 @@ class MeasuredPair:
 
     @cached_property
     def studies(self) -> list[Study]:
-        """Studies to compute: the study of the result and, if requested, a check with the other contact model."""
+        """Studies to compute: the study of the result, and a check with the other contact model if requested."""
         contact_sections = [self._build_contact_section(mechanics) for mechanics in self.contact_models]
         load_texts = [exact_quantity_text(load, "mN") for load in self._choose_load_steps(contact_sections).tolist()]
         return [self._build_study(contact | {"load": load_texts}) for contact in contact_sections]
 
     @property
     def preview_study(self) -> Study | None:
-        """Study that uses the asperity model to preview the pair.
+        """Study in the asperity model, which previews the pair.
 
         None if profiles or scan lines are pressed, if points are masked, or if the result itself uses the asperity
         model.
@@ -492,7 +492,7 @@ class MeasuredPair:
 
     @property
     def remarks(self) -> list[str]:
-        """Remarks to print about the materials and, if the pair is given as a gap, about the gap map."""
+        """Remarks to print about the materials and, for a gap, about its map."""
         elasticity, remarks = self.elasticity, []
         if elasticity.source and self.options.hardness is None:
             remarks.append(f"{elasticity.source}, {elasticity.hardness_source}")
@@ -505,7 +505,7 @@ class MeasuredPair:
 
     @property
     def _strengths(self) -> dict[str, Any]:
-        """Entries of mu0 and tau0: ascending values, one uncertain value, or the interface that defines both."""
+        """Section `[friction]` for mu0 and tau0: ascending numbers, one uncertain number, or an interface."""
         if self.given_interface is not None:
             name = str(self.options.interface)
             return {"interface": name if name in interfaces() else str(Path(name).resolve())}
@@ -563,7 +563,7 @@ class MeasuredPair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Entries of the section `[surfaces]` that filter out wavelengths that may be noise.
+        """Keys of the section `[surfaces]` for filters against wavelengths that may be noise.
 
         The study then has two cutoffs: unfiltered, and with each scan filtered at its own cutoff. The filtered scans
         come first and give the quoted result if the spectrum of one scan ends in the noise floor of an instrument, and
@@ -613,7 +613,7 @@ class MeasuredPair:
 
     @cached_property
     def _listed_positions(self) -> list[Any] | None:
-        """Positions (µm) of the slider on the counterface, or None if no positions are given.
+        """Positions (µm) of the slider on the counterface that the user lists, or None.
 
         Positions on maps are pairs (x, y).
         """
@@ -629,7 +629,7 @@ class MeasuredPair:
         return [list(pair) for pair in zip(lengths[::2], lengths[1::2], strict=True)]
 
     def _count_positions(self) -> tuple[int, int]:
-        """Return the number of line pairs, and the number of relative positions for each line pair."""
+        """Return the number of pairs of lines, and the number of relative positions of each pair."""
         num_lines, num_offsets = self.options.lines or DEFAULT_NUM_LINE_PAIRS, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             positions = self._listed_positions
@@ -683,7 +683,7 @@ class MeasuredPair:
 
     @property
     def _elasticity_entries(self) -> dict[str, Any]:
-        """Entries of the section `[contact]` for the elastic constants: E*, or Young's moduli and Poisson's ratios."""
+        """Elastic constants in the section `[contact]`: E*, or Young's moduli and Poisson's ratios."""
         elasticity, options = self.elasticity, self.options
         if options.effective_modulus is not None:
             return {"effective_modulus": self._parse_inputs("effective_modulus")[0]}
@@ -704,13 +704,13 @@ class MeasuredPair:
 
     @property
     def _material_names(self) -> tuple[str | None, str | None]:
-        """Names of the materials of both bodies; None for a body whose elastic constants are given."""
+        """Materials of both bodies by name; None for a body with given elastic constants."""
         upper, lower = self.options.upper_material, self.options.lower_material
         return (upper, lower) if self.options.young is not None else (upper or lower, lower or upper)
 
     @property
     def _adhesion_entries(self) -> dict[str, Quantity]:
-        """Entries of the section `[contact]` for the work of adhesion and the range of adhesion.
+        """Work of adhesion and its range in the section `[contact]`.
 
         Each must be a single value, because the contacts are computed for a single value.
         """
@@ -727,7 +727,7 @@ class MeasuredPair:
 
     @property
     def _junction_growth(self) -> InputValue | None:
-        """Junction growth, or None if contacts do not grow.
+        """Junction growth of the contacts, or None.
 
         The default is the value for the interface or, without one, yield by slip lines.
         """
@@ -751,7 +751,7 @@ class MeasuredPair:
 
     @property
     def _yield_exponent(self) -> InputValue | None:
-        """Exponent of the area of yielding contacts, or None if the contacts do not yield."""
+        """Exponent of the area of yielding contacts, or None for contacts that do not yield."""
         can_yield = self._hardness is not None and not self._adhesion_entries.get("work_of_adhesion")
         if (value := self.options.yield_exponent) is None:
             return parse_input_value("yield_exponent", DEFAULT_YIELD_EXPONENT) if can_yield else None
@@ -766,7 +766,7 @@ class MeasuredPair:
 
     @property
     def _indent(self) -> Quantity | None:
-        """Depth of the indentation by which the hardness was measured, or None if the depth is unknown."""
+        """Depth of the indentation that measured the hardness, or None if it is unknown."""
         if (value := self.options.indent) is None:
             return None
         if self._yield_exponent is None:
@@ -788,7 +788,7 @@ class MeasuredPair:
 
     @property
     def _area_loss(self) -> InputValue | None:
-        """Given fraction of the true area that is lost under shear, or the default for soft bodies; otherwise None."""
+        """Fraction of the true area lost under shear, as given or by default for soft bodies, or None."""
         value: Any = self.options.area_loss
         if self._hardness is not None:
             if value is not None:
@@ -800,7 +800,7 @@ class MeasuredPair:
 
     @property
     def _hardness(self) -> InputValue | None:
-        """Hardness given by the user. The default is the hardness of the softer material."""
+        """Hardness given by the user, or else of the softer material."""
         if self.options.hardness is None:
             value = self.elasticity.hardness
             return None if value is None else parse_input_value("hardness", format_material_value(value, "GPa"))
@@ -809,7 +809,7 @@ class MeasuredPair:
         return self._parse_inputs("hardness")[0]
 
     def _build_contact_law_entry(self) -> Any:
-        """Return the contact law of the asperity model and its parameters, in the format of a study file."""
+        """Return the contact law of the asperity model with its parameters, as in a study file."""
         if self.contact_law != JacksonGreen.name:
             return self.contact_law
         strength, ratio = self.options.yield_strength, self.elasticity.poisson_ratio
@@ -824,7 +824,7 @@ class MeasuredPair:
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
 
     def _choose_load_steps(self, contacts: list[dict[str, Any]]) -> Floats:
-        """Return the loads (mN) at which contacts are computed. All contact models use the same loads."""
+        """Return the loads (mN) at which contacts are computed, equal for all contact models."""
         max_load = None
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
         if hardness is not None:
@@ -865,21 +865,21 @@ class MeasuredPair:
 
     @property
     def _nominal_area(self) -> float:
-        """Nominal area of each member (µm²)."""
+        """Nominal area (µm²) of each member."""
         area = self._body_attributes.nominal_area
         assert area is not None, "measured bodies have a nominal area"
         return area
 
 
 def _build_entry(estimate: UncertainInput) -> InputValue:
-    """Return the study entry of a junction growth whose central value may differ from the middle of its range."""
+    """Return junction growth for a study file, with a central value that may not be the middle of its range."""
     if estimate.is_exact:
         return parse_input_value("junction_growth", estimate.value)
     return parse_input_value("junction_growth", f"{estimate.value:.6g} ({estimate.text})")
 
 
 def _validate_study(data: dict[str, Any]) -> Study:
-    """Build a study from sections. An invalid key raises an error that names the option that sets the key.
+    """Build a study from sections. An error about a key names the option that sets it.
 
     If an option set the invalid key, the `ArgumentError` names the option.
     """
@@ -893,7 +893,7 @@ def _validate_study(data: dict[str, Any]) -> Study:
 
 
 def _find_option(key: str) -> str | None:
-    """Return the option that sets a study key such as "friction.mu0[0]", or None if no option sets it."""
+    """Return the option that sets a study key such as "friction.mu0[0]", or None."""
     key = key.partition("[")[0]
     last_part = key.rpartition(".")[2]
     return next(
@@ -903,7 +903,7 @@ def _find_option(key: str) -> str | None:
 
 
 def build_study_from_options(options: PairOptions) -> Study:
-    """Create a study of two bodies, each of which is read from a file or passed as an object.
+    """Create the study of two bodies, given as files or objects.
 
     Raises a `ValueError` if the contact of the bodies cannot be computed.
     """
@@ -913,12 +913,12 @@ def build_study_from_options(options: PairOptions) -> Study:
 
 
 def _split_at_commas(value: Any) -> Any:
-    """Split a string at commas. Values that are not strings are returned unchanged."""
+    """Split a text at commas, and return other values unchanged."""
     return split_values(value) if isinstance(value, str) and "," in value else value
 
 
 def _list_scans(side: str, given: Any) -> list[Any]:
-    """Return the scans of a body, given as a list, a directory, comma-separated file names, or a single scan."""
+    """Return the scans of a body, given as a list, a directory, file names with commas, or one scan."""
     if isinstance(given, (str, Path)) and "\0" in str(given):
         raise ArgumentError(f"{{{side}}} must be a path of printable characters, got {{got}}", got=repr(str(given)))
     if isinstance(given, (list, tuple)):
@@ -939,7 +939,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | HiddenNoise | None:
-    """Find wavelengths of a scan at which instrument noise shows in the spectrum, or may be hidden in it.
+    """Return wavelengths of a scan in which the spectrum shows instrument noise, or may hide it.
 
     Returns None if they affect the slope only slightly.
     """
@@ -951,6 +951,6 @@ def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | Hid
 
 
 def _sort_unique(values: list[Quantity]) -> list[Quantity]:
-    """Sort quantities in ascending order, and keep only the last of several equal quantities."""
+    """Sort quantities in ascending order, keeping the last of several equal ones."""
     by_value = {float(value): value for value in values}
     return [by_value[value] for value in sorted(by_value)]
