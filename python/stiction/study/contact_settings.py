@@ -1,4 +1,4 @@
-"""Classes for the section `[contact]` of a study, one for each contact model and kind of surfaces."""
+"""Section `[contact]` of a study: one class for each contact model and kind of surfaces."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class HertzCylinderSettings(SettingsSection):
     width: Length
 
     def law(self) -> HertzCylinder:
-        """Return the contact law that the section describes."""
+        """Return the contact law that this section specifies."""
         return HertzCylinder(width=float(self.width))
 
 
@@ -98,7 +98,7 @@ class JacksonGreenSettings(SettingsSection):
     poisson_ratio: Annotated[float, Field(ge=0, le=0.5)]
 
     def law(self) -> JacksonGreen:
-        """Return the contact law that the section describes."""
+        """Return the contact law that this section specifies."""
         return JacksonGreen(yield_strength=float(self.yield_strength), poisson_ratio=self.poisson_ratio)
 
 
@@ -111,7 +111,7 @@ LAW_SETTINGS_CLASSES: dict[str, type[LawTableSettings]] = {
 
 
 def _parse_law(value: object) -> LawName | LawTableSettings:
-    """Parse a contact law, given as a name or as a section with parameters."""
+    """Parse a contact law, given by its name or as a section with parameters."""
     for name in CONTACT_LAWS_BY_NAME:
         if value == name:
             return name  # type: ignore[return-value]
@@ -151,7 +151,7 @@ DERIVED_ELASTICITY_KEYS = ("effective_modulus", "compliance_share")
 
 
 def _repeat_single_value(value: Any) -> Any:
-    """Return the values of both bodies as a tuple. A single value applies to both."""
+    """Return a property of both bodies as a pair. A single number applies to both."""
     values = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     return 2 * values if len(values) == 1 else values
 
@@ -162,7 +162,7 @@ PoissonRatios = Annotated[tuple[PoissonRatioEntry, PoissonRatioEntry], _for_both
 
 
 class OnsetSettings(SettingsSection):
-    """Friction parameters used to compute the onset of sliding. Friction is assumed to act at all contacts.
+    """Section for the onset of sliding: mu0 and tau0, with friction at all contacts.
 
     The result stores the onset for these parameters only.
     """
@@ -186,7 +186,7 @@ LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `fric
 
 
 class CommonContactSettings(SettingsSectionVariant):
-    """Keys of the section `[contact]` that are common to all contact models and all kinds of surfaces."""
+    """Keys of the section `[contact]` for all contact models and all kinds of surfaces."""
 
     effective_modulus: EffectiveModulusEntry = Field(
         default=parse_input_value("effective_modulus", "10 GPa"), description="Effective modulus E* of both bodies."
@@ -194,7 +194,7 @@ class CommonContactSettings(SettingsSectionVariant):
 
     @property
     def step_quantity(self) -> Literal["approach", "load"]:
-        """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
+        """Quantity that each loading step prescribes: "approach" or "load"."""
         return "load"
 
     def loading_steps(self) -> Floats:
@@ -202,19 +202,19 @@ class CommonContactSettings(SettingsSectionVariant):
         raise NotImplementedError
 
     def sliding_rules(self) -> tuple[SlidingRule, ...]:
-        """Return all sliding rules that the section specifies."""
+        """Return the sliding rules of the section."""
         raise NotImplementedError
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
-        """Return all directions of motion, as given by the key `shear` or `direction`."""
+        """Return the directions of motion, as given by the key `shear` or `direction`."""
         raise NotImplementedError
 
     def direction_angles(self) -> Floats:
-        """Return all directions of motion, in degrees from +x towards +y."""
+        """Return the directions of motion in degrees from +x towards +y."""
         return np.array([direction_to_degrees(direction) for direction in self.directions_of_motion()])
 
     def motion_coordinates(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that form dimensions of a result."""
+        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
         return {"sliding": list(self.sliding_rules()), "direction": self.direction_angles().tolist()}
 
 
@@ -222,7 +222,7 @@ class CommonContactSettings(SettingsSectionVariant):
 
 
 class GeneratedSurfaceContactSettings(CommonContactSettings):
-    """Keys of the section `[contact]` that specify the motion of generated surfaces."""
+    """Keys of the section `[contact]` for the motion of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
     materials: ClassVar[None] = None
@@ -244,22 +244,22 @@ class GeneratedSurfaceContactSettings(CommonContactSettings):
         return self
 
     def sliding_rules(self) -> tuple[SlidingRule, ...]:
-        """Return all sliding rules that the section specifies."""
+        """Return the sliding rules of the section."""
         return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
-        """Return all directions of motion, as given by the key `shear` or `direction`."""
+        """Return the directions of motion, as given by the key `shear` or `direction`."""
         direction_value = self.shear if self.direction is None else self.direction
         return direction_value if isinstance(direction_value, tuple) else (direction_value,)
 
     def motion_coordinates(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are given as lists. Single values are omitted."""
+        """Return the sliding rules and directions (degrees) that are given as lists, and not as single values."""
         is_list = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
         return {name: values for name, values in super().motion_coordinates().items() if is_list[name]}
 
 
 class GeneratedSurfaceLoadSettings(GeneratedSurfaceContactSettings):
-    """Keys of the section `[contact]` that specify the loads on generated surfaces."""
+    """Keys of the section `[contact]` for the loads on generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -274,7 +274,7 @@ class GeneratedSurfaceLoadSettings(GeneratedSurfaceContactSettings):
 
 
 class MeasuredSurfaceContactSettings(CommonContactSettings):
-    """Keys of the section `[contact]` for measured surfaces at given loads. Results have both sliding rules."""
+    """Keys of the section `[contact]` for measured surfaces at given loads, with results for both sliding rules."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -298,7 +298,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
     @model_validator(mode="before")
     @classmethod
     def _derive_effective_modulus(cls, data: Any) -> Any:
-        """Add E* and the lower body's fraction of the compliance if Young's moduli are given."""
+        """Add E* and the lower body's fraction of the compliance, if Young's moduli are given."""
         if not isinstance(data, Mapping) or data.get("young") is None:
             return data
         for key in DERIVED_ELASTICITY_KEYS:
@@ -353,7 +353,7 @@ class MeasuredMapContactSettings(MeasuredSurfaceContactSettings):
     direction: Directions = Field(default=DEFAULT_DIRECTIONS, description=DIRECTION_DESCRIPTION)
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
-        """Return all directions of motion that the section specifies."""
+        """Return the directions of motion of the section."""
         assert self.direction is not None
         return self.direction if isinstance(self.direction, tuple) else (self.direction,)
 
@@ -442,7 +442,7 @@ class HalfSpaceSettings(CommonContactSettings):
 
     @property
     def adheres(self) -> bool:
-        """True if the work of adhesion is above 0."""
+        """True if the bodies adhere, because the work of adhesion is above 0."""
         return bool(self.work_of_adhesion)
 
     @model_validator(mode="after")
@@ -454,7 +454,7 @@ class HalfSpaceSettings(CommonContactSettings):
         return self
 
     def solver_arguments(self) -> dict[str, Any]:
-        """Return the keyword arguments of `half_space` that specify material, boundary conditions and tilt."""
+        """Return arguments of `half_space` for material, boundary conditions and tilt."""
         return {
             "effective_modulus": float(self.effective_modulus),
             "boundary": self.boundary,
@@ -467,7 +467,7 @@ class HalfSpaceSettings(CommonContactSettings):
 
 
 class AsperityModelSettings(CommonContactSettings):
-    """Keys of the section `[contact]` for the asperity model, which neglects interaction between contacts."""
+    """Keys of the section `[contact]` for the asperity model, whose contacts do not interact."""
 
     place: ClassVar[str] = "asperities"
     hardness: ClassVar[None] = None
@@ -489,11 +489,11 @@ class AsperityModelSettings(CommonContactSettings):
     curvature: CurvatureSetting = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the contact-model arguments for the direction of motion, or an empty dict if none are needed."""
+        """Return the arguments of the contact model for the direction of motion, or an empty dict."""
         return {}
 
     def contact_model(self, sliding: SlidingRule | None = None) -> ContactModel:
-        """Return the contact model with the given sliding rule. The default is the first rule in the section."""
+        """Return the contact model for a sliding rule, by default the first rule of the section."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -505,7 +505,7 @@ class AsperityModelSettings(CommonContactSettings):
 
 
 class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceContactSettings):
-    """Keys of the section `[contact]` for generated surfaces and the asperity model. The keys prescribe approaches."""
+    """Keys of the section `[contact]` for generated surfaces in the asperity model, at given approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
 
@@ -528,7 +528,7 @@ class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceCo
 
     @property
     def step_quantity(self) -> Literal["approach", "load"]:
-        """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
+        """Quantity that each loading step prescribes: "approach" or "load"."""
         return "approach"
 
     def loading_steps(self) -> Floats:
@@ -536,7 +536,7 @@ class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceCo
         return to_value_array(self.approach)
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the contact-model arguments that set the direction of motion."""
+        """Return the arguments of the contact model for the direction of motion."""
         return {"shear": self.shear, "direction": self.direction}
 
 
@@ -629,7 +629,7 @@ SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
 def select_contact_settings_class(
     surfaces: type[GeneratedSurfaceSettings | MeasuredSurfaceSettings], section: Mapping[str, Any]
 ) -> type[ContactSettings]:
-    """Return the class of the section `[contact]` that matches the kind of surfaces and the key `mechanics`."""
+    """Return the class for the section `[contact]`, given the kind of surfaces and the key `mechanics`."""
     settings_classes = CONTACT_SETTINGS_CLASSES[surfaces.bodies]
     return settings_classes[select_key_value("mechanics", section, settings_classes)]
 
@@ -637,7 +637,7 @@ def select_contact_settings_class(
 def parse_contact_settings(
     value: Mapping[str, Any], surfaces: GeneratedSurfaceSettings | MeasuredSurfaceSettings
 ) -> ContactSettings:
-    """Parse a section `[contact]` and check that it is consistent with the surfaces."""
+    """Parse a section `[contact]`, and check that it suits the surfaces."""
     settings_class = select_contact_settings_class(type(surfaces), value)
     check_keys(value, settings_class, SHARED_CONTACT_SETTINGS_CLASSES)
     contact = settings_class.model_validate(value)
@@ -672,7 +672,7 @@ def parse_contact_settings(
 
 
 def _extend_loads(given_loads: Floats, margin: float, num_loads: int) -> Floats:
-    """Add loads (mN) from a geometric series that extends below and above the given loads."""
+    """Add loads (mN) of a geometric series that extends below and above the given loads."""
     load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
     # Leave out a load of the series that nearly equals a requested load.
     is_new = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6
@@ -693,7 +693,7 @@ def _insert_intermediate_loads(given_loads: Floats) -> Floats:
 def choose_load_steps(
     loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the given loads of a measured pair, and additional loads (mN) at which the contacts are computed.
+    """Return the loads (mN) at which a measured pair is solved: the given loads, and additional ones.
 
     All loads are below `max_load` (mN). For height maps, `num_smaller` loads are below the given loads, and the ratio
     of successive loads is at most `MAX_AREAL_LOAD_RATIO`.

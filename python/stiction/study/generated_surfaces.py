@@ -1,4 +1,4 @@
-"""Classes for the section `[surfaces]` of studies with generated (fractal) profiles or height maps."""
+"""Section `[surfaces]` of a study with generated profiles or height maps."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ MAX_HARMONICS = 1_000_000
 
 
 class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
-    """Keys of `[surfaces]` that all generated surfaces share: fractal dimension and amplitude."""
+    """Keys of `[surfaces]` for all generated surfaces: fractal dimension and amplitude."""
 
     bodies: ClassVar[str] = "generated areas"  # words for the two surfaces in error messages
     is_areal: ClassVar[bool] = True
@@ -95,7 +95,7 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
         return self
 
     def max_wavelength(self) -> float:
-        """Return the longest wavelength (µm), which is the length scale of Eq. 1."""
+        """Return the longest wavelength (µm) of the surfaces, the length scale of Eq. 1."""
         return float(self.length_scale)  # type: ignore[attr-defined]
 
     def fractal_dimensions(self) -> Floats:
@@ -112,7 +112,7 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
 
 
 class GeneratedProfileSettings(CommonGeneratedSurfaceSettings):
-    """Keys of `[surfaces]` for pairs of fractal profiles that are generated with Eq. 1 of the paper."""
+    """Keys of `[surfaces]` for pairs of fractal profiles, generated with Eq. 1 of the paper."""
 
     place: ClassVar[str] = "fractal profiles"
     bodies: ClassVar[str] = "generated lines"
@@ -136,7 +136,7 @@ class GeneratedProfileSettings(CommonGeneratedSurfaceSettings):
 
     @property
     def spacing(self) -> float:
-        """Distance between neighbouring points (µm)."""
+        """Grid spacing of the profiles, µm."""
         return float(self.extent) / self.points
 
     @property
@@ -146,7 +146,7 @@ class GeneratedProfileSettings(CommonGeneratedSurfaceSettings):
 
 
 class GeneratedMapSettings(CommonGeneratedSurfaceSettings):
-    """Keys of `[surfaces]` that all generated height maps share: side lengths and shape of the grid."""
+    """Keys of `[surfaces]` for all generated height maps: side lengths and shape of the grid."""
 
     kind: Literal["surface"] = Field(default="surface", description="Kind of surfaces: lines or areas.")
     extent: MapExtents = (quantity("10 um", "length"), quantity("10 um", "length"))
@@ -159,7 +159,7 @@ class GeneratedMapSettings(CommonGeneratedSurfaceSettings):
         return self
 
     def extents(self) -> tuple[float, float]:
-        """Return the lengths (µm) of a surface along y and x."""
+        """Return the side lengths (µm) of a map along y and x."""
         along_y, along_x = self.extent
         return float(along_y), float(along_x)
 
@@ -169,13 +169,13 @@ class GeneratedMapSettings(CommonGeneratedSurfaceSettings):
         return math.prod(self.extents())
 
     def spacings(self) -> tuple[float, float]:
-        """Return the grid spacings (µm) along y and x."""
+        """Return the grid spacings (µm) of a map along y and x."""
         (along_y, along_x), (rows, columns) = self.extents(), self.shape
         return along_y / rows, along_x / columns
 
 
 class WeierstrassMandelbrotSettings(GeneratedMapSettings):
-    """Keys of `[surfaces]` for pairs of fractal height maps that are generated with Eq. 1 of the paper."""
+    """Keys of `[surfaces]` for pairs of fractal height maps, generated with Eq. 1 of the paper."""
 
     place: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
 
@@ -192,7 +192,7 @@ class WeierstrassMandelbrotSettings(GeneratedMapSettings):
 
 
 def _to_fractal_dimensions(exponents: Any) -> Any:
-    """Convert Hurst exponents H (a number, a list or a range) to fractal dimensions D = 2 - H in ascending order."""
+    """Convert Hurst exponents H to fractal dimensions D = 2 - H in ascending order."""
     try:
         if isinstance(exponents, Mapping):
             limits = {"start": round(2 - exponents["stop"], 12), "stop": round(2 - exponents["start"], 12)}
@@ -238,7 +238,7 @@ class SelfAffineSettings(GeneratedMapSettings):
     @model_validator(mode="before")
     @classmethod
     def _translate_alternative_keys(cls, keys: Any) -> Any:
-        """Replace alternative keys such as `rms` with the standard keys."""
+        """Replace alternative keys, such as `rms`, by the standard keys of the section."""
         if not isinstance(keys, Mapping) or not cls.other_keys.keys() & keys.keys():
             return keys
         section = {key: value for key, value in keys.items() if key not in cls.other_keys}
@@ -291,7 +291,7 @@ class SelfAffineSettings(GeneratedMapSettings):
         return self
 
     def max_wavelength(self) -> float:
-        """Return the longest wavelength (µm)."""
+        """Return the longest wavelength (µm) of the surfaces."""
         return max(self.extents()) if self.longest_wavelength is None else float(self.longest_wavelength)
 
 

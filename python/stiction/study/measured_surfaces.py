@@ -1,4 +1,4 @@
-"""Classes for the section `[surfaces]` of a study of measured bodies, with files, reading options and members."""
+"""Section `[surfaces]` of a study of measured bodies: files, reading options and members."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ from stiction.surfaces.surface import Surface
 
 
 class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
-    """Keys of `[surfaces]` that all studies of measured surfaces share."""
+    """Keys of `[surfaces]` for all studies of measured surfaces."""
 
     bodies: ClassVar[str] = "measured areas"  # words for the two surfaces in error messages
     is_areal: ClassVar[bool] = True
@@ -78,7 +78,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
 
     @property
     def member_names(self) -> MemberNames:
-        """Word for the members in output: positions or pairs of surrogates."""
+        """Words for the members in output: positions, or pairs of surrogates."""
         return POSITION_NAMES
 
     def cell_coordinates(self) -> dict[str, Floats]:
@@ -86,30 +86,30 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return {"cut_off": to_value_array(self.cut_off)}
 
     def reported_cut_off(self) -> float:
-        """Return the cutoff (µm) of the reported result, which is the first cutoff in the study."""
+        """Return the cutoff (µm) of the quoted result, the first of the study."""
         return float(self.cell_coordinates()["cut_off"][0])
 
     def get_scan_cut_offs(self, wavelength: float) -> ScanCutoffs:
-        """Return the cutoffs (µm, 0 for no filter) of the scans of each body, for a cutoff of the pair."""
+        """Return the cutoffs (µm, 0 for no filter) of each body's scans, given the cutoff of the pair."""
         upper, lower = (tuple(scan.limit_cut_off(wavelength) for scan in getattr(self, side).scans) for side in SIDES)
         return upper, lower
 
     def with_changed_files(self, change: Callable[[MeasuredBodySettings, str], MeasuredBodySettings]) -> Self:
-        """Return a copy of the section in which each file is replaced by `change(file, side)`."""
+        """Return a copy of the section with each file replaced by `change(file, side)`."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
     def first_scan_member_index(self) -> int:
-        """Index of the first member that consists of scans rather than surrogates."""
+        """Index of the first member that consists of scans, and not of surrogates."""
         return 0
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Number of scans of each body, as a pair (upper, lower)."""
+        """Numbers of scans of the upper and of the lower body."""
         return len(self.upper.scans), len(self.lower.scans)
 
     def scan_indices_of_members(self, members: Any) -> tuple[Any, Any]:
-        """Return, for each member, the index of its upper scan and the index of its lower scan.
+        """Return the indices of the upper scan and of the lower scan of each member.
 
         Successive members use all pairs of scans in turn.
         """
@@ -120,7 +120,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MemberSource:
-        """Low-pass filter each scan at its own cutoff (µm, 0 for no filter), and form members from the filtered scans.
+        """Return the members of two scans, each low-pass filtered at its own cutoff (µm, 0 for no filter).
 
         Raises a `ValueError` if there are no members.
         """
@@ -129,7 +129,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     def filter_scans(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair
     ) -> Iterator[Profile | Surface]:
-        """Yield both scans after low-pass filtering each scan at its own cutoff (µm, 0 for no filter)."""
+        """Yield both scans, each low-pass filtered at its own cutoff (µm, 0 for no filter)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
                 press = type(self).model_fields["press"].default
@@ -147,7 +147,7 @@ MAX_RELATIVE_POSITIONS = 100_000  # maximum number of relative positions of two 
 
 
 class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
-    """Keys of `[surfaces]` for profiles or scan lines from two files. Upper profiles slide along lower profiles."""
+    """Keys of `[surfaces]` for profiles, or lines of maps, from two files. Upper profiles slide along lower ones."""
 
     place: ClassVar[str] = "lines of measured files"
     pressed: ClassVar[str] = "Profiles"
@@ -195,7 +195,7 @@ class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> LineMemberSource:
-        """Return members that consist of profiles or scan lines, or of their surrogates, at several positions."""
+        """Return the members: pairs of profiles or lines, or their surrogates, at several positions."""
         upper, lower = self.filter_scans(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))
@@ -241,18 +241,18 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
 
     @property
     def member_names(self) -> MemberNames:
-        """Word for the members in output. A general word is used if some members are pairs of surrogates."""
+        """Words for the members in output, which may be positions and pairs of surrogates."""
         return GENERAL_MEMBER_NAMES if self.surrogates else POSITION_NAMES
 
     @property
     def first_scan_member_index(self) -> int:
-        """Index of the first member that consists of pieces of the measured maps. Earlier members are surrogates."""
+        """Index of the first member cut from the measured maps; the members before it are surrogates."""
         return self.surrogates
 
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource | GapMemberSource:
-        """Return the members: surrogates followed by pairs of map pieces, or a single measured gap."""
+        """Return the members: pairs of surrogates, then pairs of map pieces; or one measured gap."""
         upper, lower = self.filter_scans(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')
@@ -270,7 +270,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
 
 
 class SurrogateSettings(CommonMeasuredSurfaceSettings):
-    """Keys of `[surfaces]` for surrogates, which are random height maps with the spectra of two scans."""
+    """Keys of `[surfaces]` for surrogates: random height maps with the spectra of two scans."""
 
     place: ClassVar[str] = "surrogates of measured files"
     pressed: ClassVar[str] = "Random height maps with the spectra of the two scans"
@@ -285,13 +285,13 @@ class SurrogateSettings(CommonMeasuredSurfaceSettings):
 
     @property
     def member_names(self) -> MemberNames:
-        """Word for the members in output: pairs of surrogates."""
+        """Words for the members in output: pairs of surrogates."""
         return SURROGATE_PAIR_NAMES
 
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource:
-        """Return the members, which are pairs of random height maps with the spectra of two scans."""
+        """Return the members: pairs of random height maps with the spectra of two scans."""
         first, second = scans
         if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
             shortest_cutoff = float(self.cell_coordinates()["cut_off"].min())

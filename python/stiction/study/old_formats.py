@@ -1,4 +1,4 @@
-"""Conversion of studies that earlier versions wrote.
+"""Conversion of study files that earlier versions wrote.
 
 Earlier studies had the central values of uncertain inputs in `[contact]` and `[friction]`, and their ranges in a
 section `[known]`. The ranges of materials were looked up by name.
@@ -26,7 +26,7 @@ MAX_MATERIAL_ROUNDING_ERROR = 0.006
 
 
 def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]:
-    """Convert the sections of a study file to the current format. Sections in this format are returned unchanged.
+    """Convert the sections of an old study file to the current format. Current sections are returned unchanged.
 
     Raises a `StudyError` if the study contradicts itself.
     """
@@ -47,7 +47,7 @@ def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]
 
 
 class _ContradictionError(Exception):
-    """Error raised if a value in a study contradicts the range of the same input."""
+    """Error raised if the number of an input contradicts its range in the same study."""
 
 
 def _convert_contact_section(contact: dict[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
@@ -89,7 +89,7 @@ def _convert_contact_section(contact: dict[str, Any], known: Mapping[str, Any]) 
 def _replace_effective_modulus(
     contact: dict[str, Any], bodies: Mapping[str, Any], *, is_one_material: bool
 ) -> dict[str, Any]:
-    """Replace E* by Young's moduli and Poisson's ratios.
+    """Replace E* in an old study by Young's moduli and Poisson's ratios.
 
     If they give another E*, keep the given E*, and add the range that follows from the ranges of the moduli.
     """
@@ -162,7 +162,7 @@ def _find_materials(contact: Mapping[str, Any]) -> tuple[Material, ...]:
 
 
 def _parse(name: str, entry: Any) -> InputValue | None:
-    """Parse an entry of a study. Return None if it is invalid."""
+    """Parse an input of a study, or return None if it is invalid."""
     try:
         return parse_input_value(name, entry)
     except ValueError:
@@ -170,7 +170,7 @@ def _parse(name: str, entry: Any) -> InputValue | None:
 
 
 def _merge(key: str, central: Any, text: Any) -> Any:
-    """Merge the central value and the range of an input into one entry.
+    """Combine central value and range of an input in one text.
 
     Raises a `_ContradictionError` if the input is exact, but has two values.
     """

@@ -1,4 +1,4 @@
-"""Checks of the variables and attributes of stored files.
+"""Checks of the variables and attributes in stored files.
 
 A file with a correct checksum may still contain values that no computation returns, for example if another program
 changed the file. When a file is read, its variables and attributes are compared with their specifications.
@@ -34,12 +34,12 @@ _DTYPE_KINDS: dict[type, tuple[str, str]] = {
 
 
 class DamagedFileError(Exception):
-    """Error raised if a file is not a valid result. The message contains the reason."""
+    """Error raised if a file is not a valid result, with the reason."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class VariableSpec:
-    """Dimensions, type and bounds of a variable of a stored file."""
+    """Dimensions, type and bounds that a variable in a stored file must have."""
 
     dims: tuple[str, ...] = ()
     dtype: type = float
@@ -51,7 +51,7 @@ class VariableSpec:
 
 @dataclass(frozen=True, kw_only=True)
 class AttributeSpec:
-    """Type, permitted numbers of values and bounds of an attribute of a stored file."""
+    """Type, number of values and bounds that an attribute in a stored file must have."""
 
     dtype: type = float
     sizes: tuple[int, ...] = (1,)
@@ -60,7 +60,7 @@ class AttributeSpec:
     is_required: bool = True
 
     def encode(self, value: Any) -> Any:
-        """Return a value as a file stores it: text, or a one-dimensional array."""
+        """Return an attribute as a file stores it: as text, or as a one-dimensional array."""
         return str(value) if self.dtype is str else np.atleast_1d(np.asarray(value, self.dtype))
 
 
@@ -68,7 +68,7 @@ def check_values(
     name: str, values: NDArray[Any], *, dtype: type = float, bounds: tuple[float, float] = ANY_STORED_VALUE,
     may_be_nan: bool = False,
 ) -> tuple[float, bool]:  # fmt: skip
-    """Raise a `DamagedFileError` if stored values have another type than `dtype`, or exceed `bounds`.
+    """Raise a `DamagedFileError` if stored numbers have the wrong type or exceed their bounds.
 
     Returns the smallest finite value, or infinity if there is none, and whether a value is NaN.
     """
@@ -96,7 +96,7 @@ def check_values(
 
 
 def _find_extremes(values: NDArray[Any]) -> tuple[float, float]:
-    """Return the smallest and the largest value, which are both NaN if a value is NaN.
+    """Return the smallest and the largest number of an array, or NaN if one is NaN.
 
     Each chunk of the values is read once from memory, because it fits into the cache.
     """
@@ -108,7 +108,7 @@ def _find_extremes(values: NDArray[Any]) -> tuple[float, float]:
 
 
 def check_attributes(attributes: Mapping[str, Any], specs: Mapping[str, AttributeSpec]) -> None:
-    """Raise a `DamagedFileError` if an attribute is missing, or differs from its specification."""
+    """Raise a `DamagedFileError` if an attribute is missing or not as declared."""
     for name, spec in specs.items():
         if name not in attributes:
             if spec.is_required:
@@ -129,13 +129,13 @@ def check_attributes(attributes: Mapping[str, Any], specs: Mapping[str, Attribut
 
 
 def check_increase(name: str, values: NDArray[Any], axis: int = 0) -> None:
-    """Raise a `DamagedFileError` if stored values do not increase strictly along an axis."""
+    """Raise a `DamagedFileError` if stored numbers do not increase strictly along an axis."""
     if not (np.diff(values, axis=axis) > 0).all():
         raise DamagedFileError(f"has {name} with values that do not increase")
 
 
 def check_missing_values(name: str, values: NDArray[Any], is_missing: NDArray[np.bool_]) -> None:
-    """Check that a contact sum is NaN at the loads at which the solver failed, and at no other loads.
+    """Check that a contact sum is NaN exactly at the loads at which the solver failed.
 
     `is_missing` has the shape (..., loads), and `values` may have further axes before the last. Raises a
     `DamagedFileError`.

@@ -1,4 +1,4 @@
-"""Studies: validated descriptions of a computation, which are read from TOML files or built in."""
+"""Studies: validated descriptions of a computation, read from TOML files or built in."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ The first class is the default.
 
 
 def select_surface_settings_class(section: Mapping[str, Any]) -> type[SurfaceSettings]:
-    """Return the class for the section `[surfaces]`, as selected by its keys `kind`, `generator` and `press`."""
+    """Return the class for the section `[surfaces]`, given its keys `kind`, `generator` and `press`."""
     key, cases = _SURFACE_CLASSES_BY_KIND[select_key_value("kind", section, _SURFACE_CLASSES_BY_KIND)]
     return cases[select_key_value(key, section, cases)]
 
@@ -133,7 +133,7 @@ LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these 
 
 
 class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
-    """Section `[friction]` for generated surfaces: the interface strengths to plot."""
+    """Section `[friction]` for generated surfaces: mu0 and tau0 of the figures."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
@@ -145,14 +145,14 @@ class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
 
 
 class AsperityFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Section `[friction]` for generated surfaces in the asperity model: the interface strengths to plot."""
+    """Section `[friction]` for generated surfaces in the asperity model: mu0 and tau0 of the figures."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
 class HalfSpaceFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Section `[friction]` for half-spaces with generated surfaces: the interface strengths and loads to plot."""
+    """Section `[friction]` for generated surfaces in the half-space model: mu0, tau0 and loads of the figures."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -160,7 +160,7 @@ class HalfSpaceFrictionSettings(GeneratedSurfaceFrictionSettings):
 
 
 class MeasuredSurfaceFrictionSettings(SettingsSectionVariant):
-    """Section `[friction]` for measured surfaces: interface strengths, loads and dwell times."""
+    """Section `[friction]` for measured surfaces: mu0, tau0, loads and dwell times."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -188,7 +188,7 @@ STRENGTH_KEYS = ("mu0", "tau0")
 
 
 def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Add mu0 and tau0 to a section `[friction]` with an interface."""
+    """Add mu0 and tau0 of an interface to the section `[friction]`."""
     if (source := section.get("interface")) is None:
         return section
     for key in STRENGTH_KEYS:
@@ -219,14 +219,14 @@ SHARED_FRICTION_SETTINGS_CLASSES: tuple[type[SettingsSectionVariant], ...] = (
 
 
 def select_friction_settings_class(surfaces: type[SurfaceSettings], mechanics: str) -> type[FrictionSettings]:
-    """Return the class of the section `[friction]` for the given surfaces and contact model."""
+    """Return the class for the section `[friction]`, given surfaces and contact model."""
     if issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
         return MeasuredSurfaceFrictionSettings
     return HalfSpaceFrictionSettings if mechanics == "half-space" else AsperityFrictionSettings
 
 
 class EnsembleSettings(SettingsSection):
-    """Number of members in the ensemble, and seed for the random numbers."""
+    """Section for the ensemble: number of members, and seed of the random numbers."""
 
     repetitions: int = Field(
         default=100, ge=1, le=100_000_000,
@@ -250,7 +250,7 @@ def _require_distinct_figures(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 class FigureSettings(SettingsSection):
-    """Figures to draw for a result of generated surfaces."""
+    """Section for the figures of a result of generated surfaces."""
 
     draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_require_distinct_figures)] = Field(
         default=("friction", "area"), description="Figures that `run` and `plot` draw."
@@ -295,18 +295,18 @@ def _add_bracketing_loads(
 
 
 def _compute_nominal_area(surfaces: Mapping[str, Any]) -> float:
-    """Return the nominal area (µm²) of generated surfaces from the section that describes them."""
+    """Return the nominal area (µm²) of generated surfaces from the section `[surfaces]`."""
     section: Any = select_surface_settings_class(surfaces).model_validate(surfaces)
     return float(section.nominal_area)
 
 
 def _build_empty_section() -> Any:
-    """Return an empty section. Validation replaces it with an instance of the class that matches the surfaces."""
+    """Return an empty section, which validation replaces by the class that suits the surfaces."""
     return {}
 
 
 class Study(SettingsSection):
-    """Complete description of a computation, including surface pairs, contact model and parameters.
+    """Complete description of a computation: pairs of surfaces, contact model and parameters.
 
     Missing sections and keys have the values of Fig. 6 of the paper. In files, a quantity is text with a unit, as in
     "10 GPa". In Python, a quantity may also be a number in core units (µm, GPa, mN). Some keys exist only for a single
@@ -329,7 +329,7 @@ class Study(SettingsSection):
     @model_validator(mode="before")
     @classmethod
     def _add_loads_for_interpolation(cls, data: Any) -> Any:
-        """Add loads below and above the requested loads, so that results can be interpolated at all requested loads.
+        """Add loads below and above the requested loads, so that results at all requested loads can be interpolated.
 
         The requested loads are `friction.load`. For generated surfaces with the half-space, a list `contact.load` is
         used if `friction.load` is missing.
@@ -360,7 +360,7 @@ class Study(SettingsSection):
     @field_validator("surfaces", mode="before")
     @classmethod
     def _validate_surfaces_section(cls, value: object) -> SurfaceSettings:
-        """Validate the section `[surfaces]` with the class that its keys select."""
+        """Validate the section `[surfaces]` with the class that its keys determine."""
         if isinstance(value, SURFACE_SETTINGS_CLASSES):
             return value
         if not isinstance(value, Mapping):
@@ -372,7 +372,7 @@ class Study(SettingsSection):
     @field_validator("contact", "friction", mode="before")
     @classmethod
     def _validate_dependent_section(cls, value: object, info: ValidationInfo) -> Any:
-        """Validate a section with the class that matches the surfaces. Invalid surfaces give an empty section."""
+        """Validate a section with the class that suits the surfaces. With invalid surfaces, return an empty section."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
             surfaces, value = GeneratedProfileSettings(), {}
@@ -424,19 +424,19 @@ class Study(SettingsSection):
         return self
 
     def _require_exact_inputs(self) -> None:
-        """Raise an error if an input of generated surfaces is uncertain, because their intervals ignore it."""
+        """Raise an error if an input of generated surfaces is uncertain, because their intervals neglect it."""
         for key, value in self.contact:
             if isinstance(value, InputValue) and not value.is_exact:
                 raise ValueError(f"contact.{key}: must be exact for generated surfaces, got {short_repr(value.text)}")
 
     @property
     def is_measured(self) -> bool:
-        """True if the surfaces are measured rather than generated."""
+        """True for measured surfaces, False for generated surfaces."""
         return self.surfaces.kind == "measured"
 
     @property
     def is_gap(self) -> bool:
-        """True if the study contains a measured map of the gap between two surfaces."""
+        """True if the study presses a measured map of the gap between two surfaces."""
         return bool(getattr(self.surfaces, "gap", None))
 
     @property
@@ -446,12 +446,12 @@ class Study(SettingsSection):
 
     @property
     def uses_half_space(self) -> bool:
-        """True if the contact model is the elastic half-space, and False if it consists of isolated asperities."""
+        """True for the half-space model, False for the asperity model."""
         return self.contact.mechanics == "half-space"
 
     @property
     def has_nominal_area(self) -> bool:
-        """True if the nominal area is meaningful for the contact model.
+        """True if the contact model has a nominal area.
 
         For spheres on a strip of arbitrary thickness, it is not.
         """
@@ -459,16 +459,16 @@ class Study(SettingsSection):
 
     @property
     def member_names(self) -> MemberNames:
-        """Word for the members in output: repetitions, positions or pairs of surrogates."""
+        """Words for the members in output: repetitions, positions or pairs of surrogates."""
         return self.surfaces.member_names
 
     @property
     def step_quantity(self) -> Literal["approach", "load"]:
-        """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
+        """Quantity that each loading step prescribes: "approach" or "load"."""
         return self.contact.step_quantity
 
     def contact_sum_names(self) -> tuple[str, ...]:
-        """Return the names of the contact sums that are stored for each member and loading step."""
+        """Return the names of the contact sums that a result stores for each member and step."""
         if self.uses_half_space:
             adhesion_names = ADHESION_QUANTITIES if self.contact.adheres else ()
             yielding_names = YIELDING_QUANTITIES if self.contact.yield_exponent is not None else ()
@@ -482,7 +482,7 @@ class Study(SettingsSection):
         return self.contact.motion_coordinates()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
-        """Return a copy of the study with absolute paths and with checksums of all files.
+        """Return a copy of the study with absolute paths and checksums of all files.
 
         Bodies in memory are written to the directory, if a directory is given. Raises a `ValueError` if a file cannot
         be read.
@@ -501,7 +501,7 @@ class Study(SettingsSection):
 
     @classmethod
     def named(cls, name: str) -> Study:
-        """Return the built-in study with the given name. The function `study_names` lists all names.
+        """Return the built-in study with a given name, one of `study_names`.
 
         Raises
         ------
@@ -539,7 +539,7 @@ class Study(SettingsSection):
         return study.model_copy(update={"surfaces": surfaces})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
-        """Return a copy of the study in which the values of some keys are replaced.
+        """Return a copy of the study with other values of some keys.
 
         Parameters
         ----------
@@ -566,11 +566,11 @@ class Study(SettingsSection):
         return validate_section(Study, data, "changes")
 
     def to_toml(self) -> str:
-        """Return the study as TOML text with all keys. `Study.from_toml` creates an equal study from this text."""
+        """Return the study as TOML text with all keys, from which `Study.from_toml` creates an equal study."""
         return format_toml_sections(self._to_sections())
 
     def _convert_base_sections(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the sections before any changes, converted to the classes that the changes require."""
+        """Return the sections before changes, converted to the classes that the changes require."""
         sections = self._to_sections()
         selectors = {
             key: changes.get(f"{section}.{key}", sections[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
@@ -589,7 +589,7 @@ class Study(SettingsSection):
         return sections
 
     def _remove_replaced_entries(self, sections: Mapping[str, dict[str, Any]], changes: Mapping[str, Any]) -> None:
-        """Remove entries that changes of other entries replace.
+        """Remove keys that a change of another key replaces.
 
         E* replaces Young's moduli, but not the compliance share, and Young's moduli replace both. An interface replaces
         mu0 and tau0; a change of one of them replaces the interface, but not the other value.
@@ -612,7 +612,7 @@ class Study(SettingsSection):
     def _remove_dependent_loads(
         self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
     ) -> None:
-        """For generated surfaces, remove loads that would contradict changed loads.
+        """Remove loads of generated surfaces that would contradict changed loads.
 
         `friction.load` is removed if `contact.load` changes, or if the changed study has no `friction.load`. Otherwise,
         `contact.load` is removed if it has two loads more than `friction.load`, because the validation added these two
@@ -629,7 +629,7 @@ class Study(SettingsSection):
 
 
 def _convert_section(section: SettingsSection, case: type[SettingsSection]) -> dict[str, Any]:
-    """Convert a section to another class. Values that differ from the defaults of the original class are kept."""
+    """Convert a section to another class, with all keys that differ from the old defaults."""
     section_class = type(section)
     changed_keys = {key for key, value in section if value != section_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed_keys or not field.is_required()]
@@ -638,7 +638,7 @@ def _convert_section(section: SettingsSection, case: type[SettingsSection]) -> d
 
 
 def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
-    """Return the entries of a section that are not None, in the order used in study files."""
+    """Return the keys of a section that are not None, in the order of study files."""
     data = section.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(section, MeasuredMapContactSettings):
@@ -670,12 +670,12 @@ def study_names() -> list[str]:
 
 
 def read_study_description(name: str) -> str:
-    """Return the one-sentence description of a built-in study."""
+    """Return a built-in study's description, which is one sentence."""
     return (_STUDY_LIBRARY_DIRECTORY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 
 def parse_study_of_dataset(dataset: xarray.Dataset) -> Study:
-    """Return the study stored in the dataset of a result.
+    """Return the study that the dataset of a result stores.
 
     Raises a `StudyError` if the dataset has no attribute 'study'.
     """
@@ -686,14 +686,14 @@ def parse_study_of_dataset(dataset: xarray.Dataset) -> Study:
 
 
 def find_step_dimension(dataset: xarray.Dataset) -> str:
-    """Return the dimension of the loading steps: "load" if loads are prescribed, and "approach" otherwise."""
+    """Return the dimension of the loading steps: "load" if the study prescribes loads, or else "approach"."""
     return "load" if "load" in dataset.dims else "approach"
 
 
 def find_section_differences(
     first: SettingsSection, second: SettingsSection, prefix: str = ""
 ) -> list[StudyDifference]:
-    """List the differences between two sections, in the order of keys in study files."""
+    """List the keys in which two sections differ, in the order of study files."""
     serialized, differences = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
@@ -714,7 +714,7 @@ def find_section_differences(
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """List the differences between two studies that affect their members.
+    """List the keys in which two studies differ, if the difference affects the members.
 
     Members depend on the central values of inputs, but not on their ranges. They do not depend on the section
     `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. If bodies
@@ -738,7 +738,7 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
 
 
 def _have_equal_central_values(first: Study, second: Study, key: str) -> bool:
-    """Return whether a key such as "contact.hardness" is an input whose central values are equal in both studies."""
+    """Return whether a key is an input whose central value is equal in two studies."""
     section, _, name = key.partition(".")
     values = [getattr(getattr(study, section), name, None) for study in (first, second)]
     inputs = [value if isinstance(value, tuple) else (value,) for value in values]
@@ -747,7 +747,7 @@ def _have_equal_central_values(first: Study, second: Study, key: str) -> bool:
 
 
 def format_study_differences(differences: list[StudyDifference]) -> str:
-    """Format the first few differences between two studies as lines for a message."""
+    """Return lines for a message about the first few differences between two studies."""
     lines = [
         f"{key} = {short_repr(stored)} there, {short_repr(other)} here"
         for key, stored, other in differences[:MAX_LISTED_DIFFERENCES]
