@@ -1,4 +1,4 @@
-"""Files of measured bodies: keys of a study, reading, preparation and checksums."""
+"""Measured bodies of a study: keys of the study file, reading, preparation and checksums."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _parse_column(value: object) -> ColumnNameOrIndex:
 
 
 def _parse_missing_values(value: object) -> tuple[float | str, ...] | None:
-    """Parse the numbers and words that mark missing points in a file."""
+    """Parse the numbers and words that mark missing points in a scan file."""
     if value is None:
         return None
     entries: Any = value.split(",") if isinstance(value, str) else value
@@ -90,7 +90,7 @@ def _parse_missing_values(value: object) -> tuple[float | str, ...] | None:
 
 
 def _parse_caveats(value: object) -> tuple[str, ...] | None:
-    """Parse a list of caveat names."""
+    """Parse a list of the names of accepted caveats."""
     if value is None:
         return None
     names = [entry.strip() for entry in value.split(",")] if isinstance(value, str) else value
@@ -109,7 +109,7 @@ def _parse_crop(value: object) -> tuple[Quantity, ...] | None:
 
 
 def _build_one_or_list_validator(read: Callable[[object], Any], max_count: int = 2) -> PlainValidator:
-    """Return a validator that accepts None, a single value, or a list of 2 to `max_count` values."""
+    """Return a validator that accepts None, one value, or a list of 2 to `max_count` values."""
 
     def parse_one_or_list(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -129,7 +129,7 @@ MAX_TIP_CORRECTION = 10.0
 
 
 class BodyInMemory:
-    """Wrapper for a measured body that is in memory rather than in a file.
+    """Wrapper of a measured body in memory, which has no file.
 
     The class is not a dataclass, so that copies of a study share the body.
     """
@@ -139,12 +139,12 @@ class BodyInMemory:
 
 
 class MeasuredBodySettings(SettingsSection):
-    """Entry for a measured profile, surface or joined spectrum. The data are in a file or in memory."""
+    """Measured profile, surface or joined spectrum in a study: a file with reading options, or a body in memory."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
     def __eq__(self, value: object) -> bool:
-        """Compare all fields. A body in memory is compared by its checksum and its history."""
+        """Compare all fields, and bodies in memory by their checksum and history."""
         return isinstance(value, MeasuredBodySettings) and self._comparison_key() == value._comparison_key()
 
     def __hash__(self) -> int:
@@ -229,12 +229,12 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def scans(self) -> tuple[MeasuredBodySettings, ...]:
-        """All scans of the body: the scan in the file of the entry, followed by scans of other places."""
+        """Scans of the body: the scan in this file, followed by scans of other places."""
         return self, *(self.others or ())
 
     @property
     def name(self) -> str:
-        """File name without its directory, followed by the number of further scans, if any."""
+        """Name of the first scan file without its directory, and the number of further scans."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
     def _apply_to_scans(self, change: Callable[[MeasuredBodySettings], MeasuredBodySettings]) -> MeasuredBodySettings:
@@ -242,7 +242,7 @@ class MeasuredBodySettings(SettingsSection):
 
     @classmethod
     def from_body(cls, body: Any, name: str) -> MeasuredBodySettings:
-        """Create an entry for a body in memory. Objects from other libraries are also accepted.
+        """Describe a body in memory, also of another library, for a study.
 
         Raises an `ArgumentError` if the body is invalid.
         """
@@ -288,14 +288,14 @@ class MeasuredBodySettings(SettingsSection):
         ).with_checksums()
 
     def read(self) -> MeasuredBody:
-        """Read the profile, surface or spectrum of the body. Lengths are in µm.
+        """Read the profile, surface or spectrum of the body from its file.
 
         Raises a `ValueError` if the checksum of the file differs.
         """
         return _scale_heights(self.height_factor, self._read_unscaled())  # type: ignore[no-any-return]
 
     def _read_unscaled(self) -> MeasuredBody:
-        """Read the body without multiplying its heights by the height factor."""
+        """Read the body from its file without applying the height factor."""
         if self.body is not None:
             return _correct_for_tip(self, self.body.body)
         checksum = self.checksum()
@@ -314,7 +314,7 @@ class MeasuredBodySettings(SettingsSection):
         )
 
     def with_height_factor(self, factor: float) -> MeasuredBodySettings:
-        """Return a copy of the entry in which the heights of all scans are multiplied by a factor.
+        """Return a copy that multiplies the heights of all scans by a factor.
 
         Raises a `ValueError` if the product with the existing factor of a scan is out of range.
         """
@@ -326,11 +326,11 @@ class MeasuredBodySettings(SettingsSection):
         return self._apply_to_scans(lambda scan: scan.model_copy(update={"height_factor": factor * scan.height_factor}))
 
     def without_directories(self) -> MeasuredBodySettings:
-        """Return a copy of the entry in which all scans have only the names of their files."""
+        """Return a copy in which scan files have no directories."""
         return self._apply_to_scans(lambda scan: scan.model_copy(update={"file": Path(scan.file).name}))
 
     def with_masked_outliers(self, *, interpolate: bool) -> MeasuredBodySettings:
-        """Return a copy of the entry in which the outliers of all scans become missing points.
+        """Return a copy that treats the outliers of all scans as missing points.
 
         If `interpolate` is true, the heights of these points are interpolated unless missing points are masked already.
         """
@@ -342,22 +342,22 @@ class MeasuredBodySettings(SettingsSection):
         return self._apply_to_scans(mask_outliers)
 
     def with_tip_correction(self, factor: float) -> MeasuredBodySettings:
-        """Return a copy of the entry in which all scans with a tip radius have the given tip correction."""
+        """Return a copy that applies a tip correction to all scans with a tip radius."""
         return self._apply_to_scans(
             lambda scan: scan if scan.tip is None else scan.model_copy(update={"tip_correction": factor})
         )
 
     @property
     def bodies(self) -> list[Profile | Surface]:
-        """Scans of the body that are profiles or surfaces. Spectra are omitted."""
+        """Profiles and surfaces of the body, without spectra."""
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def limit_cut_off(self, wavelength: float) -> float:
-        """Return the cutoff wavelength (µm) of the pair, limited to the largest cutoff allowed for the scan."""
+        """Return the cutoff (µm) of a pair, limited to the largest cutoff of this scan."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated_fraction_and_gap(self) -> Floats:
-        """Return the fraction of points that were interpolated, and the size of the largest data gap.
+        """Return the fraction of interpolated points, and the size of the largest gap of missing points.
 
         The size is an area (µm²) for height maps, and a length (µm) for profiles.
         """
@@ -370,14 +370,14 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def reading(self) -> FileReading[Any] | None:
-        """Interpretation of the file, such as columns and units, or None for a spectrum or a body in memory."""
+        """Interpretation of the scan file, such as columns and units, or None without a file."""
         if self.body is not None or is_spectrum_file(Path(self.file)):
             return None
         return _load_reading(self._identify_content(self.checksum()))
 
     @property
     def caveats(self) -> tuple[FileCaveat, ...]:
-        """Caveats about the reading of the file, or about the heights of a body in memory."""
+        """Caveats about the scan file, or about the heights of a body in memory."""
         if (reading := self.reading) is not None:
             return tuple(reading.caveats)
         body = None if self.body is None else self.body.body
@@ -386,7 +386,7 @@ class MeasuredBodySettings(SettingsSection):
         return find_caveats(ScannedHeights(body.heights_with_nan, body.spacings, from_file=False, from_text=False))
 
     def checksum(self) -> str:
-        """Compute the SHA-256 checksum of the file contents.
+        """Compute the SHA-256 checksum of the scan file.
 
         Raises a `ValueError` if the file cannot be read.
         """
@@ -401,7 +401,7 @@ class MeasuredBodySettings(SettingsSection):
             raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
 
     def file_stamp(self) -> tuple[int, int] | None:
-        """Return the modification time (ns) and the size of the file, or None if the file does not exist."""
+        """Return modification time (ns) and size of the scan file, or None if there is no file."""
         try:
             file_status = None if self.body else Path(self.file).stat()
         except OSError:
@@ -409,7 +409,7 @@ class MeasuredBodySettings(SettingsSection):
         return file_status and (file_status.st_mtime_ns, file_status.st_size)
 
     def with_absolute_paths(self, directory: Path) -> MeasuredBodySettings:
-        """Return a copy of the entry with absolute paths. Relative paths are resolved against `directory`."""
+        """Return a copy with absolute file paths, resolved against `directory`."""
         return self._apply_to_scans(
             lambda scan: (
                 scan if scan.body else scan.model_copy(update={"file": str((directory / scan.file).absolute())})
@@ -417,14 +417,14 @@ class MeasuredBodySettings(SettingsSection):
         )
 
     def with_checksums(self) -> MeasuredBodySettings:
-        """Return a copy of the entry with all checksums, computing those that are missing."""
+        """Return a copy with the checksums of all scans, computing missing ones."""
         return self._apply_to_scans(
             lambda scan: scan if scan.sha256 is not None else scan.model_copy(update={"sha256": scan.checksum()})
         )
 
 
 def _scale_heights(factor: float, body: Any) -> Any:
-    """Return a body whose heights are multiplied by a factor."""
+    """Return a body with all heights multiplied by a factor."""
     if factor == 1:
         return body
     if isinstance(body, JoinedSpectrum):
@@ -433,7 +433,7 @@ def _scale_heights(factor: float, body: Any) -> Any:
 
 
 def _compute_checksum(body: MeasuredBody) -> str:
-    """Compute the SHA-256 checksum of the numbers of a body in memory.
+    """Compute the SHA-256 checksum of the heights of a body in memory.
 
     The history is not included, because it only describes the body, and later versions may describe it in other words.
     """
@@ -447,7 +447,7 @@ def _compute_checksum(body: MeasuredBody) -> str:
 
 @dataclass(frozen=True)
 class _ScanFile:
-    """Scan file, identified by its name without the directory, its checksum and the options for reading it."""
+    """Scan file, identified by its name, its checksum and the options for reading it."""
 
     settings: MeasuredBodySettings
     path: Path = field(compare=False)
@@ -455,7 +455,7 @@ class _ScanFile:
 
 @functools.lru_cache(maxsize=16)
 def _read_body(file: _ScanFile) -> MeasuredBody:
-    """Read the body from a file.
+    """Read the body from a scan file.
 
     The cache key contains the checksum and the reading options, so a file is read once for each combination.
     """
@@ -471,7 +471,7 @@ def _read_body(file: _ScanFile) -> MeasuredBody:
 
 
 def _correct_for_tip(file: MeasuredBodySettings, body: MeasuredBody) -> MeasuredBody:
-    """Subtract the multiple of the tip correction that a file entry specifies, if any, from the heights of a scan."""
+    """Sharpen a scan by the multiple of the tip correction that the study specifies."""
     if file.tip is None or file.tip_correction is None or isinstance(body, JoinedSpectrum):
         return body
     return sharpened(body, float(file.tip), file.tip_correction)

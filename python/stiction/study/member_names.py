@@ -1,4 +1,4 @@
-"""Words for the members of a study in output: repetitions, positions or pairs of surrogates."""
+"""Words for the members of a study in output, such as positions or repetitions."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 
 class MemberNames(NamedTuple):
-    """Word for the members of a study, in singular and plural."""
+    """Word for the members of a study in output, in singular and plural."""
 
     singular: str
     plural: str
 
     def with_count(self, count: float) -> str:
-        """Return a number of members as text, as in "16 positions"."""
+        """Return a number of members with its word, as in "16 positions"."""
         return f"{count:.0f} {self.singular if count == 1 else self.plural}"
 
 

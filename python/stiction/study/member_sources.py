@@ -1,4 +1,4 @@
-"""Sources of the members of measured surfaces: pairs of lines, map pieces or surrogates at relative positions."""
+"""Members of measured surfaces: pairs of lines, of map pieces or of surrogates."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from stiction.surfaces.surface import Surface
 
 @dataclass(frozen=True)
 class EnsembleMember:
-    """Two measured bodies that form a member, with their shift (µm), line index and surrogate flag."""
+    """Member of a study: two bodies, with their shift (µm), the index of the line, and whether they are surrogates."""
 
     pair: BodyPair
     x: float
@@ -40,7 +40,7 @@ class EnsembleMember:
 
 @dataclass(frozen=True)
 class SharedMemberProperties:
-    """Properties that all members of a study share.
+    """Properties that all members of a study have in common.
 
     Lengths are in µm, one per axis: (x,) for profiles, (y, x) for surfaces.
     """
@@ -78,7 +78,7 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
 
 @dataclass(frozen=True)
 class BodyAttributes:
-    """Metadata that a result stores for measured bodies. All fields are empty for generated bodies."""
+    """Attributes that a result stores for measured bodies; empty for generated bodies."""
 
     nominal_area: float | None = None  # nominal area (µm²) of one member
     # attributes of a result by name, as declared in `BODY_ATTRIBUTE_SPECS`
@@ -86,15 +86,15 @@ class BodyAttributes:
 
     @classmethod
     def from_values(cls, nominal_area: float, values: Mapping[str, Any]) -> BodyAttributes:
-        """Convert values of all body attributes, or of all but the optional ones, to the types that a result stores."""
+        """Convert attributes of measured bodies to the types that a result stores."""
         return cls(nominal_area, {name: BODY_ATTRIBUTE_SPECS[name].encode(value) for name, value in values.items()})
 
 
 class MemberSource(Protocol):
-    """Source of the members of a study. It returns the pair of bodies of each member index."""
+    """Source of a study's members, which returns a pair of bodies for each member."""
 
     def member(self, index: int) -> EnsembleMember:
-        """Return the member with the given index.
+        """Return the member of the study with a given index.
 
         Raises a `ValueError` if there are fewer members.
         """
@@ -105,7 +105,7 @@ class MemberSource(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LineMemberSource:
-    """Source of the members of a study that presses profiles or lines of height maps."""
+    """Source of the members of a study of profiles or of lines of height maps."""
 
     pairs: LinePairs
     scans: tuple[MeasuredBody, MeasuredBody]
@@ -115,7 +115,7 @@ class LineMemberSource:
     positions: tuple[float, ...] | None = None
 
     def member(self, index: int) -> EnsembleMember:
-        """Return a member, which consists of a slider and the section of the counterface below the slider."""
+        """Return a member: a slider, and the part of the counterface below the slider."""
         pairs, num_offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
         line, offset_index = divmod(index, num_offsets) if pairs.has_several_pairs else (0, index)
         max_pair_count = pairs.max_pair_count()
@@ -145,7 +145,7 @@ class LineMemberSource:
         return self._member_at(slider, counterface, offset_steps, line)
 
     def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:
-        """Return the member whose slider begins `steps` points after the beginning of the counterface."""
+        """Return the member whose slider begins `steps` points behind the start of the counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(counterface, offset, slider)
         return EnsembleMember(
@@ -161,7 +161,7 @@ class LineMemberSource:
 def _find_shared_line_properties(
     slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
-    """Return the properties shared by all members of a study of lines.
+    """Return the properties that all members of a study of lines have in common.
 
     `used_fraction` is the fraction of the upper scan that the slider covers.
     """
@@ -175,7 +175,7 @@ def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
-    """Level two maps, and cut them into pieces that form pairs.
+    """Level two maps, and return the pairs of pieces that they form.
 
     The upper map is flipped, and rotated by an angle in degrees.
     """
@@ -191,7 +191,7 @@ def build_map_pairs(
 
 @dataclass(frozen=True, eq=False)
 class MapMemberSource:
-    """Source of the members of a study that presses height maps or surrogates of scans."""
+    """Source of the members of a study of height maps or of surrogates of scans."""
 
     pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
     scans: tuple[MeasuredBody, MeasuredBody]
@@ -199,7 +199,7 @@ class MapMemberSource:
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:
-        """Return a member, which is a pair of surrogates or a pair of overlapping map pieces."""
+        """Return a member: a pair of surrogates, or of overlapping pieces of maps."""
         pairs, num_surrogates = self.pairs, self.surrogates
         if num_surrogates is None or index < num_surrogates:
             return EnsembleMember(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
@@ -229,13 +229,13 @@ class MapMemberSource:
 
 @dataclass(frozen=True, eq=False)
 class GapMemberSource:
-    """Source of the only member in a study of a measured gap: a flat face and a rough face, separated by the gap."""
+    """Source of the only member of a study of a gap: a flat face, and a rough face with the gap between them."""
 
     flat: Surface
     rough: Surface
 
     def member(self, index: int) -> EnsembleMember:
-        """Return the ensemble member that consists of the flat face and the rough face."""
+        """Return the only member, which consists of the flat and the rough face."""
         if index > 0:
             raise ValueError(f"a gap has only member 0, got member {index}")
         return EnsembleMember((self.flat, self.rough), 0.0, 0.0)

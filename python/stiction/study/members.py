@@ -1,4 +1,4 @@
-"""Members of a study, which are pairs of generated or measured bodies.
+"""Members of a study: pairs of generated or measured bodies.
 
 A member is a generated pair, two lines or two maps at a relative position, or a pair of surrogates. The study and the
 number of the member determine the member completely.
@@ -44,7 +44,7 @@ TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 
 def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
-    """Generate the random phases (rad) in Eq. 1 for one body. Rows are directions, and columns are frequencies."""
+    """Generate the random phases (rad) of Eq. 1 for one body, by direction (rows) and frequency (columns)."""
     surfaces: Any = study.surfaces
     return fractal.random_phases(
         study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
@@ -53,7 +53,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
-    """Return the arguments of Eq. 1 that a study specifies. Phases and grid are not included."""
+    """Return the arguments of Eq. 1 that a study specifies, without phases and grid."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
         "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
@@ -61,7 +61,7 @@ def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
 
 
 def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
-    """Compute unscaled profiles of a body for several fractal dimensions, and write each to a row of `heights`.
+    """Write profiles of a body for several fractal dimensions to the rows of `heights`, without amplitudes.
 
     Returns the mean, the minimum and the maximum of each profile (k, 3).
     """
@@ -73,7 +73,7 @@ def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repet
 
 
 def generate_unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
-    """Generate a profile of given fractal dimension without scaling it to an amplitude."""
+    """Generate a profile with a given fractal dimension, without scaling it to an amplitude."""
     surfaces: Any = study.surfaces
     heights = np.empty((1, surfaces.points))
     fill_profile_family(study, heights, np.array([dimension]), repetition, side)
@@ -103,7 +103,7 @@ def generate_profile_pairs(
 
 
 def generate_unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
-    """Generate a surface of given fractal dimension without scaling it to an amplitude."""
+    """Generate a surface with a given fractal dimension, without scaling it to an amplitude."""
     surfaces: Any = study.surfaces
     if isinstance(surfaces, SelfAffineSettings):
         longest_wavelength, shortest_wavelength = surfaces.longest_wavelength, surfaces.shortest_wavelength
@@ -122,7 +122,7 @@ def generate_unscaled_surface(study: Study, repetition: int, side: Side, dimensi
 
 
 def scale_surface_to_amplitude(study: Study, surface: Surface, amplitude: float) -> Surface:
-    """Scale a surface to an amplitude. The study specifies how amplitudes are measured."""
+    """Scale a surface to an amplitude, which is measured as the study specifies."""
     surfaces: Any = study.surfaces
     return surface.with_amplitude(amplitude, surfaces.amplitude_measure)
 
@@ -130,7 +130,7 @@ def scale_surface_to_amplitude(study: Study, surface: Surface, amplitude: float)
 def pair_of(
     study: Study, repetition: int, *, fractal_dimension: float, amplitude: float
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Generate a pair of surfaces of a study. The surfaces are identical to those that `run` generates.
+    """Generate a pair of surfaces of a study, the same as in a run.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def pair_of(
 
 
 def _get_grid_properties(body: Any) -> tuple[Any, ...]:
-    """Return the type, shape and spacing of a scan, for comparison with other scans.
+    """Return type, shape and spacing of a scan, which must equal those of other scans.
 
     The spacing is rounded, because positions in a file are subject to round-off.
     """
@@ -189,7 +189,7 @@ def _get_grid_properties(body: Any) -> tuple[Any, ...]:
 
 
 class PreparedBodies:
-    """Measured bodies of a study, and the source of the members formed from them.
+    """Measured bodies of a study, with the members that they form.
 
     Each file is read only once. The constructor raises a `ValueError` if a file has changed.
     """
@@ -210,7 +210,7 @@ class PreparedBodies:
         self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_member_source)
 
     def _prepare_member_source(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
-        """Low-pass filter two scans at a cutoff (µm, 0 for no filter), and build the source of the members.
+        """Low-pass filter two scans at a cutoff (µm, 0 for no filter), and return the members that they form.
 
         Raises a `ValueError` if the scans have no members.
         """
@@ -221,7 +221,7 @@ class PreparedBodies:
         return surfaces.build_member_source(scan_pair, (upper_cutoff, lower_cutoff), self._seed)
 
     def member(self, index: int, wavelength: float) -> EnsembleMember:
-        """Return the member with a given index. Its scans are filtered at a cutoff (µm, 0 for no filter)."""
+        """Return the member with a given index, from scans filtered at a cutoff (µm, 0 for no filter)."""
         surfaces = self._surfaces
         # For each pair of scans, number the members from 0.
         # For surrogates, keep the number in the study, because it is the random seed.
@@ -230,7 +230,7 @@ class PreparedBodies:
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)
 
     def attributes(self) -> BodyAttributes:
-        """Return the body attributes that a result stores: nominal area, history, grid and missing data."""
+        """Return the attributes of the bodies in a result: nominal area, history, grid and missing points."""
         properties = self.members(self._surfaces.reported_cut_off()).find_shared_properties()
         attributes: dict[str, Any] = {
             side: "\n".join(body.history)
@@ -255,7 +255,7 @@ class PreparedBodies:
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
-        """Both filtered scans from which pairs are formed. The list is empty for a gap, and for spectra."""
+        """Filtered scans that are pressed; empty for a gap and for spectra."""
         pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
         candidates = [getattr(pairs, side, None) for side in SIDES]
         bodies = [body for body in candidates if isinstance(body, Profile | Surface)]
@@ -263,7 +263,7 @@ class PreparedBodies:
 
     @cached_property
     def _lay_attributes(self) -> dict[str, Any]:
-        """Ratios of the rms slopes across and along the lay of both maps, if maps are pressed and both have a lay."""
+        """Ratios of the rms slopes across and along the lay of both pressed maps, if both have a lay."""
         maps = [body for body in self._pressed_bodies if isinstance(body, Surface)]
         if self._surfaces.press != "areas" or len(maps) < len(SIDES):
             return {}
@@ -272,7 +272,7 @@ class PreparedBodies:
 
     @cached_property
     def _drift_attributes(self) -> dict[str, Any]:
-        """Drift of the roughness along each body that has a single scan and a drift.
+        """Drift of the roughness of each body with a single scan.
 
         Each attribute contains the drift, and the fraction of the mean square slope of the gap due to the body.
         """
@@ -288,7 +288,7 @@ class PreparedBodies:
         }
 
     def _find_measured_fraction(self) -> float:
-        """Return the area fraction in which both bodies were measured, averaged over the first members."""
+        """Return the fraction of the area that was measured on both bodies, averaged over the first members."""
         if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
         fractions = []
@@ -300,7 +300,7 @@ class PreparedBodies:
 
 
 def count_grid_points(study: Study) -> int:
-    """Return the number of grid points of a member. If the scan files are missing, return a typical number."""
+    """Return the number of grid points of a member, or a typical number if scan files are missing."""
     settings: Any = study.surfaces
     if not study.is_measured:
         return math.prod(settings.shape) if study.is_areal else int(settings.points)
@@ -310,7 +310,7 @@ def count_grid_points(study: Study) -> int:
 
 
 def get_first_pair(study: Study) -> Any:
-    """Return both bodies of the first member. They belong to the first cutoff or, if generated, to the first cell.
+    """Return both bodies of the first member, at the first cutoff or in the first cell.
 
     Raises a `ValueError` if files are missing.
     """
@@ -335,12 +335,12 @@ def _load_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object)
 
 
 def check_last_member(study: Study) -> None:
-    """Raise a `ValueError` if measured bodies have fewer members than the study has repetitions."""
+    """Raise a `ValueError` if the measured bodies form fewer members than the study has repetitions."""
     if study.is_measured:
         cutoff = float(study.surfaces.cell_coordinates()["cut_off"][0])
         load_bodies(study).member(study.ensemble.repetitions - 1, cutoff)
 
 
 def find_body_attributes(study: Study) -> BodyAttributes:
-    """Return the attributes of the bodies in a study. Generated bodies have none."""
+    """Return the attributes of a study's bodies in a result. Generated bodies have none."""
     return load_bodies(study).attributes() if study.is_measured else BodyAttributes()
