@@ -1,4 +1,4 @@
-"""Elasticity of a pair of bodies, computed from given moduli or from material names."""
+"""Elastic constants of a pair, computed from moduli or from names of materials."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ NUM_ELASTIC_CONSTANT_DIGITS = 6
 
 @dataclass(frozen=True)
 class PairElasticity:
-    """Elasticity of a pair of bodies, including the properties of the softer body."""
+    """Elastic constants of a pair, with the hardness of the softer body."""
 
     effective_modulus: float  # effective modulus E* (GPa)
     # fraction of the elastic compliance that is due to the lower body; 0.5 if only E* is given
@@ -46,7 +46,7 @@ def determine_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> PairElasticity:  # fmt: skip
-    """Determine the elasticity of a pair from E*, from Young's moduli and Poisson's ratios, or from material names.
+    """Return the elastic constants of a pair, given E*, Young's moduli and Poisson's ratios, or materials.
 
     Raises a `ValueError` if none or several of these alternatives are given, or if a value is invalid.
     """
@@ -134,7 +134,7 @@ def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio:
 
 
 def _combine_materials(upper: str, lower: str) -> PairElasticity:
-    """Return the elasticity of two materials, and the hardness of the softer material if it can yield."""
+    """Return the elastic constants of two materials, with the hardness of the softer one if it can yield."""
     upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
     softer_material = softest_material(upper_body, lower_body) or min(
@@ -158,7 +158,7 @@ def _combine_materials(upper: str, lower: str) -> PairElasticity:
 
 
 def _format_alias_note(name_pairs: Iterable[tuple[str, str]]) -> str:
-    """Return a note that lists the standard names of materials that were entered under alternative names."""
+    """Return a note on materials that were given under alternative names."""
     aliases = [
         f'"{alternative}"{{}} as {name}'
         for alternative, name in name_pairs
@@ -189,7 +189,7 @@ def _load_material(argument: str, name: str) -> Any:
 
 
 def derive_elasticity(young: Sequence[float], poisson: Sequence[float], *, is_named: bool) -> PairElasticity:
-    """Return the elasticity for Young's moduli (GPa) and Poisson's ratios of the upper and the lower body.
+    """Return the elastic constants of a pair from Young's moduli (GPa) and Poisson's ratios of both bodies.
 
     E* of materials given by their names is rounded to three digits.
     """
@@ -204,7 +204,7 @@ def derive_elasticity(young: Sequence[float], poisson: Sequence[float], *, is_na
 
 
 def format_material_value(value: MaterialValue, unit: str = "", *, digits: int = NUM_MATERIAL_DIGITS) -> str:
-    """Return a property of a material as an entry of a study, with its range, as in "0.625 GPa (0.23..1.7 GPa)"."""
+    """Return a property of a material as text for a study file, with its range, as in "0.625 GPa (0.23..1.7 GPa)"."""
     unit = f" {unit}" if unit else ""
     if value.low == value.high:
         return f"{value.low:g}{unit}"
@@ -212,5 +212,5 @@ def format_material_value(value: MaterialValue, unit: str = "", *, digits: int =
 
 
 def _round_to_three_digits(value: float) -> float:
-    """Round a number to three significant digits, which is the accuracy of material data."""
+    """Round a number to three significant digits, the accuracy of material data."""
     return float(f"{value:.3g}")

@@ -1,4 +1,4 @@
-"""Distributions of uncertain inputs: numbers, ranges, and values with a standard uncertainty.
+"""Distributions of uncertain inputs: exact numbers, ranges, and numbers with a standard uncertainty.
 
 Distributions are propagated by sampling (JCGM 101, 2008). The range of a hardness, a modulus or a strength represents a
 log-normal distribution with 95 % of its probability within the range. The range of a coefficient, or a value with a
@@ -96,16 +96,16 @@ class UncertainInput:
 
     @property
     def is_exact(self) -> bool:
-        """True if the input is a number without uncertainty."""
+        """True if the input is an exact number."""
         return self.distribution == "exact"
 
     @property
     def short_text(self) -> str:
-        """Input as short text: a number with up to six digits, or a range as the user wrote it."""
+        """Short text of an input: a number with up to six digits, or a range as the user wrote it."""
         return f"{self.value:g}" if self.is_exact else self.text
 
     def describes_same_hardness(self, text: str) -> bool:
-        """Return whether a string describes the same hardness distribution, possibly in another unit."""
+        """Return whether a text describes the same hardness with the same uncertainty, possibly in another unit."""
         try:
             other_input = self if text == self.text else parse_uncertain_input("", text, "hardness")
         except ValueError:
@@ -115,7 +115,7 @@ class UncertainInput:
         )
 
     def quantile(self, probability: ArrayLike) -> Floats:
-        """Return the quantiles of the distribution at the given probabilities."""
+        """Return the quantiles of the input at given probabilities."""
         values = np.asarray(probability, dtype=np.float64)
         return np.minimum(self._compute_quantile(values), self.maximum)
 
@@ -139,7 +139,7 @@ class UncertainInput:
 
 
 def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
-    """Parse a number in core units, or a string such as "0.2±0.02", "20..80 MPa", "150 HV" or "150 ± 10 % HV".
+    """Parse an uncertain input: a number in core units, or a text such as "20..80 MPa" or "150 ± 10 % HV".
 
     Raises
     ------
@@ -166,7 +166,7 @@ def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> Uncer
 
 
 def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput:
-    """Parse a distribution from a string whose words are separated by single spaces."""
+    """Parse the distribution of an uncertain input from words separated by single spaces."""
     is_rockwell = "HRC" in text and kind == "hardness"
     if match := _RANGE_PATTERN.fullmatch(text):
         is_uniform, first, last = match.groups()
@@ -217,18 +217,18 @@ def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput
 
 
 def _convert_rockwell_hardness(low: float, high: float, text: str) -> UncertainInput:
-    """Return the distribution of a hardness given in HRC, widened to include the conversion error."""
+    """Return the distribution of a hardness in HRC, which the error of its conversion widens."""
     half_width = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
     value = math.sqrt(low * high)
     return UncertainInput(value, value * math.exp(-half_width), value * math.exp(half_width), "log-normal", text)
 
 
 class _NumberOutsideRangeError(ValueError):
-    """Error raised if a number is not finite, negative or larger than `MAX_INPUT_NUMBER`."""
+    """Error raised if an input is not finite, negative or larger than `MAX_INPUT_NUMBER`."""
 
 
 def _parse_number(name: str, text: str) -> float:
-    """Parse a number from 0 to `MAX_INPUT_NUMBER`."""
+    """Parse an input from 0 to `MAX_INPUT_NUMBER`."""
     try:
         value = float(text)
     except ValueError:
@@ -240,7 +240,7 @@ def _parse_number(name: str, text: str) -> float:
 
 
 def _parse_value(name: str, source: Any, kind: str) -> float:
-    """Parse a nonnegative number, or a quantity with a unit if `kind` is given."""
+    """Parse a nonnegative input, with a unit if `kind` is given."""
     if isinstance(source, str) and not kind:
         return _parse_number(name, source)
     unit_match = _TRAILING_UNIT_PATTERN.search(source) if kind == "hardness" and isinstance(source, str) else None
@@ -271,7 +271,7 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Add a missing unit to one of two strings by copying the unit of the other string."""
+    """Add a missing unit to one of two texts by copying the unit of the other."""
     units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if units[0] is None and units[1] is not None:
         return f"{first_text} {units[1][0]}", last_text
@@ -291,7 +291,7 @@ SOBOL_GENERATORS: tuple[tuple[int, tuple[int, ...]], ...] = (
 
 
 def _compute_direction_bits(polynomial: int, initial_numbers: Sequence[int]) -> NDArray[np.uint32]:
-    """Return the bits of the direction numbers, most significant first, as an array of shape (bits, numbers)."""
+    """Return the bits of the direction numbers of Sobol sequences, most significant first."""
     numbers, degree = list(initial_numbers), polynomial.bit_length() - 1
     while len(numbers) < SOBOL_BITS:
         number = numbers[-degree]
@@ -306,7 +306,7 @@ def _compute_direction_bits(polynomial: int, initial_numbers: Sequence[int]) -> 
 
 @lru_cache(maxsize=32)
 def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, seed: int = 0) -> Floats:
-    """Return points of a scrambled Sobol sequence in the unit cube, as an array of shape (count, dimensions).
+    """Return `count` points of a scrambled Sobol sequence in the unit cube.
 
     `count` must be a power of two. The points are those of `scipy.stats.qmc.Sobol`. For few dimensions, they are
     computed here, because importing `scipy.stats` takes longer than evaluating a result.
@@ -339,12 +339,12 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
 
 
 def generate_stratified_points(dimensions: int) -> Floats:
-    """Return `NUM_INPUT_SAMPLES` points of a Sobol sequence, as an array of shape (NUM_INPUT_SAMPLES, dimensions)."""
+    """Return `NUM_INPUT_SAMPLES` points of a Sobol sequence in the unit cube."""
     return generate_sobol_points(dimensions, NUM_INPUT_SAMPLES, seed=2016)
 
 
 def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
-    """Draw `NUM_INPUT_SAMPLES` samples of each input."""
+    """Draw `NUM_INPUT_SAMPLES` samples of each uncertain input."""
     points = generate_stratified_points(len(inputs))
     return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
 
@@ -366,7 +366,7 @@ _INPUT_LIMITS = {
 
 
 def parse_study_input(name: str, source: Any) -> UncertainInput:
-    """Parse the study input with the given name, including its uncertainty.
+    """Parse the input of a study with a given name, with its uncertainty.
 
     The name is a key of `INPUT_KINDS`. Error messages do not include the name.
     """
@@ -387,7 +387,7 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
 
 
 def _parse_slip_line_ratio(source: str) -> UncertainInput:
-    """Parse "slip-line", optionally with the ratio of hardness to shear strength, as in "slip-line 5.14..5.69"."""
+    """Parse "slip-line" or, with a ratio of hardness to shear strength, "slip-line 5.14..5.69"."""
     text = " ".join(source.split())
     ratio = text.removeprefix(SLIP_LINE_TEXT).strip()
     if not ratio:
@@ -403,7 +403,7 @@ def _parse_slip_line_ratio(source: str) -> UncertainInput:
 
 
 class InputValue(Quantity):
-    """Central value of a study input in core units, with its text and its distribution.
+    """Central value of a study's input in core units, with its text and its distribution.
 
     Contacts are computed with the central value: the number itself, or the mean of the limits of a range, rounded to
     four digits. The mean is geometric for a log-normal distribution, and arithmetic otherwise.
@@ -412,7 +412,7 @@ class InputValue(Quantity):
     estimate: UncertainInput
 
     def __new__(cls, value: float, estimate: UncertainInput, text: str | None = None) -> InputValue:
-        """Create a value from the central value and the distribution. The text of the distribution is the default."""
+        """Create an input from its central value and its distribution, whose text is the default."""
         result: Any = super().__new__(cls, value, estimate.text if text is None else text)
         result.estimate = estimate
         return result  # type: ignore[no-any-return]
@@ -421,7 +421,7 @@ class InputValue(Quantity):
         return float(self), self.estimate, self.text
 
     def __eq__(self, other: object) -> bool:
-        """Compare the numbers and, if both values are inputs and one of them is uncertain, their distributions."""
+        """Compare central values and, if one of two inputs is uncertain, their distributions."""
         if isinstance(other, InputValue) and not (self.is_exact and other.is_exact):
             return float(self) == float(other) and self.estimate == other.estimate
         return float(self) == other
@@ -434,12 +434,12 @@ class InputValue(Quantity):
 
     @property
     def is_exact(self) -> bool:
-        """True if the input is a number without uncertainty."""
+        """True if the input is an exact number."""
         return self.estimate.is_exact
 
 
 def parse_input_value(name: str, source: Any) -> InputValue:
-    """Parse the entry of a study file for the input with the given name, which is a key of `INPUT_KINDS`.
+    """Parse the input of a study file with a given name, one of the keys of `INPUT_KINDS`.
 
     The entry is a number, a quantity with its unit, or a text with a range or an uncertainty. A central value may
     precede its range, as in "0.6 GPa (0.2..1.7 GPa)". Error messages do not include the name.
@@ -484,14 +484,14 @@ def _parse_input_value(name: str, source: Any) -> InputValue:
 
 
 def _make_exact_value(value: float) -> InputValue:
-    """Return a number or a quantity as an input without uncertainty."""
+    """Return a number or a quantity as an exact input."""
     number = float(value)
     text = value.text if isinstance(value, Quantity) else repr(number)
     return InputValue(number, UncertainInput(number, number, number, "exact", text))
 
 
 def format_input_value(value: InputValue | None) -> Any:
-    """Return an input as a study file contains it: a number if it has neither a unit nor an uncertainty, or a text."""
+    """Return an input as a study file contains it: as a number if it is exact and has no unit, or else as text."""
     if value is None:
         return None
     try:
@@ -502,7 +502,7 @@ def format_input_value(value: InputValue | None) -> Any:
 
 
 def _parse_single_value(name: str, values: Any, parse_list: Callable[[Any], Any]) -> Any:
-    """Parse mu0 or tau0 into a tuple. A single value may be uncertain; the values of a list are exact."""
+    """Parse mu0 or tau0 as a tuple: one number, which may be uncertain, or several exact numbers."""
     items = list(values) if isinstance(values, (list, tuple)) else [values]
     if any(isinstance(item, InputValue) or (isinstance(item, str) and _is_uncertain(item)) for item in items):
         if len(items) > 1:

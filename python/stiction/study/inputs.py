@@ -1,4 +1,4 @@
-"""Inputs of a study: central value, distribution, label and unit of each input, all from one entry of the study."""
+"""Inputs of a study: central value, distribution, label and unit of each."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Input:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Inputs of a study by name.
+    """Inputs of a study, by name.
 
     The names are "mu0", "tau0", "effective_modulus", "hardness", "junction_growth", "yield_exponent", "area_loss",
     "creep", "size_effect" if the depth of the indentation is given, and, if Young's moduli and Poisson's ratios are
@@ -88,7 +88,7 @@ class Inputs:
 
     @classmethod
     def from_study(cls, study: Study) -> Inputs:
-        """Return the inputs of a study. Studies with equal entries share the inputs."""
+        """Return the inputs of a study. Studies with the same inputs share the object."""
         contact, friction = study.contact, study.friction
         values = {
             "mu0": friction.mu0[0], "tau0": friction.tau0[0], "effective_modulus": contact.effective_modulus,
@@ -110,7 +110,7 @@ class Inputs:
         cls, values: Mapping[str, InputValue], bodies: tuple[tuple[InputValue, InputValue], ...] = (),
         materials: tuple[Material, ...] = (),
     ) -> Inputs:  # fmt: skip
-        """Return the inputs with the given values, which include E*, without a study.
+        """Return inputs with given central values, which include E*, without a study.
 
         `bodies` contains Young's modulus and Poisson's ratio of the upper and of the lower body, if they are given.
         """
@@ -118,11 +118,11 @@ class Inputs:
 
     @property
     def uncertain(self) -> Mapping[str, Input]:
-        """Inputs that are given as a range or with an uncertainty."""
+        """Inputs of the study that are uncertain."""
         return {name: entry for name, entry in self.entries.items() if not entry.estimate.is_exact}
 
     def estimate(self, name: str) -> UncertainInput | None:
-        """Return the central value and the distribution of an input, or None if the study does not have the input."""
+        """Return an input with its distribution, or None if the study does not have this input."""
         entry = self.entries.get(name)
         return None if entry is None else entry.estimate
 
@@ -132,22 +132,22 @@ class Inputs:
         return None if self.interface is None else self.interface.load()
 
     def friction_law(self, mu0: Any, tau0: Any) -> FrictionLaw:
-        """Return the friction law for given mu0 and tau0 (GPa), with the central junction growth or area loss."""
+        """Return the friction law for given mu0 and tau0 (GPa), with central junction growth or area loss."""
         growth, loss = (self.entries.get(name) for name in ("junction_growth", "area_loss"))
         if growth is None:
             return FrictionLaw(mu0, tau0, area_loss=0.0 if loss is None else loss.central)
         return FrictionLaw(mu0, tau0, growth.central, growth.estimate.uses_slip_lines)
 
     def central(self, name: str) -> float:
-        """Return the value that is used to compute contacts (GPa or 1)."""
+        """Return the central value of an input (GPa or 1), with which contacts are computed."""
         return self.entries[name].central
 
     def quantile(self, name: str, probability: ArrayLike) -> Floats:
-        """Return quantiles of an input at the given probabilities (GPa or 1)."""
+        """Return quantiles of an input (GPa or 1) at given probabilities."""
         return self.entries[name].estimate.quantile(probability)
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
-        """Compute E* from samples of the inputs, and divide it by the E* of the study."""
+        """Return E* for samples of the inputs, divided by the E* of the study."""
         return self._modulus.relative_modulus(samples)
 
     def replaced(self, **values: float) -> Inputs:
@@ -212,5 +212,5 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def find_interface(study: Study) -> InterfaceStrength | None:
-    """Return the interface of a study. Return None if no interface is given, or if its file is missing or changed."""
+    """Return the interface of a study, or None without an interface, or if its file is missing or changed."""
     return Inputs.from_study(study).strength

@@ -1,4 +1,4 @@
-"""Strengths of interfaces: published, or read from the file of a calibration.
+"""Strengths of interfaces: published ones, and those in files of calibrations.
 
 An interface file has header lines that begin with "# ", and below them a table with one sample per row. The columns are
 mu0, tau0, hardness, junction growth, and the true area per load of the tests (A/F).
@@ -77,7 +77,7 @@ ValueWithLimits = tuple[float, float, float]  # a number with the lower and the 
 
 @dataclass(frozen=True)
 class StrengthFit:
-    """Joint distribution of mu0 and tau0 fitted with one sliding rule, and the quality of the fit."""
+    """Joint distribution of mu0 and tau0, fitted to tests under one sliding rule, with the quality of the fit."""
 
     sliding: SlidingRule
     chi_squared: float  # chi-squared of the best fit; without given errors of the tests, it has no meaning
@@ -96,7 +96,7 @@ class StrengthFit:
 
 @dataclass(frozen=True)
 class InterfaceStrength:
-    """Strength of an interface, expressed as a joint distribution of mu0 and tau0.
+    """Strength of an interface: the joint distribution of mu0 and tau0.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ class InterfaceStrength:
 
     @classmethod
     def named(cls, name_or_path: str | Path) -> Self:
-        """Return a published strength, or read one from a file. An error lists the published names."""
+        """Return the published strength with a given name, or read a strength from a file."""
         check_instance("interface", name_or_path, (str, Path), "a name or a path")
         published_entry = _published_interfaces().get(str(name_or_path))
         if published_entry is None:
@@ -191,7 +191,7 @@ class InterfaceStrength:
         return cls((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
 
     def __repr__(self) -> str:
-        """Describe the interface by the sum mu0 + tau0 A/F, and by mu0 and tau0 if the tests can separate them."""
+        """Return one line about the interface: mu0 + tau0 A/F, or mu0 and tau0 if the tests separate them."""
         entries = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             tau0, low, high = (1e3 * value for value in self.tau0)
@@ -205,12 +205,12 @@ class InterfaceStrength:
 
     @property
     def has_unknown_range(self) -> bool:
-        """True if the source has a single mu0 and a single tau0, without their ranges."""
+        """True if the source of the strength has one mu0 and one tau0, without ranges."""
         return bool(np.ptp(self.fits[0].mu0) == np.ptp(self.fits[0].tau0) == 0)
 
     @property
     def identified(self) -> ValueWithLimits:
-        """Sum mu0 + tau0 A/F with its 95 % interval, evaluated at the A/F of the tests; NaN if it is not known."""
+        """Sum mu0 + tau0 A/F with its 95 % interval, at the A/F of the tests, or NaN if A/F is unknown."""
         area_per_load = self.fits[0].area_per_load
         if not np.isfinite(area_per_load).all():
             return self.at(self.area_per_load) if math.isfinite(self.area_per_load) else (math.nan,) * 3
@@ -218,22 +218,22 @@ class InterfaceStrength:
 
     @property
     def mu0(self) -> ValueWithLimits:
-        """Molecular friction coefficient mu0 with its interval, or NaN if the tests do not separate mu0 and tau0."""
+        """Molecular friction coefficient mu0 with its interval, or NaN if the tests do not separate it from tau0."""
         return self.strength_intervals[0] if self.separated else (math.nan,) * 3
 
     @property
     def tau0(self) -> ValueWithLimits:
-        """Adhesive shear strength tau0 (GPa) with its interval, or NaN if the tests do not separate mu0 and tau0."""
+        """Adhesive shear strength tau0 (GPa) with its interval, or NaN if the tests do not separate it from mu0."""
         return self.strength_intervals[1] if self.separated else (math.nan,) * 3
 
     @cached_property
     def strength_intervals(self) -> tuple[ValueWithLimits, ValueWithLimits]:
-        """Intervals of mu0 and tau0 (GPa), computed even if the tests do not separate mu0 and tau0."""
+        """Intervals of mu0 and tau0 (GPa), even if the tests do not separate them."""
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
     @property
     def strength_samples(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Joint samples of mu0 and tau0 (GPa), followed by `samples_at_bounds`."""
+        """Joint samples of mu0 and tau0 (GPa), and then `samples_at_bounds`."""
         return (self.fits[0].mu0, self.fits[0].tau0), *self.samples_at_bounds
 
     @cached_property
@@ -254,7 +254,7 @@ class InterfaceStrength:
         return tuple(strengths)
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
-        """Return the median and the 95 % interval of a coefficient, which is a function of mu0 and tau0 (GPa).
+        """Return the median and the 95 % interval of a coefficient that depends on mu0 and tau0 (GPa).
 
         The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
@@ -262,7 +262,7 @@ class InterfaceStrength:
         return cover_credible_intervals([coefficient(*samples) for samples in self.strength_samples])
 
     def at(self, area_per_load: float) -> ValueWithLimits:
-        """Return the sum mu0 + tau0 A/F with its 95 % interval, evaluated at a given A/F (1/GPa)."""
+        """Return the sum mu0 + tau0 A/F with its 95 % interval, at a given A/F (1/GPa)."""
         area_per_load = validate_number("area_per_load", area_per_load)
         if area_per_load < 0:
             raise ValueError(f"area_per_load must be at least 0, got {area_per_load:g}")
@@ -270,13 +270,13 @@ class InterfaceStrength:
 
     @property
     def excluded(self) -> tuple[SlidingRule, ...]:
-        """Sliding rules that the tests exclude. The tuple is empty if no sliding rule fits the tests."""
+        """Sliding rules that the tests exclude; empty if no rule fits the tests."""
         accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_P_VALUE_LIMIT]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_P_VALUE_LIMIT and accepted_rules)
 
     @cached_property
     def draws(self) -> pandas.DataFrame:
-        """Joint samples of mu0, tau0 (GPa) and hardness (GPa), with one sample per row.
+        """Joint samples of mu0, tau0 (GPa) and hardness (GPa), one per row.
 
         The hardness is NaN unless all tests share its range.
         """
@@ -287,14 +287,14 @@ class InterfaceStrength:
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α of the tests, or None if α differs between tests or does not affect them."""
+        """Junction growth α of the tests, or None if it differs between tests or does not affect them."""
         if GROWTH_HEADER_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
         return replace(parse_study_input("junction_growth", self.about[GROWTH_HEADER_ENTRY]), value=median)
 
     def has_equal_junction_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether the junction growth α of the tests has the distribution `junction_growth` (None for α = 0)."""
+        """Return whether the tests have the junction growth `junction_growth` (None for α = 0)."""
         test_growth = self.junction_growth
         if test_growth is None or growth is None:
             return test_growth is not None and test_growth.high == 0
@@ -307,7 +307,7 @@ class InterfaceStrength:
 
 
 def compute_credible_interval(values: Floats, bound: float = -math.inf) -> ValueWithLimits:
-    """Return the median of the samples, and the limits of the interval that contains 95 % of the samples.
+    """Return the median of samples, and the limits of the interval that contains 95 % of them.
 
     The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
     shortest interval is returned.
@@ -327,7 +327,7 @@ def compute_credible_interval(values: Floats, bound: float = -math.inf) -> Value
 
 
 def cover_credible_intervals(samples: Sequence[Floats]) -> ValueWithLimits:
-    """Return the median of the first samples, and an interval that covers the credible interval of each set."""
+    """Return the median of the first set of samples, and an interval that covers the credible intervals of all sets."""
     values, lows, highs = zip(*(compute_credible_interval(each, 0.0) for each in samples), strict=True)
     return values[0], min(lows), max(highs)
 
@@ -336,7 +336,7 @@ def cover_credible_intervals(samples: Sequence[Floats]) -> ValueWithLimits:
 
 
 def write_interface(interface: InterfaceStrength, path: str | Path, about: Mapping[str, str] | None = None) -> None:
-    """Write an interface as a text file with a header and one sample per row.
+    """Write the strength of an interface as a text file with a header and one sample per row.
 
     Parameters
     ----------
@@ -376,7 +376,7 @@ def write_interface(interface: InterfaceStrength, path: str | Path, about: Mappi
 
 
 def store_interface(interface: InterfaceStrength, directory: Path) -> Path:
-    """Write the interface of a study to the directory of the study, and return the path of the file.
+    """Write the interface of a study to a directory, and return the path of the file.
 
     Files of other interfaces in the directory belong to other studies and are kept.
     """
@@ -423,7 +423,7 @@ def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> Streng
 
 
 def interfaces() -> dict[str, dict[str, str]]:
-    """Return the published interfaces by name. Each entry is a dict with keys such as kind, mu0 and tau0.
+    """Return all published interfaces by name, each as a dict with keys such as kind, mu0 and tau0.
 
     Returns
     -------
@@ -450,7 +450,7 @@ def _published_interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
-    """Read one interface file, or all interface files in a directory, and return the entries by file name.
+    """Read an interface file, or all interface files in a directory, by file name.
 
     Other files in the directory are ignored.
     """
@@ -476,7 +476,7 @@ def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
 
 
 class InterfaceSettings(SettingsSection):
-    """Entry of a study for an interface, which defines mu0 and tau0 jointly.
+    """Interface in a study file, which defines mu0 and tau0 together.
 
     `mu0`, `tau0` and `sliding` apply if the file of the interface is missing or has changed.
     """
@@ -490,7 +490,7 @@ class InterfaceSettings(SettingsSection):
 
     @classmethod
     def from_source(cls, name_or_path: str) -> InterfaceSettings:
-        """Create the entry of a published interface or of a file. Raises a `ValueError` if neither exists."""
+        """Create an interface for a study file from a published name or an interface file."""
         is_published = name_or_path in _published_interfaces()
         try:
             file = name_or_path if is_published else str(Path(name_or_path).resolve())
@@ -507,7 +507,7 @@ class InterfaceSettings(SettingsSection):
         return cls.model_validate({"file": file, "mu0": mu0, "tau0": tau0, "sliding": strength.fits[0].sliding})
 
     def load(self) -> InterfaceStrength | None:
-        """Return the interface, or None if its file is missing or has changed."""
+        """Return the strength of the interface, or None if its file is missing or has changed."""
         try:
             entry = InterfaceSettings.from_source(self.file)
             if (entry.mu0, entry.tau0) != (self.mu0, self.tau0):
@@ -519,12 +519,12 @@ class InterfaceSettings(SettingsSection):
 
     @property
     def name(self) -> str:
-        """Name of the interface, or name of its file without the directory."""
+        """Name of the interface, or of its file without the directory."""
         return Path(self.file).name
 
     @property
     def fitted_rule(self) -> SlidingRule:
-        """Sliding rule under which mu0 and tau0 were fitted. Entries of earlier versions have it only in the file."""
+        """Sliding rule under which mu0 and tau0 were fitted; old study files leave it to the interface file."""
         strength = self.load()
         return self.sliding if strength is None else strength.fits[0].sliding
 
@@ -535,7 +535,7 @@ class InterfaceSettings(SettingsSection):
 
 
 def _format_strength(median: float, interval: ValueWithLimits, scale: float, unit: str) -> str:
-    """Return mu0 or tau0 (GPa) as an entry of a study, with its range."""
+    """Return mu0 or tau0 (GPa) with its range, as text for a study file."""
     low, high = (f"{scale * end:.4g}" for end in interval[1:])
     central = exact_quantity_text(median, "GPa") if unit else repr(median)
     return f"{central} ({low}..{high}{unit})" if float(low) < float(high) else central

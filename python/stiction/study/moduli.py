@@ -1,4 +1,4 @@
-"""Uncertainty of E*. The modulus is given directly, or computed from Young's moduli and Poisson's ratios."""
+"""Uncertainty of E*, which is given directly or computed from Young's moduli and Poisson's ratios."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ docs/howto/elastomers.md lists published cases.
 
 
 def find_default_area_loss(effective_modulus: float) -> str | None:
-    """Return the default range of the area loss under shear for E* (GPa), or None for bodies stiffer than rubber."""
+    """Return the default area loss under shear for E* (GPa), or None for bodies stiffer than rubber."""
     return ELASTOMER_AREA_LOSS if effective_modulus < MAX_RUBBER_MODULUS else None
 
 
 @dataclass(frozen=True)
 class UncertainModulus:
-    """Effective modulus E* and its uncertainty.
+    """Effective modulus E* with its uncertainty.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class UncertainModulus:
 
     @property
     def inputs(self) -> dict[str, UncertainInput]:
-        """Uncertain inputs by name. For one body, the name includes "upper" or "lower", as in "young_upper"."""
+        """Uncertain elastic constants by name, such as "young_upper" for one body."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         inputs = {
             f"{name}_{side}": body[name]
@@ -70,7 +70,7 @@ class UncertainModulus:
         return {name: value for name, value in inputs.items() if not value.is_exact}
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
-        """Compute E* from samples of the inputs, and divide it by the central value of E*."""
+        """Return E* for samples of the elastic constants, divided by its central value."""
         if "effective_modulus" in samples:
             return samples["effective_modulus"] / self.middle
         sides = [SIDES[0]] * 2 if self.is_one_material else SIDES
@@ -87,7 +87,7 @@ def _compute_compliance(young: Any, poisson: Any) -> Any:
 
 
 def find_material_moduli(body: Material) -> dict[str, UncertainInput]:
-    """Return Young's modulus (GPa) and Poisson's ratio of a material, each with the range given by its source."""
+    """Return Young's modulus (GPa) and Poisson's ratio of a material, with the ranges of their source."""
     poisson = replace(_build_input_from_range(body.poisson_ratio, "normal"), maximum=MAX_POISSON_RATIO)
     return {"young": _build_input_from_range(body.young_modulus, "log-normal"), "poisson": poisson}
 
@@ -101,7 +101,7 @@ def parse_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> tuple[PairElasticity, UncertainModulus]:  # fmt: skip
-    """Return the elasticity for the central argument values, and the moduli with their uncertainties.
+    """Return the elastic constants of a pair at central values, and the moduli with their uncertainty.
 
     The arguments have the meanings of `determine_elasticity`, but may be ranges or have an uncertainty. Raises a
     `ValueError` if arguments are missing, contradictory or invalid.
