@@ -1,4 +1,4 @@
-"""Layout of a result. A result is an xarray dataset with units, long names, and the study as an attribute.
+"""Layout of results as xarray datasets with units, long names, and the study as an attribute.
 
 A result contains sums over the contacts of each member, at every step, sliding rule and direction. Its dimensions are
 the cells of the study (fractal dimension and amplitude of generated bodies, cutoff of measured bodies), the members
@@ -49,7 +49,7 @@ _Value = TypeVar("_Value")
 
 @dataclass(frozen=True)
 class ArraySpec:
-    """Dimensions, shape, data type and attributes of one array in a result."""
+    """Dimensions, shape, data type and attributes of one array of a result."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -65,7 +65,7 @@ class ArraySpec:
 def coordinate_specs_and_values(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None
 ) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
-    """Return the coordinates of a result in the order of its dimensions, for all or some repetitions.
+    """Return the coordinates of a result in the order of its dimensions, for all or some members.
 
     Each entry is a pair of the description of an array and its values.
     """
@@ -96,7 +96,7 @@ def coordinate_specs_and_values(
 def variable_specs(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None, names: Collection[str] | None = None
 ) -> dict[str, ArraySpec]:
-    """Return the array specifications of the variables of a result, for all or some repetitions.
+    """Return the specifications of all variables of a result, for all or some members.
 
     `names` lists the variables, by default all. Other names are ignored.
     """
@@ -120,12 +120,12 @@ def compute_bytes_per_member(study: Study) -> int:
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return the number of members in a piece of a result, a power of two, for members of `size` bytes."""
+    """Return how many members of `size` bytes are loaded into memory together, which is a power of two."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
 def list_variable_names(study: Study) -> tuple[str, ...]:
-    """Return the variable names of a result. These are contact sums and, for measured bodies, contact statistics."""
+    """Return the names of a result's variables: contact sums and, for measured bodies, contact statistics."""
     if not study.is_measured:
         return study.contact_sum_names()
     return tuple(
@@ -134,7 +134,7 @@ def list_variable_names(study: Study) -> tuple[str, ...]:
 
 
 def _list_dims(study: Study, name: str) -> tuple[str, ...]:
-    """Return the dimensions of a stored variable.
+    """Return the dimensions of a stored variable of a result.
 
     Sliding rules and directions are dimensions only if the study has lists of them.
     """
@@ -149,7 +149,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
 
 
 def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName:
-    """Stack the arrays of several members along a new array axis, after array axes such as cutoff."""
+    """Stack the arrays of several members along a new axis, which follows axes such as the cutoff."""
     axis = len(study.surfaces.cell_coordinates())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATE_TYPES else axis)
@@ -161,7 +161,7 @@ def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
     bodies: BodyAttributes | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Build a dataset of some repetitions from the arrays of `stack_members`, after checking the array shapes.
+    """Build a dataset of some members from the arrays of `stack_members`, after checking their shapes.
 
     The dataset has the variables in `names`, by default all.
     """
@@ -207,7 +207,7 @@ _MODULUS_AND_LENGTH_POWERS_BY_UNIT = {
 def nondimensional(
     result: xarray.Dataset, *, length: float | None = None, effective_modulus: float | None = None
 ) -> xarray.Dataset:
-    """Make the quantities in a dataset dimensionless by dividing them by powers of E* and of a length L.
+    """Divide all quantities in a dataset by powers of E* and a length L, so that they have no units.
 
     Parameters
     ----------
@@ -287,7 +287,7 @@ def nondimensional(
 
 
 def share(value: _Value) -> _Value:
-    """Return a shallow copy of a cached dataset, with read-only arrays that protect the cached values.
+    """Return a shallow copy of a cached dataset, with read-only arrays.
 
     Values of other types are returned unchanged.
     """

@@ -23,7 +23,7 @@ _Value = TypeVar("_Value")
 
 
 class MemberSums:
-    """Contact sums of all members of a study, from which values are evaluated.
+    """Contact sums of all members of a study, from which friction and all other quantities are evaluated.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class MemberSums:
 
     @classmethod
     def of(cls, sums: MemberSums | xarray.Dataset | StoredResult) -> Self:
-        """Convert a dataset, directory or object with member sums to this class, or return an instance unchanged."""
+        """Convert a dataset, a directory or an object with member sums to this class."""
         import xarray
 
         if isinstance(sums, cls):
@@ -51,29 +51,29 @@ class MemberSums:
         return cls(sums)
 
     def with_study(self, study: Study) -> MemberSums:
-        """Return the same sums with another study, which may differ in the values of inputs."""
+        """Return the same sums with another study, which may have other inputs."""
         sums = MemberSums(self.source)
         sums.study = study
         return sums
 
     @property
     def stored(self) -> StoredResult | None:
-        """Result stored in a directory, or None if the result is in memory."""
+        """Stored result, or None for a result in memory."""
         return self.source if isinstance(self.source, StoredResult) else None
 
     @cached_property
     def study(self) -> Study:
-        """Study from which the result was computed."""
+        """Study with which the result was computed."""
         return self.source.study if isinstance(self.source, StoredResult) else parse_study_of_dataset(self.source)
 
     @property
     def path(self) -> Path | None:
-        """Directory of the result, or None if the result is in memory."""
+        """Directory of the result, or None for a result in memory."""
         return None if self.stored is None else self.stored.path
 
     @cached_property
     def dataset(self) -> xarray.Dataset:
-        """Dataset that contains the contact sums of all members in memory.
+        """Dataset with the contact sums of all members, in memory.
 
         Raises a `StoreError` if the sums take more than 2 GiB.
         """
@@ -109,7 +109,7 @@ class MemberSums:
         return str(self.source.attrs.get("stiction_version", "unknown"))
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the result in pieces (groups of members) with the named variables. Only one piece is held in memory.
+        """Yield the named variables for one group of members after another, so that one group is in memory at a time.
 
         The pieces depend only on the study, so that sums over the pieces are bitwise reproducible.
         """
@@ -130,7 +130,7 @@ class MemberSums:
             yield selected_dataset.isel(repetition=slice(piece_start, piece_start + piece_size))
 
     def means(self, names: Iterable[str]) -> xarray.Dataset:
-        """Average variables over the members that the solver completed at a loading step; NaN if there are none.
+        """Average variables at each loading step over the members that were solved there; NaN without such members.
 
         Only one piece of the result is held in memory at a time.
         """
@@ -157,11 +157,11 @@ class MemberSums:
 
     @cached_property
     def mean_elastic_loads(self) -> xarray.DataArray:
-        """Elastic load (mN) of each cell at each loading step, averaged over the members solved at the step."""
+        """Elastic load (mN) at each loading step, averaged over the members that were solved there."""
         return share(self.means(["normal_elastic"]))["normal_elastic"]
 
     def load_companion(self, read: Callable[[StoredResult], _Value | None]) -> _Value | None:
-        """Call `read` to load data that are stored alongside the result, and cache the data.
+        """Read data stored beside the result with `read`, and cache them.
 
         Returns None for results in memory. The arrays of datasets are read-only.
 
@@ -178,7 +178,7 @@ class MemberSums:
         return share(self._companions[read])  # type: ignore[no-any-return]
 
     def compute_once(self, compute: Callable[[Self], _Value]) -> _Value:
-        """Return `compute(self)`, and cache the value for the next call with the same function.
+        """Return `compute(self)`, which is cached for the next call with the same function.
 
         The arrays of datasets are read-only.
         """

@@ -1,4 +1,4 @@
-"""Results on disk. Each result has a directory with a study file and one file per block of members.
+"""Results on disk: a directory with a study file, and one file per block of members.
 
     DIR/study.toml                               the study; the first line contains a checksum of the other lines
     DIR/blocks/0000008-0000015-1b2c3d4e.nc       members 8 to 15; the last field is the CRC-32 of the file's bytes
@@ -99,12 +99,12 @@ MAX_WRITE_ATTEMPTS = 3
 
 
 class StoreError(ValueError):
-    """Error raised if a result cannot be read or written."""
+    """Error raised if a stored result cannot be read or written."""
 
 
 @dataclass(frozen=True)
 class BlockFile:
-    """Block of members. Its file name consists of the range of members and a checksum."""
+    """Block of members in a file, whose name has the range of members and a checksum."""
 
     first: int
     last: int
@@ -118,7 +118,7 @@ class BlockFile:
 
 @dataclass(frozen=True)
 class StoreInfo:
-    """Description of a result directory, with study, progress, size and version."""
+    """Description of a result directory: study, progress, size and version."""
 
     study: Study
     finished: int  # number of finished repetitions, of `study.ensemble.repetitions`
@@ -139,7 +139,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[BlockFile, int, int]]:
-        """List of blocks, each with the range of members to be read from the block.
+        """Blocks of the result, each with the range of members to read from it.
 
         The ranges do not overlap, even if the blocks do.
         """
@@ -153,42 +153,42 @@ class StoredResult:
 
     @property
     def num_finished(self) -> int:
-        """Number of finished members."""
+        """Number of finished members of the result."""
         return sum(last - first for _, first, last in self._block_ranges)
 
     @cached_property
     def finished_members(self) -> NDArray[np.intp]:
-        """Indices of the finished members, in ascending order."""
+        """Indices of the finished members of the result, in ascending order."""
         return np.concatenate(
             [np.empty(0, np.intp), *(np.arange(first, last) for _, first, last in self._block_ranges)]
         )
 
     @cached_property
     def version(self) -> str:
-        """Version of stiction that computed the first block, or the running version if there are no blocks."""
+        """Version of stiction that computed the first block, or the running version without blocks."""
         return self.first_block_content.version if self.blocks else __version__
 
     @cached_property
     def total_file_size(self) -> int:
-        """Total size of the block files in bytes."""
+        """Size of all block files together, in bytes."""
         return sum((self.path / BLOCKS_DIRECTORY / block.name).lstat().st_size for block in self.blocks)
 
     @property
     def nbytes(self) -> int:
-        """Size in bytes of the result when it is loaded into memory."""
+        """Size of the result in memory, in bytes."""
         return self.num_finished * compute_bytes_per_member(self.study)
 
     def reload(self) -> StoredResult:
-        """Return the result with an updated list of the blocks in its directory."""
+        """Return the result with the blocks that its directory contains now."""
         return StoredResult(self.path, self.study, _list_block_files(self.path))
 
     @cached_property
     def first_block_content(self) -> BlockFileContent:
-        """Contents of the first block, whose study may differ from the study file in the directory."""
+        """Content of the first block, whose study may differ from the study file."""
         return self._read_block(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
 
     def dataset(self) -> xarray.Dataset:
-        """Return a dataset that contains all finished members.
+        """Return a dataset of all finished members.
 
         Raises a `StoreError` if the dataset exceeds 2 GiB, or if the result has no finished members, is damaged, or
         does not match its study.
@@ -209,11 +209,11 @@ class StoredResult:
         )
 
     def first_member(self) -> xarray.Dataset:
-        """Return a dataset that contains only the first finished member. The result must have a finished member."""
+        """Return a dataset of the first finished member, which must exist."""
         return self._read_member_range(0, 1)
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the result in consecutive pieces, with only one piece in memory at a time (see `Result.pieces`)."""
+        """Yield the result in groups of members, one of which is in memory at a time (see `Result.pieces`)."""
         selected_names, count = None if names is None else list(names), self.num_finished
         for piece_start in range(0, count, self._members_per_piece):
             piece = (
@@ -227,12 +227,12 @@ class StoredResult:
 
     @cached_property
     def _members_per_piece(self) -> int:
-        """Number of members in a piece of the result."""
+        """Number of members in each group that `pieces` yields."""
         return compute_members_per_piece(compute_bytes_per_member(self.study))
 
     @cached_property
     def _whole_dataset(self) -> xarray.Dataset:
-        """Whole result as a dataset of read-only arrays that all tables and figures share."""
+        """Dataset of the whole result, with read-only arrays that all tables and figures share."""
         return share(self._read_member_range(0, self.num_finished))
 
     def _read_member_range(self, first: int, last: int, names: Collection[str] | None = None) -> xarray.Dataset:
@@ -266,7 +266,7 @@ class StoredResult:
         return build_dataset(self.study, numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
 
     def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
-        """Return at least the named arrays of a block.
+        """Return at least the named arrays of a block of members.
 
         The first call for a block checks the whole block. Later calls decode only the named arrays, unless the block
         is in memory.
@@ -284,11 +284,11 @@ class StoredResult:
 
     @cached_property
     def _checked_blocks(self) -> set[BlockFile]:
-        """Blocks whose study has been checked, so that single variables can be decoded without another check."""
+        """Blocks whose study has been checked, so that single variables can be read without another check."""
         return set()
 
     def _read_block(self, block: BlockFile) -> BlockFileContent:
-        """Read a block, compare its checksum with the checksum in the file name, and return the contents."""
+        """Read a block, check it against the checksum in its file name, and return its content."""
         with self._convert_read_errors(block):
             file_content = self._read_block_bytes(block)
             if zlib.crc32(file_content) != block.checksum:
@@ -299,7 +299,7 @@ class StoredResult:
         return content
 
     def _read_checked_block(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
-        """Return the named arrays of a block whose study has been checked."""
+        """Return the named arrays of a block that has been checked before."""
         numbers = np.arange(block.first, block.last + 1)
         shapes = {name: spec.shape for name, spec in variable_specs(self.study, numbers, names).items()}
         with self._convert_read_errors(block), _open_netcdf(self._read_block_bytes(block)) as file:
@@ -310,7 +310,7 @@ class StoredResult:
 
     @contextmanager
     def _convert_read_errors(self, block: BlockFile) -> Iterator[None]:
-        """Convert errors that occur while a block is read into a `StoreError` that names the file."""
+        """Convert errors while reading a block to a `StoreError` that names its file."""
         try:
             yield
         except OSError as error:
@@ -370,7 +370,7 @@ def read(path: str | Path) -> xarray.Dataset:
 def read_companion_file(
     path: Path, variables: Mapping[str, VariableSpec], attributes: Mapping[str, AttributeSpec] | None = None
 ) -> xarray.Dataset | None:
-    """Read a companion file of a result, and compare its variables and attributes with their specifications.
+    """Read a companion file of a result, and check its variables and attributes.
 
     Returns None if the file does not exist. Raises a `StoreError` if the file is damaged.
     """
@@ -430,7 +430,7 @@ def open_stored_result(path: str | Path) -> StoredResult:
 
 
 def open_result_to_complete(path: Path) -> StoredResult | None:
-    """Open the result in a directory. Return None if its study file is missing or empty, and has to be written.
+    """Open the result in a directory, or return None if its study file is missing or empty.
 
     Raises a `StoreError` if the study file is damaged.
     """
@@ -439,12 +439,12 @@ def open_result_to_complete(path: Path) -> StoredResult | None:
 
 
 def is_complete(path: str | Path, study: Study) -> bool:
-    """Return whether a directory has blocks with all members of a study. The blocks are not read."""
+    """Return whether a directory contains blocks for all members of a study, without reading them."""
     return StoredResult(Path(path), study, _list_block_files(Path(path))).num_finished == study.ensemble.repetitions
 
 
 def info(path: str | Path) -> StoreInfo:
-    """Describe the contents of a result directory. At most one block is read.
+    """Return a description of a result directory, reading at most one block.
 
     Raises
     ------
@@ -490,7 +490,7 @@ def _read_study_file(path: Path) -> Study:
 
 
 def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim | None = None) -> StoredResult:
-    """Create a result in a directory. If the directory already contains a result of the same study, open it to resume.
+    """Create a result in a directory, or open the result of the same study there.
 
     Stale partial files are removed. The claim of the run, if given, is acquired, so that no other study can use the
     directory. Raises a `StoreError` if the directory cannot be written, contains another study, is in use by a run of
@@ -519,7 +519,7 @@ def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim 
 
 
 def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> None:
-    """Write the study file of a new result, or replace a study file that stiction wrote and no other run uses."""
+    """Write the study file of a result, replacing only a file that stiction wrote and no other run uses."""
     path, study = stored_result.path, stored_result.study
     text = study.to_toml()
     content = f"{_format_study_file_header(text)}\n\n{text}".encode()
@@ -537,12 +537,12 @@ def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> Non
 
 
 def _format_study_file_header(text: str) -> str:
-    """Return the first line of a study file. Its checksum distinguishes an unchanged file from an edited one."""
+    """Return the first line of a study file, whose checksum shows whether the file was edited."""
     return f"{STUDY_FILE_SIGNATURE} {__version__}. CRC-32 of the text below: {zlib.crc32(text.encode()):08x}."
 
 
 def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
-    """Remove the files of a result (study, blocks, areas, onset) from a directory, and leave other files.
+    """Remove the files of a result (study, blocks, areas, onset) from a directory, and no other files.
 
     Raises a `StoreError` if the study file was written or edited by hand, or if another run uses the directory.
     """
@@ -559,7 +559,7 @@ def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
 
 
 def _check_resumable(stored_result: StoredResult) -> None:
-    """Raise a `StoreError` if the existing blocks prevent a study from being resumed."""
+    """Raise a `StoreError` if a study cannot resume with the existing blocks."""
     if not stored_result.blocks:
         return
     path, content, num_members = (
@@ -592,7 +592,7 @@ def _check_resumable(stored_result: StoredResult) -> None:
 
 
 def check_unedited(path: Path) -> None:
-    """Raise a `StoreError` unless the study file in a directory is exactly as stiction wrote it, or is empty.
+    """Raise a `StoreError` if a user has written or edited the study file in a directory.
 
     A crash of the machine may leave an empty file. Copying may have changed line ends. A link is never replaced.
     """
@@ -618,7 +618,7 @@ def check_unedited(path: Path) -> None:
 
 
 def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
-    """Return whether a study file without a checksum belongs to the blocks of its directory and has the usual format.
+    """Return whether a study file without checksum belongs to the blocks of its directory.
 
     Earlier versions wrote no checksum. Their results can be extended, although a changed value would not be noticed.
     """
@@ -634,7 +634,7 @@ def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
 
 
 def _check_replaceable(path: Path, study: Study) -> None:
-    """Raise a `StoreError` unless another study may replace the study file in a directory."""
+    """Raise a `StoreError` if the study in a directory must not be replaced."""
     try:
         check_unedited(path)
     except EditedStudyError:
@@ -644,7 +644,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
 
 
 def check_unused(path: Path, claim: DirectoryClaim) -> None:
-    """Raise a `StoreError` if another active run uses a result directory. The claim must be acquired."""
+    """Raise a `StoreError` if another active run uses a result directory that this run has claimed."""
     if competitor := claim.find_other_claim():
         raise StoreError(
             f"{printable_path(path)} is in use by another run; wait until that run ends, or choose another directory; "
@@ -653,7 +653,7 @@ def check_unused(path: Path, claim: DirectoryClaim) -> None:
 
 
 def _contains_study(path: Path, study: Study, *, repetitions_may_differ: bool = False) -> bool:
-    """Return whether the directory contains the given study. An unreadable or empty study file contains no study."""
+    """Return whether a directory contains a given study in a readable file."""
     try:
         stored_study = _read_study_file(path)
     except (OSError, ValueError):
@@ -690,12 +690,12 @@ class StudyMismatchError(StoreError):
         self.path, self.stored, self.differences, self.is_edited = path, stored, differences, is_edited
 
     def with_remedy(self, advice: str) -> StudyMismatchError:
-        """Return a copy of the error with another remedy in the message."""
+        """Return a copy of the error with another remedy."""
         return StudyMismatchError(self.path, self.stored, self.differences, advice, is_edited=self.is_edited)
 
 
 def write_block(path: Path, first_member: int, content: bytes, num_members: int) -> None:
-    """Write a block file that contains `num_members` members, starting with the index `first_member`.
+    """Write a block file with `num_members` members from the index `first_member` on.
 
     Raises a `StoreError` if the file cannot be written.
     """
@@ -727,7 +727,7 @@ _template_lock = threading.Lock()  # lets only one thread create the template fi
 
 @dataclass(frozen=True)
 class BlockFileContent:
-    """Contents of a block file, which stores some members of a result."""
+    """Content of a block file, which stores some members of a result."""
 
     study: Study
     version: str  # version of stiction with which the members were computed
@@ -738,7 +738,7 @@ class BlockFileContent:
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """Encode the arrays returned by `stack_members` as the bytes of a block file.
+    """Convert the arrays of `stack_members` to the bytes of a block file.
 
     Equal members give equal bytes.
     """
@@ -756,7 +756,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
 @functools.lru_cache(maxsize=4)
 def _encode_block_of_zeros(study: Study, count: int) -> bytes:
-    """Return the bytes of a block file with `count` members, in which all values are 0.
+    """Return the bytes of a block file with `count` members whose numbers are all 0.
 
     Copying a template is much faster than writing a new file, because names and units take longer to write than values.
     """
@@ -770,7 +770,7 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
 
 
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
-    """Write a dataset to a netCDF file in the same way as xarray, but without using xarray's locks.
+    """Write a dataset to a netCDF file as xarray does, but without xarray's locks.
 
     The locks of xarray would require a Dask scheduler in Dask workers.
     """
@@ -798,13 +798,13 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
 
 
 def append_checksum(file: io.BytesIO) -> None:
-    """Append the checksum of all preceding bytes to the file, after the bytes `CHECKSUM_PREFIX`."""
+    """Append a checksum of all preceding bytes to a file, behind the bytes `CHECKSUM_PREFIX`."""
     file.seek(0, io.SEEK_END)
     file.write(CHECKSUM_PREFIX + b"%08x" % zlib.crc32(file.getbuffer()))
 
 
 def decode_members(content: bytes) -> BlockFileContent:
-    """Decode the members from the bytes of a block file.
+    """Return the members in the bytes of a block file.
 
     Raises a `DamagedFileError` if the arrays do not match the study in the file, or if an array or an attribute has
     values that no computation returns.
@@ -854,7 +854,7 @@ def decode_members(content: bytes) -> BlockFileContent:
 
 
 def check_member_arrays(study: Study, arrays: ArraysByName) -> None:
-    """Raise a `DamagedFileError` if arrays of members have values that no computation of the study returns.
+    """Raise a `DamagedFileError` if arrays of members contain numbers that no computation returns.
 
     Values may be NaN only where a solver can fail, which is at given loads and for the pull-off force. If a solver
     fails at a load, all contact sums are NaN. A contact that carries a load has an area.
@@ -912,14 +912,14 @@ def _parse_stored_study(text: str) -> Study:
 
 
 def _read_member_array(file: h5py.File, name: str, shape: tuple[int, ...]) -> NDArray[Any]:
-    """Return a variable of a block. A quantity that the version of the block did not compute yet is NaN."""
+    """Return a variable of a block, or NaN if the block's version did not compute it yet."""
     if name in QUANTITIES and QUANTITIES[name].is_optional and name not in file:
         return np.full(shape, np.nan)
     return _read_variable(file, name, shape)
 
 
 def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
-    """Return the values of a variable. The values must be stored in the file itself, not in a linked file."""
+    """Return a variable of an HDF5 file, which must not be in a linked file."""
     import h5py
 
     # These low-level calls of h5py take half the time of its classes, which matters for many small variables.
@@ -952,7 +952,7 @@ class ExportError(ValueError):
 
 
 def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) -> None:
-    """Write all variables, coordinates and attributes of a dataset to a netCDF file without loss of information.
+    """Write a dataset with all variables, coordinates and attributes to a netCDF file.
 
     Parameters
     ----------
