@@ -1,1 +1,1 @@
-"""Computation of the contact sums of all members, and their storage."""
+"""Solution of the contacts of all members of a study, and storage of the contact sums."""

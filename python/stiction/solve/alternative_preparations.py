@@ -1,4 +1,4 @@
-"""Alternative preparations of the scans of a measured pair, whose results the combined interval includes.
+"""Alternative preparations of scans, whose results the combined interval of a pair covers.
 
 Each alternative preparation is a separate study with the members and loads of the pair, stored in the directory of its
 result: *spikes* masks outliers, and *tip* estimates the roughness that a blunt tip did not reach.
@@ -42,7 +42,7 @@ and in 31 % after the tip reconstruction alone.
 
 
 def build_alternative_study(study: Study, name: AlternativeName) -> Study:
-    """Return a copy of a study of measured surfaces with an alternative preparation of the scans.
+    """Return a copy of a study with an alternative preparation of the scans.
 
     Outliers are masked in all alternatives, because a tip correction would broaden downward spikes. In a study that
     does not allow missing points, the heights of outliers are interpolated.
@@ -63,17 +63,17 @@ def build_alternative_study(study: Study, name: AlternativeName) -> Study:
 
 
 def find_alternative_study(study: Study, path: Path, name: AlternativeName) -> CompanionStudy:
-    """Return the study of an alternative preparation of the scans, with its subdirectory of a result directory."""
+    """Return the study of an alternative preparation of the scans, and its directory."""
     return CompanionStudy(build_alternative_study(study, name), path / ALTERNATIVES_DIRECTORY / name)
 
 
 def load_stored_alternatives(sums: MemberSums) -> dict[AlternativeName, MemberSums]:
-    """Return the results for alternative preparations that are stored alongside a result, by name."""
+    """Return the stored results of all alternative preparations of a result's scans, by name."""
     return sums.load_companion(_open_alternatives) or {}
 
 
 def _open_alternatives(result: StoredResult) -> dict[AlternativeName, MemberSums] | None:
-    """Open the finished results of all alternative preparations, or return None if none are stored."""
+    """Open the finished results of alternative preparations, or return None if there are none."""
     if not result.study.is_measured or not (result.path / ALTERNATIVES_DIRECTORY).is_dir():
         return None
     alternatives = {

@@ -1,4 +1,4 @@
-"""Companion study: a study derived from a measured pair, and stored in a subdirectory of the pair's result.
+"""Companion study: a variant of the study of a measured pair, stored in a subdirectory of the result.
 
 Examples are the cutoff study, alternative preparations of the scans, and studies with scaled heights.
 """
@@ -24,13 +24,13 @@ TimeAnnouncer = Callable[[float], Any]
 
 @dataclass(frozen=True)
 class CompanionStudy:
-    """A study derived from the study of a measured pair, and the directory that contains its members."""
+    """Variant of the study of a measured pair, and the directory with its members."""
 
     study: Study
     directory: Path
 
     def open(self, *, allow_unfinished: bool = False) -> MemberSums | None:
-        """Open the stored members, with the friction parameters of the study.
+        """Open the stored members of the companion study, with the current mu0 and tau0.
 
         Returns None if the directory is missing or damaged, if its members are those of another pair, or if members are
         missing. With `allow_unfinished`, one finished member suffices.
@@ -52,7 +52,7 @@ class CompanionStudy:
     def complete(
         self, executor: Executor, *, progress: bool = False, announce_time: TimeAnnouncer = lambda _: None
     ) -> MemberSums:
-        """Compute the members that the directory does not contain yet, and return all members.
+        """Compute the missing members of the companion study, and return all of them.
 
         Members of another study, for example of another pair, are removed first. Raises the errors of
         `compute_missing_blocks`.

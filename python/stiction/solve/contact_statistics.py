@@ -28,7 +28,7 @@ MAX_CELLS_OF_SMALL_CONTACT = 4  # maximum number of grid cells of a small contac
 
 @dataclass(frozen=True, eq=False)
 class PairSlopes:
-    """Statistics of the slopes of both bodies, with masks of the steep points. The slopes themselves are not stored."""
+    """Statistics of the slopes of two bodies, and masks of their steep points."""
 
     steep_masks: dict[str, NDArray[np.bool_]]  # for each body: mask of its steep points
     steepness_limits: dict[str, float]  # for each body: smallest slope of its steep points
@@ -38,7 +38,7 @@ class PairSlopes:
 
     @classmethod
     def from_pair(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopes:
-        """Compute the slopes of two bodies that share a grid, using natural cubic splines.
+        """Compute the slope statistics of two bodies on the same grid, using natural cubic splines.
 
         Large arrays are overwritten instead of allocated, because the operating system clears new memory.
         """
@@ -70,7 +70,7 @@ class PairSlopes:
         return cls(steep_masks, steepness_limits, mean_squares, mean_product)
 
     def compute_gap_slopes(self, angles: Floats) -> tuple[float, Floats]:
-        """Compute the rms gradient of the gap, and the rms slopes of the gap along the given directions (degrees)."""
+        """Return the rms gradient of the gap, and its rms slopes along given directions (degrees)."""
         mean_squares = self.gap_mean_squares
         if len(mean_squares) == 1:
             return float(np.sqrt(mean_squares[0])), np.full(angles.size, np.sqrt(mean_squares[0]))
@@ -84,13 +84,13 @@ class PairSlopes:
 
 
 def compute_slopes(body: Profile | Surface) -> list[Floats]:
-    """Compute the slopes of a body at all grid points. Maps have slopes along x and y, and profiles along x only."""
+    """Return the slopes of a body at all grid points: along x and y for maps, along x for profiles."""
     return grid_slopes(body.heights, body.spacings, periodic=False)
 
 
 @dataclass(frozen=True, eq=False)
 class ContactList:
-    """List of the contacts between two bodies at one load, with the pressure distribution. Lengths are in µm."""
+    """Contacts between two bodies at one load, with the distribution of the pressure. Lengths are in µm."""
 
     x: Floats  # position of each contact along x, weighted by the pressure
     y: Floats  # position of each contact along y, weighted by the pressure; 0 for profiles
@@ -105,7 +105,7 @@ class ContactList:
     weight: Floats  # weight of each contact pressure, proportional to the area with this pressure
 
     def compute_statistics(self) -> dict[str, Any]:
-        """Compute the stored contact statistics: load fractions, and quantiles of contact area and contact pressure."""
+        """Return the contact statistics that a result stores: load fractions, and quantiles of area and pressure."""
         order = np.argsort(self.pressure, kind="stable")
         cumulative_weight = np.cumsum(self.weight[order])
         return {name: formula(self) for name, formula in LOAD_FRACTION_FORMULAS.items()} | {
@@ -126,7 +126,7 @@ LOAD_FRACTION_FORMULAS: dict[str, Callable[[ContactList], float]] = {
 
 
 def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
-    """Create the table of contacts from a half-space solution."""
+    """List the contacts of a half-space solution."""
     problem, pressure, patch = solution.problem, solution.values, solution.patch - 1
     pressure_sums = np.bincount(patch, weights=pressure)
 
@@ -152,7 +152,7 @@ def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
 
 
 def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> ContactList:
-    """Create the table of contacts from an asperity-model solution for two bodies that share a grid."""
+    """List the contacts of two bodies in the asperity model."""
     spacing, extent = body.spacings, np.atleast_1d(body.extent)
     normal = contacts.normal
     contact_slopes = -normal[:, :2] / normal[:, 2:]
@@ -175,7 +175,7 @@ def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> C
 
 
 def compute_steep_contact_load_fraction(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
-    """Compute, for each body, the load fraction on contacts that are steeper than 90 % of the body's grid points."""
+    """Return, for each body, the load fraction on contacts steeper than 90 % of its grid points."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total_load = table.force.sum()
     return {
@@ -185,7 +185,7 @@ def compute_steep_contact_load_fraction(table: ContactList, slopes: PairSlopes) 
 
 
 def compute_steep_point_load_fraction(solution: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
-    """Compute the load fraction on each body's steepest 10 % of grid points from a half-space solution."""
+    """Return, for each body, the load fraction on the steepest 10 % of its grid points in a half-space solution."""
     total_pressure = solution.values.sum()
     return {
         f"share_on_steepest_{side}": float(solution.values[is_steep.ravel()[solution.points]].sum() / total_pressure)
@@ -194,7 +194,7 @@ def compute_steep_point_load_fraction(solution: ContactSolution, slopes: PairSlo
 
 
 def compute_sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
-    """Return quantiles along the first axis, ignoring NaN. The first axis of the result contains the probabilities.
+    """Return quantiles along the first axis of an array, ignoring NaN.
 
     The quantiles equal those of `numpy.nanquantile`, which loops over columns and takes ten times as long.
     """

@@ -1,4 +1,4 @@
-"""Executors that run the tasks of a study, a copy of the process that evaluates a function, and a progress bar."""
+"""Execution of tasks: threads, a cluster or a copy of the process, with a progress bar."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ PROGRESS_LINE_INTERVAL = 60.0  # time (s) between two printed lines of progress 
 
 @contextlib.contextmanager
 def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
-    """Provide the given executor, or a thread pool that is shut down at the end, as a context.
+    """Yield the given executor or, if there is none, a thread pool that ends with the context.
 
     Raises a `StudyError` if a worker process ends.
     """
@@ -67,7 +67,7 @@ class _ThreadPool(ThreadPoolExecutor):
 
 @contextlib.contextmanager
 def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
-    """Provide a thread pool as a context. By default, it has one thread per core.
+    """Yield a thread pool that ends with the context, by default with one thread per core.
 
     If the system limits the number of threads, the pool works with the threads that can start. Raises a `RuntimeError`
     if no thread can start.
@@ -84,7 +84,7 @@ def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
 
 @contextlib.contextmanager
 def evaluate_in_copy(function: Callable[[], _Result]) -> Iterator[Callable[[], _Result]]:
-    """Evaluate a function in a copy of this process, and yield a function that waits for the value and returns it.
+    """Evaluate a function in a copy of this process, and yield a function that waits for its result.
 
     The copy uses another core while this process runs Python code. If no copy can be made, or if it ends without a
     value, the yielded function evaluates the function in this process, which raises its errors.
@@ -114,7 +114,7 @@ def evaluate_in_copy(function: Callable[[], _Result]) -> Iterator[Callable[[], _
 
 
 def _start_without_interrupts(process: ForkProcess) -> None:
-    """Start a copy of this process, which receives Ctrl-C only when it can handle Ctrl-C."""
+    """Start a copy of this process, which receives Ctrl-C only when it can handle it."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         # Ignore Python's warning about copying a process with threads. OpenBLAS stops its threads in the copy.
@@ -125,7 +125,7 @@ def _start_without_interrupts(process: ForkProcess) -> None:
 
 
 def _can_be_copied() -> bool:
-    """Return whether this process can be copied safely, and whether the copy can use another core.
+    """Return whether this process can be copied safely to use another core.
 
     A copy has none of the other threads, which may hold locks. On macOS, system libraries do not work in copies.
     """
@@ -138,7 +138,7 @@ def _can_be_copied() -> bool:
 
 
 def _send_value(function: Callable[[], Any], receiver: Connection, sender: Connection) -> None:
-    """Send the value of a function. After an error or Ctrl-C, end without a value and without a message.
+    """Send the result of a function to another process; after an error or Ctrl-C, end silently.
 
     The copy also ends if the original process is killed.
     """
@@ -153,7 +153,7 @@ def _send_value(function: Callable[[], Any], receiver: Connection, sender: Conne
 def wrap_to_use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
-    """Wrap a task function so that it uses idle threads for Fourier transforms.
+    """Wrap a task so that its Fourier transforms use idle threads.
 
     Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
     of tasks, and `points` is the number of grid points of each task.
@@ -176,7 +176,7 @@ def wrap_to_use_idle_threads(
 def progress_bar(
     label: str, total: int, finished: int, enabled: bool, estimate_progress: Callable[[], float] = lambda: 0.0
 ) -> Iterator[Callable[..., None]]:
-    """Show the progress of a run, and yield a function that advances it by a number of finished tasks.
+    """Show a progress bar, and yield a function that advances it by a number of finished tasks.
 
     A terminal or a notebook shows a progress bar. Other output receives a line every `PROGRESS_LINE_INTERVAL`.
     `estimate_progress` returns the sum of the finished fractions of all running tasks. Call the yielded function with 0
@@ -232,7 +232,7 @@ class ClusterError(ValueError):
 
 @contextlib.contextmanager
 def _suppress_disconnect_log() -> Iterator[None]:
-    """Suppress Dask's log messages about a lost scheduler, because a `ClusterError` already reports the loss."""
+    """Suppress Dask's log messages about a lost scheduler, which a `ClusterError` reports too."""
     loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "tornado.application")]
     log_levels = [logger.level for logger in loggers]
     try:
@@ -246,7 +246,7 @@ def _suppress_disconnect_log() -> Iterator[None]:
 
 @contextlib.contextmanager
 def connect_to_cluster(address: str) -> Iterator[Executor]:
-    """Connect to the Dask scheduler at the given address, and yield an executor.
+    """Connect to a Dask scheduler at a given address, and yield its executor.
 
     Raises a `ClusterError` if the scheduler does not respond, or if its workers die.
     """

@@ -1,4 +1,4 @@
-"""Contact sums and statistics of members at all loads, and individual contacts at one load."""
+"""Solution of one member at all loads: contact sums, contact statistics, and contacts at one load."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, record: SolutionRecord | None = None,
     computes_unloading: bool = False, computes_elastic_area: bool = False,
 ) -> ArraysByName:  # fmt: skip
-    """Compute the contact sums of a pair at the loads of its study. For measured bodies, add contact statistics.
+    """Solve the contact of a pair at the loads of its study. Return contact sums and, for scans, statistics.
 
     Arrays that depend on the motion have the shape (rules, directions, loads); all others have the shape (loads,). At
     loads for which the solver fails, values are NaN and the number of contacts is 0. The unloading stiffness takes
@@ -129,7 +129,7 @@ def solve_at_loads(
 
 
 def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: int) -> NDArray[Any]:
-    """Return placeholder values for loads at which the solver failed: NaN, 0 contacts, or the status "not-solved"."""
+    """Return the placeholders for loads at which the solver fails: NaN, 0 contacts, or "not-solved"."""
     sizes = {
         "sliding": motion_shape[0],
         "direction": motion_shape[1],
@@ -143,7 +143,7 @@ def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: 
 
 
 def _list_profile_directions(contact: CommonContactSettings) -> list[ShearDirection]:
-    """Return the directions of motion along profiles: "+x", "-x" or both."""
+    """Return the directions of motion of profiles: "+x", "-x" or both."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.direction_angles()]
 
 
@@ -157,7 +157,7 @@ def _solve_half_space(
     *,
     computes_unloading: bool,
 ) -> None:
-    """Compute the contact at all loads with the half-space model.
+    """Solve the contact of a pair at all loads in the half-space model.
 
     A failure at one load does not affect the other loads.
     """
@@ -175,7 +175,7 @@ def _solve_half_space(
     sum_names = (*HALF_SPACE_SUM_QUANTITIES, *(ADHESION_QUANTITIES[:1] if contact.adheres else ()))
 
     def derive_motion_curves(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
-        """Derive load curves for all sliding rules and directions from one computed load curve."""
+        """Return the load curves of all sliding rules and directions, which share one contact solution."""
         direction_curves = (
             [curve]
             if is_areal
@@ -235,7 +235,7 @@ def _solve_half_space(
 def _solve_asperities(
     contact: AsperityModelSettings, upper: Any, lower: Any, values: ArraysByName, slopes: Any
 ) -> None:
-    """Compute independent Hertzian contacts at the approaches that give the elastic loads of the study.
+    """Solve the asperity contacts of a pair at the approaches that give the elastic loads of the study.
 
     With the detection criterion "cell", the load jumps at some approaches. Sums at a load within a jump are
     interpolated between the states just before and just after the jump.
@@ -313,7 +313,7 @@ def _solve_asperities(
 
 
 def precompute_candidates(upper: Any, lower: Any, max_approach: float, model: ContactModel) -> tuple[Any, ...]:
-    """Find the contact candidates up to an approach (µm), so that later calls need not search for them again.
+    """Find all contact candidates up to an approach (µm), so that later calls need not search again.
 
     Returns both bodies unchanged if contacts are not minima of the gap.
     """
@@ -327,7 +327,7 @@ def precompute_candidates(upper: Any, lower: Any, max_approach: float, model: Co
 
 @dataclass(frozen=True, eq=False)
 class PressedPair:
-    """Pair of bodies that are pressed together by one elastic load."""
+    """Pair of bodies pressed together at one elastic load."""
 
     upper: Any
     lower: Any
@@ -336,7 +336,7 @@ class PressedPair:
 
     @classmethod
     def solve(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
-        """Compute the contact between both bodies at a load (mN), or return None if the solver fails."""
+        """Solve the contact of two bodies at a load (mN), or return None if the solver fails."""
         upper, lower = pair
         contact = study.contact
         if isinstance(contact, HalfSpaceSettings):
@@ -357,7 +357,7 @@ class PressedPair:
         return cls(upper, lower, load_curve, model=model)
 
     def tabulate_contacts(self) -> ContactList:
-        """Return a table of the contacts between the two bodies."""
+        """Return the list of the contacts between both bodies."""
         if isinstance(self.curve, HalfSpaceCurve):
             return tabulate_contact_patches(self.curve.at(0))
         assert self.model is not None
@@ -418,7 +418,7 @@ _reusable_arrays = threading.local()
 
 
 def compute_member_arrays(study: Study, index: int, record: SolutionRecord | None = None) -> ArraysByName:
-    """Compute all variables of one member of a study. The arrays have no member axis.
+    """Compute all variables of one member, as arrays without a member axis.
 
     The half-space model reports its iterations and its finished loads to the record.
 
@@ -440,7 +440,7 @@ def compute_member_arrays(study: Study, index: int, record: SolutionRecord | Non
 
 @functools.lru_cache(maxsize=4)
 def get_array_shapes_and_types(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
-    """Return the shape and data type of each variable, for a single member."""
+    """Return shape and data type of each variable of one member."""
     num_cell_dims = len(study.surfaces.cell_coordinates())
     return {
         name: ((*spec.shape[:num_cell_dims], *spec.shape[num_cell_dims + 1 :]), spec.dtype)
@@ -449,7 +449,7 @@ def get_array_shapes_and_types(study: Study) -> dict[str, tuple[tuple[int, ...],
 
 
 def estimate_member_time(study: Study) -> float:
-    """Estimate the time (s) for computing one member on one core."""
+    """Estimate the time (s) to compute one member on one core."""
     num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
     num_loads = study.contact.loading_steps().size
     num_points, is_areal = count_grid_points(study), study.is_areal
@@ -475,7 +475,7 @@ def estimate_member_time(study: Study) -> float:
 
 
 def estimate_member_iterations(study: Study) -> float:
-    """Estimate the number of iterations on the finest grid for one member of a half-space study."""
+    """Estimate the number of solver iterations on the finest grid for one member in the half-space model."""
     num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
     num_loads = study.contact.loading_steps().size
     if not study.contact.adheres:
@@ -492,7 +492,7 @@ def _estimate_pull_off_iterations(study: Study) -> float:
 
 
 def estimate_solution_time(study: Study) -> float:
-    """Estimate the time (s) for computing a half-space solution at a single load on one core."""
+    """Estimate the time (s) of a half-space solution at one load on one core."""
     is_areal = study.is_areal
     additional_time = MEMBER_TIME_COEFFICIENTS["half-space" if is_areal else "half-plane"]
     if study.contact.adheres:
@@ -512,7 +512,7 @@ def _estimate_iteration_time(study: Study) -> float:
 
 @functools.lru_cache(maxsize=16)
 def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
-    """Return E* Sq Sdq / (4 w) for the gap of the first member, or 0 if files are missing.
+    """Return E* Sq Sdq / (4 w) of the first member's gap, or 0 if files are missing.
 
     By the Cauchy-Schwarz inequality, this ratio is at least the elastic energy per area of complete contact, divided by
     w.
@@ -535,7 +535,7 @@ def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
 def _solve_generated_member(
     study: Study, repetition: int, record: SolutionRecord | None
 ) -> Iterator[tuple[Any, ArraysByName]]:
-    """Yield, for each fractal dimension and amplitude, their indices and the contact sums of one repetition."""
+    """Yield, for each fractal dimension and amplitude, its indices and the contact sums of one member."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _solve_profile_batches(study, repetition)
         return
@@ -557,7 +557,7 @@ def _solve_generated_member(
 
 
 def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> ArraysByName:
-    """Compute the contact sums of a pair with the asperity model, at the approaches given in the study."""
+    """Compute the contact sums of a pair in the asperity model, at the approaches of the study."""
     steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)
     bodies: Any = upper, lower
     if isinstance(upper, Surface):
@@ -575,7 +575,7 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
 
 
 def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
-    """Compute the onset of sliding at each approach, for motion along the first direction."""
+    """Compute the onset of sliding at each approach, for motion in the first direction."""
     contact = study.contact
     assert isinstance(contact, AsperityModelSettings)
     assert contact.onset is not None
@@ -602,7 +602,7 @@ def _list_loading_steps(contact: Any) -> Floats:
 
 
 def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, ArraysByName]]:
-    """Compute contact sums of profiles with the asperity model. Several fractal dimensions are computed together.
+    """Compute the contact sums of profiles with several fractal dimensions together, in the asperity model.
 
     The arrays have the shape (fractal dimensions, amplitudes, sliding rules, steps), with a single rule for quantities
     that do not depend on the motion.
@@ -634,7 +634,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
 
 
 def _get_reused_array(shape: tuple[int, ...]) -> Floats:
-    """Return an uninitialised array that all tasks of a thread reuse, because memory allocation is slow.
+    """Return an uninitialised array that all tasks of a thread reuse, because allocation is slow.
 
     The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
     """
@@ -652,7 +652,7 @@ def _get_reused_array(shape: tuple[int, ...]) -> Floats:
 def _solve_measured_member(
     study: Study, index: int, arrays: ArraysByName, record: SolutionRecord | None
 ) -> Iterator[tuple[int, ArraysByName]]:
-    """Yield the index of each cutoff with the contact sums of the member. Write the member coordinates to `arrays`."""
+    """Yield each cutoff's index with the contact sums of one member, and write its coordinates to `arrays`."""
     is_early = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
     computes_unloading = is_early or not study.is_areal
     computes_elastic_area = index in find_elastic_members(study)
@@ -672,7 +672,7 @@ def _solve_measured_member(
 
 
 def find_elastic_members(study: Study) -> range:
-    """Return the indices of the members for which the elastic area is computed if the bodies yield."""
+    """Return the members for which the elastic area is also computed if the bodies yield."""
     count = NUM_ELASTIC_PROFILE_MEMBERS
     if study.is_areal:
         is_large = count_grid_points(study) >= MIN_LARGE_MAP_POINTS

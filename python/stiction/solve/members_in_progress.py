@@ -1,4 +1,4 @@
-"""Progress of the members that are being computed, and their finished steps on disk.
+"""Members that are being computed: progress, and finished steps on disk.
 
     DIR/in_progress/0000003-1b2c3d4e5f6a7b8c/00007.npz     step 7 of member 3, for example the contact at one load
     DIR/in_progress/0000003-1b2c3d4e5f6a7b8c/state.npz     state in the middle of the next step
@@ -47,7 +47,7 @@ advance.
 
 
 class MembersInProgress:
-    """Members that a run is computing, with their iterations and, in a result directory, their stored steps.
+    """Members that a run is computing, with their progress and their stored steps.
 
     `estimate_iterations` returns the expected number of iterations of a member.
     """
@@ -59,17 +59,17 @@ class MembersInProgress:
 
     @cached_property
     def _key(self) -> str:
-        """Checksum of everything that determines the bits of a member."""
+        """Checksum of everything on which the bits of a member depend."""
         return compute_steps_key(self._study.to_toml())
 
     def add(self, member: int) -> SolutionRecord:
-        """Return a new record of a member whose computation starts."""
+        """Return the new record of a member that a run starts to compute."""
         record = SolutionRecord() if self._directory is None else stored_record(self._directory, member, self._key)
         self._records[member] = record
         return record
 
     def remove(self, members: range) -> None:
-        """Remove the records of members whose block is stored, together with their files."""
+        """Remove the records and files of members whose block is stored."""
         for member in members:
             if record := self._records.pop(member, None):
                 self._finished_counts.append(record.counter.count)
@@ -77,7 +77,7 @@ class MembersInProgress:
             remove_stored_steps(self._directory, members)
 
     def estimate_progress(self) -> float:
-        """Return the sum of the finished fractions of all members that are being computed."""
+        """Return the sum of the finished fractions of the members that are being computed."""
         if not self._records:
             return 0.0
         counts = [count for count in self._finished_counts if count > 0]
@@ -89,7 +89,7 @@ class MembersInProgress:
 
 
 def compute_steps_key(inputs: str) -> str:
-    """Return a checksum of the inputs, the software and the machine, which determine the bits of a computation."""
+    """Return a checksum of inputs, software and machine, on which the bits of a computation depend."""
     import scipy
 
     all_inputs = (
@@ -100,19 +100,19 @@ def compute_steps_key(inputs: str) -> str:
 
 
 def stored_record(directory: Path, member: int, key: str) -> SolutionRecord:
-    """Return a record that stores the steps of a member in a result directory, and reads the steps found there."""
+    """Return a record that reads and stores the finished steps of a member in a result directory."""
     return _StoredRecord(directory / IN_PROGRESS_DIRECTORY / f"{member:07d}-{key}")
 
 
 def _estimate_finished_fraction(iteration_ratio: float) -> float:
-    """Return a fraction from 0 to 1 that rises with the ratio of finished to expected iterations."""
+    """Estimate the finished fraction of a member from its finished and its expected iterations."""
     if iteration_ratio <= MAX_LINEAR_FRACTION:
         return iteration_ratio
     return 1 - MAX_LINEAR_FRACTION**2 / iteration_ratio
 
 
 def find_members_in_progress(directory: Path) -> set[int]:
-    """Return the members of a result directory that have stored steps."""
+    """Return the members with stored steps in a result directory."""
     return {
         member
         for member, member_directory in _list_member_directories(directory)
@@ -121,7 +121,7 @@ def find_members_in_progress(directory: Path) -> set[int]:
 
 
 def remove_stored_steps(directory: Path, members: Container[int] | None = None, key: str | None = None) -> None:
-    """Remove stored steps of members from a result directory: of all or some members, and with any or one key."""
+    """Remove the stored steps of all or some members from a result directory, for any or one key."""
     for member, member_directory in _list_member_directories(directory):
         if (members is None or member in members) and (key is None or member_directory.name.endswith(f"-{key}")):
             with contextlib.suppress(OSError):
@@ -145,7 +145,7 @@ def _list_member_directories(directory: Path) -> list[tuple[int, Path]]:
 
 
 class _StoredRecord(SolutionRecord):
-    """Record of a member that stores its steps in a directory, and reads the steps of an interrupted computation."""
+    """Record that stores the finished steps of a member, and reads those of an interrupted computation."""
 
     def __init__(self, directory: Path) -> None:
         super().__init__()
@@ -193,7 +193,7 @@ class _StoredRecord(SolutionRecord):
         return self._directory.is_dir()
 
     def _read_step(self, step: int) -> StepResult | None:
-        """Return a stored step, or None if the step or an earlier step is missing."""
+        """Return the result of a stored step, or None if it or an earlier one is missing."""
         result = _read_result(self._directory / f"{step:05d}.npz") if self._is_resuming and self._had_files else None
         self._is_resuming = result is not None
         return result
@@ -202,7 +202,7 @@ class _StoredRecord(SolutionRecord):
         return self._is_writable and time.monotonic() - self._last_time > STORAGE_INTERVAL
 
     def _write(self, state: StepResult) -> None:
-        """Write the finished steps and the state of the current step.
+        """Write the finished steps of a member, and the state of the current step.
 
         A step that cannot be written does not end the computation: after an interruption, the member is computed again.
         """
@@ -226,7 +226,7 @@ def _encode_result(result: StepResult) -> bytes:
 
 
 def _read_result(path: Path) -> StepResult | None:
-    """Read a stored result. Return None if the file is missing or damaged; a checksum protects each array."""
+    """Read the result of a stored step, or return None if its file is missing or damaged."""
     try:
         with np.load(io.BytesIO(_files.read_file_bytes(path, MAX_STEP_BYTES)), allow_pickle=False) as file:
             return dict(file.items())

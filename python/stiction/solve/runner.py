@@ -1,4 +1,4 @@
-"""Run of a study with an executor, which computes each block of members in a separate task."""
+"""Run of a study: an executor computes each block of members in a separate task."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result that is not stor
 
 
 def choose_block_size(study: Study) -> int:
-    """Return the number of members to store in each block."""
+    """Return the number of members per block."""
     size_by_time = int(min(TARGET_BLOCK_TIME / max(estimate_member_time(study), 1e-9), MAX_BLOCK_MEMBERS))
     size_by_bytes = MAX_BLOCK_BYTES // compute_bytes_per_member(study)
     num_members = study.ensemble.repetitions
@@ -85,7 +85,7 @@ def choose_block_size(study: Study) -> int:
 def compute_member_sums(
     study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
 ) -> MemberSums:
-    """Compute the contact sums of all members of a study, in memory or in a directory. Parameters as for `run`."""
+    """Compute the contact sums of all members of a study, in memory or in a directory. Arguments: as for `run`."""
     check_instance("study", study, Study, "a Study")
     check_bool("progress", progress)
     size = study.ensemble.repetitions * compute_bytes_per_member(study)
@@ -106,7 +106,7 @@ def compute_missing_blocks(
     study: Study, directory: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None,
 ) -> int:  # fmt: skip
-    """Compute all blocks of a study that its directory does not contain yet.
+    """Compute all blocks of a study that are missing in its directory.
 
     The part (3, 16) is every 16th block, starting with the third.
 
@@ -129,7 +129,7 @@ def compute_missing_blocks(
 def prepare_result_directory(
     study: Study, directory: str | Path, claim: DirectoryClaim, part: tuple[int, int] | None = None
 ) -> StoredResult:
-    """Create or open the directory in which a study is stored, and acquire the claim of the run.
+    """Create or open the directory of a study, and claim it for this run.
 
     Raises the errors of `compute_missing_blocks`.
     """
@@ -151,7 +151,7 @@ def complete_blocks(
     stored_result: StoredResult, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None, update: Callable[[str], None] | None = None,
 ) -> StoredResult:  # fmt: skip
-    """Compute the blocks that are missing in a stored result, and return the complete result.
+    """Compute the missing blocks of a stored result, and return the complete result.
 
     `update` receives a new estimate of the run time after the first block, if much time remains and the first estimate
     was too low. Raises the errors of `compute_missing_blocks`.
@@ -191,7 +191,7 @@ def _compute_blocks(
     pool: Executor, advance: Callable[[int], None], announce: Callable[[str], None] | None,
     update: Callable[[str], None] | None,
 ) -> None:  # fmt: skip
-    """Compute the blocks that are missing in a stored result, and write them to files.
+    """Compute the missing blocks of a stored result, and write them to files.
 
     Workers that can access the directory write the block files.
     """
@@ -248,7 +248,7 @@ def _compute_blocks(
 
 @contextlib.contextmanager
 def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
-    """Create a token file that exists as long as the run is active.
+    """Create a file that marks the run and exists until its end.
 
     If a worker finds the token file, the worker can access the directory, and the run is still active.
     """
@@ -262,7 +262,7 @@ def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
 
 @contextlib.contextmanager
 def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to the messages of storage errors and of dead-worker errors."""
+    """Add the number of finished members to the message of a storage error, or of a lost worker."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -316,7 +316,7 @@ LONG_RUN_TIME = 600.0
 def _describe_remaining_work(
     stored_result: StoredResult, unfinished_members: _UnfinishedMembers, is_visible: bool, workers: int
 ) -> str:
-    """Describe the remaining work in one line: run time, number and size of files, and whether disk space is short."""
+    """Describe the remaining work of a run in one line: time, files, and whether the disk is too small."""
     study = stored_result.study
     free_bytes = shutil.disk_usage(stored_result.path).free
     num_files = sum(1 for _ in unfinished_members)
@@ -348,7 +348,7 @@ MIN_REPORTED_TIME = 60.0  # a new estimate of the run time is printed if at leas
 def _format_revised_time_estimate(
     study: Study, unfinished_members: _UnfinishedMembers, members: int, seconds: float, workers: int, cost: float
 ) -> str:
-    """Return a line with a better estimate of the run time, based on the first block.
+    """Return a line with the estimate of the run time, revised after the first block.
 
     The line is empty if little time remains, or if the first estimate was right.
     """
@@ -361,7 +361,7 @@ def _format_revised_time_estimate(
 
 
 class _UnfinishedMembers:
-    """Unfinished members of a study, or of one part of the study. Each range of members lies within one block."""
+    """Unfinished members of a study or of a part of it, as ranges within one block each."""
 
     def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
         num_members = stored_result.study.ensemble.repetitions
@@ -377,7 +377,7 @@ class _UnfinishedMembers:
         self.count = self.total - int(sum(np.count_nonzero(is_finished) for is_finished in finished_by_block))
 
     def __iter__(self) -> Iterator[range]:
-        """Yield ranges of consecutive missing members, one block after the other."""
+        """Yield the ranges of missing members, one block after the other."""
         for block in self._blocks:
             first = block * self.block_size
             is_finished = self._is_finished[first : first + self.block_size]
@@ -391,7 +391,7 @@ def _submit_member_ranges(
     unfinished_members: _UnfinishedMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
     advance: Callable[[int], None], task: Callable[..., Any], *arguments: Any,
 ) -> None:  # fmt: skip
-    """Submit a task for each range of missing members, and pass the result of the task to `accept`.
+    """Submit a task for each range of missing members, and pass its result to `accept`.
 
     While tasks run, `advance` is called with 0, which updates the displayed progress.
 
@@ -434,7 +434,7 @@ def _submit_member_ranges(
 
 @dataclass(frozen=True)
 class SharedResultDirectory:
-    """Result directory. Workers on other machines write their blocks into the directory if they can access it."""
+    """Result directory into which workers write their blocks if they can access it."""
 
     path: Path
     token: str  # name of the file that marks the run and exists in the blocks directory until its end
@@ -448,7 +448,7 @@ def compute_block(
     version: str, study: Study, directory: SharedResultDirectory | None, members: range,
     members_in_progress: MembersInProgress | None = None,
 ) -> bytes | None:  # fmt: skip
-    """Compute a block of members and write its file. If the directory is not accessible, return the file content."""
+    """Compute a block of members and write its file, or return its content if the directory is not accessible."""
     if directory is not None and directory.is_accessible():
         members_in_progress = _create_members_in_progress(study, directory.path)
     content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))
@@ -462,7 +462,7 @@ def compute_block(
 def compute_block_arrays(
     version: str, study: Study, members: range, members_in_progress: MembersInProgress | None = None
 ) -> ArraysByName:
-    """Compute the arrays of values for a block of members.
+    """Compute the arrays of a block of members.
 
     Raises a `StudyError` if `version` is not the version of this process.
     """
@@ -484,7 +484,7 @@ NUM_PREVIEW_MEMBERS = 4
 
 
 def compute_preview_sums(study: Study) -> MemberSums:
-    """Compute a preview result from the first few members of a study.
+    """Compute a preliminary result from the first few members of a study.
 
     Raises a `ValueError` if their contact cannot be computed.
 
