@@ -1,4 +1,4 @@
-"""Ensemble means: friction as the ratio of mean loads, and quantities at mean normal loads or elastic loads."""
+"""Means over an ensemble: friction as the ratio of mean loads, and other quantities at given loads."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads from which a no
 def average_ensemble(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
 ) -> xarray.Dataset:
-    """Compute ensemble means at given mean normal loads. The dimension `statistic` contains means and interval limits.
+    """Return means over the ensemble at given mean normal loads, with 95 % intervals.
 
     `names` lists quantities to evaluate besides friction; None stands for all.
     """
@@ -81,7 +81,7 @@ def average_ensemble(
 
 
 def _list_ensemble_quantities(head: xarray.Dataset) -> list[str]:
-    """List the quantities besides friction and ratios whose ensemble means a result provides."""
+    """Return the quantities, other than friction and ratios, whose means a result provides."""
     has_stiffness = head.sizes[find_step_dimension(head)] >= MIN_STIFFNESS_STEPS
     stored_names = [name for name in INTERPOLATED_QUANTITIES if QUANTITIES[name].shown and name in head.data_vars]
     return [*stored_names, *(["normal_stiffness"] if has_stiffness else [])]
@@ -91,7 +91,7 @@ def _evaluate_direction_groups(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, quantities: Sequence[str],
     groups: NDArray[np.intp] | None = None, *, includes_ratios: bool,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
-    """Evaluate quantities at given mean normal loads, after averaging over each group of directions.
+    """Evaluate quantities at given mean normal loads, averaged over each group of directions.
 
     The groups are direction indices with the shape (groups, directions). Without groups, no average is computed.
     """
@@ -111,7 +111,7 @@ def _evaluate_direction_groups(
 
 
 def _average_unloaded_members(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> dict[str, Any]:
-    """Average the pull-off force, the fraction of lower bounds, and the friction at no load over the members."""
+    """Average pull-off force, fraction of lower bounds, and friction at zero load over the members."""
     import xarray
 
     variables = {}
@@ -125,7 +125,7 @@ def _average_unloaded_members(result: MemberSums, loads: Floats, mu0: Floats, ta
 
 
 def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variable:
-    """Combine a quantity and the limits of its interval in a variable with the dimension `statistic`."""
+    """Return a quantity with the limits of its interval as one variable, with the dimension `statistic`."""
     import xarray
 
     variable = table[name]
@@ -136,7 +136,7 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
 def compute_ensemble_friction(
     result: MemberSums | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats
 ) -> xarray.DataArray:
-    """Compute the ratio mean(F_T) / mean(F_N) at elastic loads (mN), with its jackknife interval.
+    """Return mean(F_T) / mean(F_N) at elastic loads (mN), with its jackknife interval.
 
     The means are taken over members and directions. The dimensions are cells, sliding, load, mu0, tau0 and
     statistic. The value is NaN if mean(F_N) is not above 0.

@@ -1,4 +1,4 @@
-"""Confidence intervals (95 %) for means over independent repetitions or over neighbouring positions.
+"""Intervals (95 %) of means over independent repetitions, or over neighbouring positions.
 
 The script docs/scripts/intervals.py measures the coverage of the intervals, and their width relative to the best
 possible interval.
@@ -44,7 +44,7 @@ MAX_DEGREES_OF_FREEDOM = 1e6  # above this number of degrees of freedom, Student
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
-    """Return the quantile of Student's t distribution for a two-sided interval with probability `CONFIDENCE_LEVEL`."""
+    """Return the quantile of Student's t distribution for a two-sided 95 % interval."""
     from scipy.special import stdtrit
 
     return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE_LEVEL / 2))
@@ -52,7 +52,7 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class LoadCrossings:
-    """Points at which curves over the loading steps first reach given loads.
+    """Crossings: points at which load curves first reach given loads.
 
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
@@ -66,7 +66,7 @@ class LoadCrossings:
 
     @classmethod
     def from_curves(cls, curve: Floats, loads: Floats, *, interpolates_ratio: bool = False) -> LoadCrossings:
-        """Find where curves first rise through the given loads, by linear interpolation between loading steps.
+        """Return where load curves first reach given loads, by linear interpolation between loading steps.
 
         The curves have the shape (..., k), and the loads have the shape (l,). With `interpolates_ratio`, the ratio of
         value to load is interpolated over the logarithm of the load. A load between two steps is then reached only if
@@ -97,19 +97,19 @@ class LoadCrossings:
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
-        """Remove the crossings between two loading steps if the curve is NaN at the first of the steps."""
+        """Remove crossings that follow a loading step at which the curve is NaN."""
         before, at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
     def _get_bracketing_values(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return the curve values at the loading steps before and after each crossing, as arrays of shape (..., l)."""
+        """Return the curves at the loading steps before and after each crossing."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
         return before, after
 
     def interpolate(self, values: Floats, *, are_sums: bool = True) -> Floats:
-        """Interpolate values at the given loads. At loads that are not reached, the result is NaN.
+        """Interpolate a quantity at the given loads, with NaN at loads that are not reached.
 
         The values have the shape (..., more, k), and the result has the shape (..., more, l).
         With `are_sums`, the ratio of value to load is interpolated if the crossings were found with
@@ -135,12 +135,12 @@ class LoadCrossings:
 
     @property
     def loads(self) -> Floats:
-        """Requested loads. The loads are stored only if the crossings were found with `interpolates_ratio`."""
+        """Requested loads, known only for crossings that were found with `interpolates_ratio`."""
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         return self.scale[1]
 
     def interpolate_with_slopes(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-        """Interpolate increasing values, and their derivatives by the logarithm of the load, by cubics.
+        """Interpolate an increasing quantity and its derivative by ln(load) with cubics.
 
         The arrays have the shape (..., k), and the results have the shape (..., l). The crossings must have been found
         with `interpolates_ratio`. Between two loading steps, slopes are limited so that the cubic increases (Fritsch &
@@ -171,7 +171,7 @@ class LoadCrossings:
         )
 
     def interpolate_smoothly(self, values: Floats) -> Floats:
-        """Interpolate values of shape (..., k) over the logarithm of the load, as monotonic cubics.
+        """Interpolate a quantity over ln(load) with monotonic cubics.
 
         The slope at a step is the weighted harmonic mean of the slopes of the adjacent chords (Fritsch & Butland 1984),
         and at the first and last step that of the parabola through three steps. The crossings must have been found with
@@ -194,11 +194,11 @@ class LoadCrossings:
         return self.interpolate_with_slopes(values, slopes)[0]
 
     def min_at_bracketing_steps(self, values: Floats) -> Floats:
-        """Return the smaller of the values at the steps before and after each crossing, with shape (..., l)."""
+        """Return the smaller number of the steps before and after each crossing."""
         return np.minimum(*self._get_bracketing_values(values))
 
     def slope(self, values: Floats, over: Floats) -> Floats:
-        """Return the slope of one quantity with respect to another at each crossing, with shape (..., l)."""
+        """Return the slope of one quantity with respect to another at each crossing."""
         index = np.maximum(self.index, 1)
         value_change, over_change = (
             np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
@@ -211,7 +211,7 @@ class LoadCrossings:
 
 
 class MeansAtLoads:
-    """Means of quantities at given mean normal loads, with their jackknife intervals.
+    """Means of quantities at given mean normal loads, with jackknife intervals.
 
     The method is described in docs/explanation/uncertainty.md. Let v and n be the values and the normal loads of the
     repetitions at the crossing, and e the exponent of the mean curve, mean(v) ~ mean(n)^e. If one repetition is
@@ -236,18 +236,18 @@ class MeansAtLoads:
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
 
     def add(self, normal: Floats, quantities: Sequence[Floats]) -> None:
-        """Add repetitions, given arrays (curves, steps, repetitions) of their normal loads and of each quantity."""
+        """Add repetitions: arrays (curves, steps, repetitions) of normal loads and of each quantity."""
         self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         points = {"curve": self._curve, "step": self._index, "fraction": self._fraction, "load": self._load}
         for quantity, values in zip(self._quantities, quantities, strict=True):
             quantity.add(normal, values, points, self._repetitions)
 
     def mean(self, quantity: int) -> Floats:
-        """Return the means of the quantity with the given index, as an array (curves, loads)."""
+        """Return the means of one quantity as an array (curves, loads)."""
         return self._arrange_over_loads(self._quantities[quantity].mean)
 
     def interval(self, quantity: int) -> tuple[Floats, Floats]:
-        """Return the interval limits of the quantity with the given index, as an array (curves, loads).
+        """Return the interval limits of one quantity as an array (curves, loads).
 
         All repetitions must have been added before.
         """
@@ -257,19 +257,19 @@ class MeansAtLoads:
         return self._arrange_over_loads(lower), self._arrange_over_loads(upper)
 
     def _interpolate_at_crossings(self, curves: Floats) -> Floats:
-        """Interpolate curves of shape (c, k) at the crossings, and return an array of shape (p,)."""
+        """Interpolate curves at the crossings."""
         after, before = curves[self._curve, self._index], curves[self._curve, np.maximum(self._index - 1, 0)]
         return np.asarray(before + self._fraction * (after - before))
 
     def _arrange_over_loads(self, of_points: Floats) -> Floats:
-        """Arrange values at crossings in an array (curves, loads), with NaN at loads that are not reached."""
+        """Arrange numbers at crossings in an array (curves, loads), with NaN at loads that are not reached."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result
 
 
 class _QuantityAtLoads:
-    """Mean of a quantity at the crossings (p,), the slope of its mean curve, and running sums of jackknife values."""
+    """Mean of one quantity at the crossings, with the sums for its jackknife interval."""
 
     def __init__(self, mean: Floats, slope: Floats, load: Floats, num_curves: int) -> None:
         self.mean, self._slope, self._load = mean, slope, load
@@ -278,7 +278,7 @@ class _QuantityAtLoads:
         self.keeps_sign, self.keeps_load = np.ones((2, mean.size), np.bool_)
 
     def add(self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int) -> None:
-        """Add repetitions, given arrays (curves, steps, repetitions) of their normal loads and values."""
+        """Add repetitions: arrays (curves, steps, repetitions) of normal loads and of one quantity."""
         self.has_negative_values |= (values < 0).any(axis=(1, 2))
         sums = _core.jackknife_sums(
             normal, values, **points, mean=self.mean, slope=self._slope, total_repetitions=total_repetitions
@@ -289,7 +289,7 @@ class _QuantityAtLoads:
         self.keeps_load &= sums[9] > MIN_RELATIVE_CHANGE
 
     def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """Return the interval limits at the crossings. `curve` is the index of the curve of each crossing."""
+        """Return the interval limits at the crossings, given the curve of each crossing."""
         mean = self.mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
@@ -307,14 +307,14 @@ class _QuantityAtLoads:
 
 
 class PowerSums:
-    """Running sums of powers of jackknife values, from which the half width of the interval is computed."""
+    """Sums of powers of jackknife values, which give the half width of an interval."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
         self._sums = np.zeros((4, *shape))
 
     def add(self, values: Floats) -> None:
-        """Add jackknife values to the running sums."""
+        """Add the powers of jackknife values to the sums."""
         self._count += values.shape[-1]
         square = values * values
         self._sums[0] += values.sum(axis=-1)
@@ -323,16 +323,16 @@ class PowerSums:
             self._sums[index] += np.einsum("...r,...r", *factors)
 
     def add_sums(self, count: int, sums: Floats) -> None:
-        """Add the sums of the first four powers (4, ...) of jackknife values to the running sums."""
+        """Add sums of the first four powers of jackknife values."""
         self._count += count
         self._sums += sums
 
     def is_finite(self) -> NDArray[np.bool_]:
-        """Return whether all added values were finite."""
+        """Return whether all jackknife values so far are finite."""
         return np.asarray(np.isfinite(self._sums).all(axis=0))
 
     def half_width(self) -> Floats:
-        """Return the half width of the interval, computed from all values added so far."""
+        """Return the half width of the interval from all jackknife values so far."""
         count = self._count
         first, second, third, fourth = self._sums
         mean = first / count
@@ -348,7 +348,7 @@ class PowerSums:
 
 
 def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.intp]) -> list[Floats]:
-    """Fit straight lines to mean values against mean normal loads near the given loading steps. Return the slopes.
+    """Return the slopes of straight lines, fitted to quantities against normal loads near given steps.
 
     The values of each quantity and the loads have the shape (p, k), and the indices of the loading steps have the shape
     (p,).
@@ -361,7 +361,7 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
     count = is_inside.sum(axis=1, keepdims=True)
 
     def compute_deviations(curves: Floats) -> Floats:
-        """Return deviations from the mean in each window, and 0 outside the window."""
+        """Return deviations from the mean in each window of steps, and 0 outside the window."""
         values = np.where(is_inside, np.take_along_axis(curves, window_indices, axis=1), 0.0)
         return np.where(is_inside, values - values.sum(axis=1, keepdims=True) / count, 0.0)
 
@@ -377,7 +377,7 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
 
 
 def average_independent_values(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Average values along the first axis, ignoring NaN, and return the mean with its Student's t interval.
+    """Average independent numbers along the first axis, ignoring NaN, with a Student's t interval.
 
     If no value is negative, the logarithm of the mean is used, so that the interval is above 0.
     """
@@ -393,7 +393,7 @@ def average_independent_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
-    """Return the limits of the interval around a mean, given the half width of the interval.
+    """Return the limits of an interval from the mean and the half width.
 
     The interval is symmetric in the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
     """
@@ -410,7 +410,7 @@ def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: Arra
 
 @lru_cache(maxsize=32)
 def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return the constants 1' R^-1 1, variance inflation, t quantile and t density of the autoregressive models."""
+    """Return constants of the autoregressive models: 1' R^-1 1, variance inflation, t quantile and t density."""
     rho, lags = _NEIGHBOUR_CORRELATIONS, np.arange(1, count)
     weight_sums = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
@@ -419,7 +419,7 @@ def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float
 
 
 def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean of correlated values measured at neighbouring positions (first axis), with its interval.
+    """Average numbers at neighbouring positions (first axis), with an interval that allows for correlation.
 
     The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
     and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/uncertainty.md). The interval lies within the
@@ -440,7 +440,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the limits of the interval for each row mean, or NaN if all values in the row are equal.
+    """Return the interval of each row's mean, or NaN if all numbers in the row are equal.
 
     The values have the shape (c, r).
     """
@@ -489,7 +489,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
 
 
 def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
-    """Average values along each line, and return the mean of these averages with its 95 % interval."""
+    """Average a quantity along each line, and return the mean over lines with its 95 % interval."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
@@ -510,7 +510,7 @@ def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats,
 
 @dataclass(frozen=True)
 class ScanPairMean:
-    """Mean of a quantity over all pairs of scans, and the variance components of this mean."""
+    """Mean of a quantity over all pairs of scans, with its variance components."""
 
     mean: float
     # Variances of the mean due to upper scans, due to lower scans and due to positions.
@@ -521,12 +521,12 @@ class ScanPairMean:
 
     @property
     def half_width(self) -> float:
-        """Half width of the 95 % interval of the mean. It is infinite if there are too few members."""
+        """Half width of the 95 % interval of the mean, infinite for too few members."""
         return float(student_quantile(min(self.freedom, MAX_DEGREES_OF_FREEDOM))) * math.sqrt(sum(self.variances))
 
 
 def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScanPairMean | None:
-    """Return the mean over all pairs of scans and its variance components, or None if there are fewer than two pairs.
+    """Return the mean over all pairs of scans with its variance components, or None for fewer than two pairs.
 
     The values have the shape (r, ...). The model has two-way random effects (Searle, Casella & McCulloch, Variance
     Components, 1992, chapter 4). Mean squares that do not exceed the residual mean square are pooled with the residual.
@@ -578,7 +578,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
 
 
 def _single_test_degrees_of_freedom(components: Floats, freedoms: Floats) -> float:
-    """Return the degrees of freedom of the variance of a single test. This variance is a sum of components.
+    """Return the degrees of freedom of the variance of a single test, which is a sum of components.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
     alone. With two scans, the variance between scans has one degree of freedom. If the estimate of this variance is

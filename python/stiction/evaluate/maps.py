@@ -1,4 +1,4 @@
-"""Ensemble means and their intervals at given loads, interpolated between steps of prescribed approach or load.
+"""Means over an ensemble and their intervals at given loads, interpolated between approaches or loads.
 
 An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios. Repetitions without contact
 count as zeros. A load is reached where mean(F_N), interpolated linearly between the steps, first exceeds the load;
@@ -50,7 +50,7 @@ _RATIO_SUM_NAMES = ("contact_area", "contact_load", *sorted(VALIDITY_RATIO_OPERA
 
 
 def _list_required_variables(quantity: str) -> tuple[str, ...]:
-    """Return the names of the stored variables from which a quantity is computed."""
+    """Return the stored variables from which a quantity is computed."""
     return _VARIABLES_BY_QUANTITY.get(quantity, tuple(dict.fromkeys((*_LOAD_VARIABLES, quantity))))
 
 
@@ -61,7 +61,7 @@ def friction_map(
     mu0: ArrayLike | None = None,
     tau0: ArrayLike | None = None,
 ) -> xarray.Dataset:
-    """Compute the friction coefficient mean(F_T) / mean(F_N) of the ensemble at given normal loads.
+    """Compute the friction coefficient mean(F_T) / mean(F_N) of an ensemble at given normal loads.
 
     Parameters
     ----------
@@ -211,19 +211,19 @@ def stiffness_map(
 
 
 def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
-    """Return the dimensions whose combinations are the cells of a result, such as fractal dimension and cutoff."""
+    """Return the dimensions of a result whose combinations are its cells, such as cutoff."""
     return [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims]
 
 
 def move_repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
-    """Return an array with the repetitions on the last axis, contiguous in memory for fast sums over repetitions."""
+    """Return an array with the repetitions on its last axis, contiguous in memory for fast sums."""
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
 def iterate_solved_pieces(
     result: MemberSums, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield the pieces of a result, omitting members for which the solver failed at any load."""
+    """Yield the members of a result in groups, without those for which the solver failed at any load."""
     for piece in iterate_pieces_with_true_areas(result, names):
         elastic_loads = piece["normal_elastic"]
         is_solved = np.isfinite(
@@ -244,7 +244,7 @@ def evaluate_ensemble_quantities(
     result: MemberSums, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, names: Sequence[str],
     transform: DatasetTransformation | None = None, *, includes_ratios: bool = True,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
-    """Apply `transform` to each piece of the result, and evaluate ensemble quantities at given mean normal loads.
+    """Evaluate means over an ensemble at given mean normal loads, after applying `transform` to the members.
 
     The dataset of each quantity has the structure of `friction_map`. Without `includes_ratios`, the ratios of
     contact sums are omitted. Each piece of the result is read twice.
@@ -302,7 +302,7 @@ def evaluate_ensemble_quantities(
 
 
 class _EnsembleQuantities:
-    """Ensemble quantities at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
+    """Means over an ensemble at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
 
     def __init__(
         self, head: xarray.Dataset, names: Sequence[str], loads: Floats, mu0: Floats, tau0: Floats,
@@ -317,7 +317,7 @@ class _EnsembleQuantities:
         self.other_sum_names = [name for name in self.ratio_sum_names if name not in SUM_QUANTITIES]
 
     def required_variables(self) -> tuple[str, ...]:
-        """Return the names of the variables that must be read from the result."""
+        """Return the variables that must be read from the result."""
         variables = [name for quantity in self.names for name in _list_required_variables(quantity)]
         if "normal_stiffness" in self.names and self.step_dimension == "load":
             variables.append("approach")  # the stiffness is the derivative of the load with respect to the approach
@@ -326,7 +326,7 @@ class _EnsembleQuantities:
     def compute_curves(
         self, cell: tuple[int, ...], sums: Sequence[ContactSums], selected_members: slice = slice(None)
     ) -> list[Floats]:
-        """Return the normal loads and the values of each quantity for some members.
+        """Return the normal loads and all quantities for some members.
 
         `sums` is a result of `_compute_sums`. The first axis of each array runs over all pairs of mu0 and tau0.
         """
@@ -345,7 +345,7 @@ class _EnsembleQuantities:
         self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sequence[ContactSums],
         ratio_operands: Mapping[str, Floats], pool: Executor,
     ) -> dict[str, xarray.Dataset]:  # fmt: skip
-        """Build the dataset of each quantity from the means and intervals of all cells, which `pool` evaluates.
+        """Return a dataset of each quantity, from means and intervals of all cells that `pool` evaluates.
 
         `averages` and `ratio_operands` are results of `_average_sums`.
         """
@@ -355,7 +355,7 @@ class _EnsembleQuantities:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
         def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
-            """Evaluate the quantities of a cell, and return the ratios of its contact sums."""
+            """Evaluate the quantities of one cell, and the ratios of its contact sums."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
@@ -420,12 +420,12 @@ class _EnsembleQuantities:
 
 
 def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape a table with one row per curve and one column per load. The new array axes are load, mu0 and tau0."""
+    """Reshape a table (curves, loads) to an array with axes for load, mu0 and tau0."""
     return np.moveaxis(curve_table.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return the contact sums, followed by the sums for each named quantity.
+    """Return the contact sums, and the sums that each named quantity needs.
 
     The first axes of each sum are sliding rule and direction. If a quantity is stored directly, its
     values replace the area in its sums.
@@ -455,7 +455,7 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
 
 
 def _get_values_or_nan(dataset: xarray.Dataset, name: str, step_dimension: str) -> NDArray[Any]:
-    """Return a variable with all axes: motion, cell, step and repetition. A missing variable is NaN."""
+    """Return a variable with axes for motion, cell, step and repetition; a missing variable is NaN."""
     dims = [
         *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
         *find_cell_dimensions(dataset),
@@ -479,7 +479,7 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw)
 def _average_sums(
     pieces: Iterable[xarray.Dataset], names: Sequence[str], operand_names: Sequence[str], step_dimension: str
 ) -> tuple[list[ContactSums], dict[str, Floats], int]:
-    """Average the sums that `_compute_sums` returns, and the operands of ratios, over members, and count the members.
+    """Average the sums of `_compute_sums` and the operands of ratios over members, and count the members.
 
     The averages of sums have an axis of length 1 for the members.
     """
@@ -504,7 +504,7 @@ def _average_sums(
 
 
 def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
-    """Return mu0 and tau0 (GPa) as arrays. None is replaced by the values in the study."""
+    """Return mu0 and tau0 (GPa) as arrays, by default those of the study."""
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0

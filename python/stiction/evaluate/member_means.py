@@ -1,4 +1,4 @@
-"""Means over members, with their intervals, and the statuses of these means."""
+"""Means over members with their intervals and statuses."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 
 @dataclass(frozen=True, eq=False)
 class LoadNeighbors:
-    """Values of members at the computed loads below and above each load, and the position between both loads.
+    """Members at the computed loads below and above each load, and the position of the load between them.
 
     The position is the fraction of the distance in ln F; it is 0 at a computed load.
     """
@@ -46,7 +46,7 @@ class LoadNeighbors:
 def average_members(
     study: Study, members: xarray.Dataset, names: Collection[str] | None, neighbors: LoadNeighbors | None = None
 ) -> xarray.Dataset:
-    """Average values over the members, and compute the 95 % intervals of the means.
+    """Average quantities over the members, with 95 % intervals of the means.
 
     `names` lists quantities to evaluate besides friction; None stands for all. With `neighbors`, the intervals at loads
     between computed loads include the interpolation error.
@@ -56,7 +56,7 @@ def average_members(
     dependence = MemberDependence.from_coordinates(study, members)
 
     def average(dims: Sequence[str], get_values: Callable[[xarray.Dataset], Floats]) -> Floats:
-        """Return means and interval limits of values with the dimensions repetition and `dims`."""
+        """Return means and interval limits of a quantity over its repetitions."""
         values = get_values(members)
         means = dependence.mean_with_interval(values)
         if neighbors is None or "load" not in dims:
@@ -152,7 +152,7 @@ def _average_quantities(
     members: xarray.Dataset, average: Callable[[Sequence[str], Callable[[xarray.Dataset], Floats]], Floats],
     names: Collection[str] | None, find_limit: Callable[[str], float],
 ) -> dict[str, Any]:  # fmt: skip
-    """Average the quantities over the members. Normal and tangential loads are averaged only on request.
+    """Average quantities over the members, and their loads only if requested.
 
     `find_limit` returns the largest upper limit of the interval of a quantity.
     """
@@ -178,7 +178,7 @@ def _average_compliances(
     get_stiffnesses: Callable[[xarray.Dataset], Floats],
     mean_stiffnesses: Floats,
 ) -> Floats:
-    """Return the inverse of the mean compliances, which is the derivative of the load by the mean displacement.
+    """Return the inverse of the mean compliance, the derivative of the load by the mean displacement.
 
     Where the mean compliance is not above 0, because contacts disappear as the load grows, the mean stiffness remains.
     """
@@ -197,7 +197,7 @@ def include_interpolation_error(
     means: Floats, values: Floats, below: Floats, above: Floats, position: Floats,
     mean_with_interval: Callable[[Floats], Floats],
 ) -> Floats:  # fmt: skip
-    """Widen the intervals of means of values that are interpolated between two computed points.
+    """Widen the intervals of means that are interpolated between two computed loads.
 
     The error has two parts, which are combined with the interval in quadrature. The random part is that of members
     whose values jump when contacts appear or merge: if the changes between the computed points have the half width h,
@@ -259,7 +259,7 @@ def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
 
 
 def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the contact status for each true area fraction, and the area fractions limited to 1.
+    """Return the contact status for each true area fraction, and the fraction limited to 1.
 
     The fractions have the shape (..., 3). In the asperity model, fractions above 1 become NaN instead.
     """
@@ -274,7 +274,7 @@ def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tupl
 
 
 def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
-    """Set masked means and their limits to NaN, and set negative means, which are round-off, to 0.
+    """Set masked means and limits to NaN, and negative means, which are round-off, to 0.
 
     The last axis contains mean, lower limit and upper limit.
     """
@@ -284,7 +284,7 @@ def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
 
 
 def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
-    """If mu0 and tau0 are 0, replace round-off errors in means over opposite directions by 0.
+    """Replace round-off in means over opposite directions by 0, if mu0 and tau0 are 0.
 
     The means have the dimensions (*dims, statistic). Without interface strength, the contributions of opposite
     directions cancel except for round-off, which would have a random sign.
@@ -297,7 +297,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 
 
 def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes of motion (0 to 180 degrees) for which both opposite directions are given, and their indices.
+    """Return the axes of motion (0 to 180 degrees) with both opposite directions, and the directions' indices.
 
     The indices have the shape (axes, 2).
     """
@@ -314,7 +314,7 @@ def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[
 
 @dataclass(frozen=True, eq=False)
 class MemberDependence:
-    """Statistical dependence between members: none, between neighbours on a line, or through shared scans."""
+    """Statistical dependence of members: none, between neighbours on a line, or through shared scans."""
 
     order: NDArray[np.intp] | None = None
     lines: NDArray[np.intp] | None = None
@@ -322,7 +322,7 @@ class MemberDependence:
 
     @classmethod
     def from_coordinates(cls, study: Study, coordinates: Mapping[Any, Any]) -> MemberDependence:
-        """Determine the dependence between members from their positions.
+        """Determine the dependence of members from their positions.
 
         Members on adjacent lines, or at adjacent positions of a line, are neighbours.
         """
@@ -336,7 +336,7 @@ class MemberDependence:
         return cls(order, lines[order])
 
     def mean_with_interval(self, values: Floats) -> Floats:
-        """Average values over the members, ignoring NaN. Return the mean and the limits of its 95 % interval.
+        """Average a quantity over the members, ignoring NaN. Return the mean and its 95 % interval.
 
         The values have the shape (members, ...), and the result has the shape (..., 3).
         """
@@ -369,7 +369,7 @@ class MemberDependence:
 
 
 def _compute_mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
-    """Return the mean of the values and its interval limits. The limits are above 0 if no value is negative."""
+    """Return the mean and its interval, whose limits are above 0 if no number is negative."""
     if scan_mean is None:
         finite_values = values[np.isfinite(values)]
         return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan
