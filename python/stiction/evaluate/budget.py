@@ -1,4 +1,4 @@
-"""Combined uncertainty of friction coefficients, and the interval that would remain if an input were exact."""
+"""Combined intervals of results, and the uncertainty budget: intervals that remain if one input is exact."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ _INTERVAL_VARIABLES = (
 def add_uncertainty(
     at: xarray.Dataset, result: MemberSums | xarray.Dataset, *, budget: bool = True, tests: bool = True
 ) -> xarray.Dataset:
-    """Add combined intervals, predictions and the uncertainty budget to a dataset returned by `at_load`.
+    """Add combined intervals, prediction intervals and the uncertainty budget to a dataset of `at_load`.
 
     `friction_at_cutoff` contains the combined 95 % interval at each cutoff, or NaN without one. `friction_combined`
     contains the interval to report: this interval or, without one, the interval of the mean. If scans are evaluated at
@@ -98,7 +98,7 @@ def add_uncertainty(
 
 
 def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[AlternativeName, xarray.Dataset]:
-    """Evaluate alternative preparations of the scans at the points of a dataset, with intervals and budget.
+    """Evaluate alternative preparations of the scans at the points of a dataset, with combined intervals.
 
     The values at the last points are cached.
     """
@@ -133,7 +133,7 @@ _Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and array of e
 
 
 def predict_interval(result: MemberSums, load: float, strength: InterfaceStrength) -> Interval:
-    """Return the combined interval of the coefficient at a load (mN) for the joint samples of an interface.
+    """Return the combined interval of the coefficient at a load (mN), for samples of mu0 and tau0.
 
     The sliding rule of the fit is used. If the interface was calibrated with the junction growth of the result, its
     fitted α is used. The interval does not cover alternative preparations of the scans.
@@ -159,7 +159,7 @@ def predict_interval(result: MemberSums, load: float, strength: InterfaceStrengt
 def _add_own_uncertainty(
     at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool, strength: InterfaceStrength | None = None
 ) -> xarray.Dataset:
-    """Add the variables of `add_uncertainty`, but ignore results for alternative preparations of the scans.
+    """Add the variables of `add_uncertainty` without alternative preparations of the scans.
 
     `strength` replaces the interface of the study.
     """
@@ -182,7 +182,7 @@ def _evaluate_uncertainty(
     tests: bool,
     strength: InterfaceStrength | None,
 ) -> tuple[_Tables, dict[str, Any]]:
-    """Evaluate the variables of `add_uncertainty` and their coordinates.
+    """Compute the variables of `add_uncertainty` with their coordinates.
 
     `is_budgeted` is a mask of the loads at which uncertainty budgets are computed, or None to omit the budgets.
     """
@@ -276,7 +276,7 @@ _SampledInputs = tuple[dict[str, Input], list[StrengthArrays]]
 
 
 def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength | None = None) -> _SampledInputs:
-    """Return the uncertain inputs, and the joint samples of mu0 and tau0 of the interface.
+    """Return the uncertain inputs, and joint samples of mu0 and tau0.
 
     The samples replace inputs that the interface was calibrated with. Without an interface, there are no samples.
     `strength` replaces the interface of the inputs.
@@ -299,7 +299,7 @@ def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength 
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str:
-    """Return the label of an interface, with the labels of the uncertain inputs that its samples contain."""
+    """Return the label of an interface, and of the uncertain inputs in its samples."""
     _, _, hardness, growth = joint_samples
     labels = [
         study_inputs.uncertain[name].label
@@ -310,7 +310,7 @@ def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str
 
 
 def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
-    """Return the standard deviations of ln(rms slope of the gap) due to the drift of single scans, by source.
+    """Return the standard deviations of ln(rms slope of the gap) due to drift of single scans, by source.
 
     The slope of another place on a part is assumed to differ by as much as the slopes at the two ends of the scan.
     """
@@ -321,7 +321,7 @@ def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
 def _average_pairs_of_scans(
     result: MemberSums, at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[tuple[int, ...], ScanPairMean | None]:
-    """Return the mean of each coefficient over pairs of scans, with its variance split by source.
+    """Return the mean of each coefficient over pairs of scans, with the variance due to each source.
 
     The sources are scans and positions. The result is empty for a single pair of scans.
     """
@@ -336,7 +336,7 @@ def _average_pairs_of_scans(
 
 
 class _CombinedQuantities:
-    """Quantities other than friction, whose combined intervals are added one coefficient at a time."""
+    """Quantities other than friction, whose combined intervals are computed one coefficient at a time."""
 
     def __init__(self, at: xarray.Dataset, dims: Sequence[str]) -> None:
         self._dims = dims
@@ -347,7 +347,7 @@ class _CombinedQuantities:
                 self.tables[name] = own_dims, at[name].transpose(*own_dims).values.copy()
 
     def add(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
-        """Extend the intervals of the quantities that belong to the coefficient at a position."""
+        """Extend the intervals of all quantities at the position of one coefficient."""
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
@@ -370,7 +370,7 @@ def _iterate_intervals(
     inputs_by_strength: Mapping[tuple[float, float], _SampledInputs],
     scan_means: Mapping[tuple[int, ...], ScanPairMean | None], drifts: Mapping[str, float],
 ) -> Iterator[tuple[tuple[int, ...], CombinedIntervals]]:  # fmt: skip
-    """Yield the indices of each coefficient (along `dims`) and its combined intervals.
+    """Yield the indices of each coefficient along `dims`, with its combined intervals.
 
     `inputs_by_strength` contains the results of `find_inputs_and_strengths` by mu0 and tau0.
     """
@@ -428,7 +428,7 @@ def _iterate_intervals(
 
 
 def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int) -> NDArray[np.bool_]:
-    """Return a mask of the loads at which uncertainty budgets are computed.
+    """Return the loads at which uncertainty budgets are computed, as a mask.
 
     The limit applies to the coefficients at all loads of the study together, and to each other load on its own.
     Therefore, the budget at a load does not depend on other loads that are evaluated in addition.
@@ -439,7 +439,7 @@ def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int
 
 
 def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]) -> xarray.Dataset:
-    """Extend intervals to cover the intervals for alternative preparations of the scans.
+    """Extend intervals so that they cover the intervals for alternative preparations of the scans.
 
     The names of the alternatives become the attribute `alternatives`. An uncertainty budget gets a row for each
     alternative, which contains the interval without this alternative. The other rows are extended by the same rows of
@@ -498,7 +498,7 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
 
 
 def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Sequence[Any]) -> Floats:
-    """Return the intervals that would remain if one of the named inputs were exact, for each of these inputs.
+    """Return the intervals that would remain if one of the named inputs were exact.
 
     An alternative preparation can have other inputs, such as a drift of the roughness. If an input is missing there,
     the combined interval is returned for it.
@@ -510,13 +510,13 @@ def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Seq
 
 
 def _find_budgeted_coefficients(at: xarray.Dataset, dims: Sequence[Any]) -> NDArray[np.bool_]:
-    """Return a mask of the coefficients that have an uncertainty budget, with a last axis of length 1."""
+    """Return the coefficients with an uncertainty budget, as a mask."""
     widths = at["remaining_width"].transpose("input", *dims[:-1]).values
     return np.asarray(~np.isnan(widths).all(axis=0)[..., np.newaxis])
 
 
 def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:
-    """Extend the intervals of estimates to include the intervals of other estimates.
+    """Extend the intervals of estimates so that they cover other estimates.
 
     The last axis of each array contains value, lower limit and upper limit.
     """
@@ -527,7 +527,7 @@ def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:
 def _get_arrays_over_dims(
     variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[str, NDArray[Any]]:
-    """Return the variables of a dataset as arrays whose first axes are the given dimensions.
+    """Return the variables of a dataset as arrays that start with the axes of given dimensions.
 
     Variables that lack a dimension are constant along it. The arrays are much faster to index than variables.
     """
@@ -541,7 +541,7 @@ def _get_arrays_over_dims(
 def _get_combined_coefficients(
     at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats
 ) -> Floats:
-    """Return the reported coefficients and their interval limits as an array of shape (*dims, statistic)."""
+    """Return the quoted coefficients with the limits of their combined intervals (last axis)."""
     combined = at["mean_friction"].transpose(*dims, "statistic").values.copy()
     lower_limits = combined[..., 1]
     combined[..., 1] = np.where((lower_limits < 0) & (combined[..., 0] >= 0), 0.0, lower_limits)

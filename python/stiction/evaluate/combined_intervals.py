@@ -1,4 +1,4 @@
-"""Combined intervals of all quantities at one load, μ0 and τ0, computed from samples of the uncertain inputs.
+"""Combined intervals of all quantities at one load, μ0 and τ0, from samples of the uncertain inputs.
 
 The uncertain inputs, the scatter between positions, and the unresolved roughness are propagated by sampling (JCGM 101,
 2008) through the `ContactResponse`.
@@ -77,7 +77,7 @@ The inputs change each quantity by the named ratio.
 def compute_quantity_ratios(
     response: ContactResponse, inputs: InputValues, central: ResponseValues
 ) -> dict[RatioName, Floats]:
-    """Return all quantities except the closure, by name, divided by their values at the central inputs."""
+    """Return all quantities except the closure, each divided by its number at the central inputs."""
     values = response.evaluate(inputs)
     hardness, central_hardness = (
         response.area.contact_hardness(response.load, each.hardness, each.size_effect)
@@ -98,7 +98,7 @@ def compute_quantity_ratios(
 
 @dataclass(frozen=True)
 class _InputSamples:
-    """Samples of the named inputs: cumulative probabilities, normal scores of sampling errors, and values."""
+    """Samples of uncertain inputs: probabilities, normal scores of sampling errors, and numbers."""
 
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
@@ -108,7 +108,7 @@ class _InputSamples:
 
 
 class InputSampler:
-    """Samples of the uncertain inputs of a study, shared by all its coefficients."""
+    """Samples of the uncertain inputs of a study, which all its coefficients share."""
 
     def __init__(self, study: Study) -> None:
         self._inputs = Inputs.from_study(study)
@@ -121,14 +121,14 @@ class InputSampler:
     def draw(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
     ) -> _InputSamples:
-        """Draw samples of the named inputs and sources. Inputs in `fixed` have a given quantile instead."""
+        """Draw samples of the named inputs and sources of error, with the inputs in `fixed` at a given quantile."""
         key = tuple(inputs), names, tuple(fixed.items())
         if key not in self._cache:
             self._cache[key] = self._generate_samples(inputs, names, fixed)
         return self._cache[key]
 
     def find_areas(self, key: Any, response: ContactResponse, inputs: InputValues) -> AreasBeforeShear:
-        """Return the true areas before shear for samples with a given key. They are cached for other mu0 and tau0."""
+        """Return the true areas before shear for samples, cached for other mu0 and tau0."""
         if key not in self._areas:
             if len(self._areas) == MAX_CACHED_AREAS:
                 self._areas.pop(next(iter(self._areas)))
@@ -136,7 +136,7 @@ class InputSampler:
         return self._areas[key]
 
     def find_closures(self, key: Any, response: ContactResponse, inputs: InputValues) -> Floats:
-        """Return the closures at the computed loads for the samples with a given key.
+        """Return the closures at the computed loads for samples, cached for other mu0 and tau0.
 
         The closures of the last key are cached for other loads. Samples with the key None are evaluated every time.
         """
@@ -163,7 +163,7 @@ class InputSampler:
 
 
 class CombinedIntervals:
-    """Combined intervals of the values of `at_load` at one load, μ0 and τ0 under one sliding rule.
+    """Combined intervals of the quantities of `at_load` at one load, μ0 and τ0, under one sliding rule.
 
     `central` contains the quantities at the central inputs of `response`. `names` lists the uncertain inputs and
     sources of sampling uncertainty; it is empty if there is no coefficient or no interval. `drifts` contains, by source
@@ -215,7 +215,7 @@ class CombinedIntervals:
         )
 
     def _split_relative_error(self, lower: float, upper: float, value: float) -> dict[str, float]:
-        """Return the nonzero relative standard errors of a mean due to the choice of scans and positions."""
+        """Return the relative standard errors of a mean due to scans and positions that are not 0."""
         relative_width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
         error = relative_width / (2 * Z_95)
         if self._scan_mean is None:
@@ -225,7 +225,7 @@ class CombinedIntervals:
         return {name: each for name, each in zip(SAMPLING_INPUT_NAMES, errors, strict=True) if each > 0}
 
     def _find_scatter(self, point: Mapping[str, Any]) -> tuple[float, float]:
-        """Return the relative standard deviation of single tests from the mean, and its degrees of freedom.
+        """Return the relative standard deviation of a single test from the mean, and its degrees of freedom.
 
         A single test is a test of one new member in one direction.
         """
@@ -239,7 +239,7 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return a coefficient that is 0 at the central inputs, followed by the limits of its 95 % interval.
+        """Return a coefficient that is 0 at the central inputs, with the limits of its 95 % interval.
 
         Relative errors of such a coefficient are undefined. The interval contains the coefficient and its sampling
         interval, and is not below 0. The result is NaN if the coefficient is not 0, or if neither mu0 nor tau0 is
@@ -259,7 +259,7 @@ class CombinedIntervals:
         return value, max(low, 0.0), high
 
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
-        """Return the 95 % interval of the coefficient, with some inputs fixed at the given quantiles.
+        """Return the 95 % interval of the coefficient, with some inputs fixed at given quantiles.
 
         The interval contains the value, the interval of the mean, and the range of coefficients for finer
         scans, unless these sources are fixed.
@@ -272,7 +272,7 @@ class CombinedIntervals:
         return self._compute_sampled_interval(fixed).extended_to(*included_intervals)
 
     def remaining_interval_width(self, name: str) -> float:
-        """Return the mean width of the interval that would remain if the named input were known exactly.
+        """Return the mean width of the interval that would remain if a named input were exact.
 
         Widths are compared as differences of the friction angle, which stays finite if samples seize.
         """
@@ -292,25 +292,25 @@ class CombinedIntervals:
 
     @property
     def unlimited_fraction(self) -> float:
-        """Fraction of input samples that leave the coefficient without an upper limit."""
+        """Fraction of the samples of the inputs for which the coefficient has no upper limit."""
         if "junction_growth" not in self.inputs and not np.any(self.response.central.junction_growth):
             return 0.0
         return float(np.isinf(self._sample_friction({})[1]).mean())
 
     def predict_next_test(self) -> Interval:
-        """Return the 95 % prediction interval for a test of one new member in one direction of motion."""
+        """Return the 95 % prediction interval of one more test in one direction of motion."""
         first, *others = (compute_equal_tailed_interval(*each) for each in self._next_tests)
         return first.extended_to(*others, (self.value, self.value), *self._intervals_without_upper_limit)
 
     def predict_percentiles(self) -> Floats:
-        """Return `FRICTION_PERCENTILES` of single tests. The lowest and the highest enclose the coefficient itself."""
+        """Return percentiles (`FRICTION_PERCENTILES`) of single tests, which enclose the coefficient."""
         by_strength = [compute_quantiles(FRICTION_PERCENTILES / 100, *each) for each in self._next_tests]
         value = np.where(FRICTION_PERCENTILES == 50.0, np.nan, self.value)
         return extend_percentiles(by_strength[0], [*by_strength[1:], value])
 
     @cached_property
     def _next_tests(self) -> list[tuple[Floats, Floats]]:
-        """Samples of the coefficient, and of its upper limit, in a single test of one new member in one direction.
+        """Samples of the coefficient in one more test in one direction, and of its upper limit.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a part whose roughness drifts, so that the drift counts twice. With joint samples of
@@ -323,7 +323,7 @@ class CombinedIntervals:
         return self._sample_all_strengths(fixed_quantiles, factor=factor, drift_factor=math.sqrt(2))
 
     def friction_after_dwell(self, dwell_time: float) -> tuple[float, float, float]:
-        """Return the friction coefficient after a dwell time (s), together with the limits of its 95 % interval.
+        """Return the coefficient after a dwell time (s), with the limits of its 95 % interval.
 
         The coefficient is NaN if the nominal pressure reaches the hardness.
         """
@@ -343,7 +343,7 @@ class CombinedIntervals:
     # ---- Other quantities --------------------------------------------------------------------------------------------
 
     def extend_quantity_intervals(self, estimates: Mapping[str, Floats]) -> dict[str, Floats]:
-        """Return estimates of quantities with combined intervals.
+        """Return quantities with their combined intervals.
 
         `estimates` contains value and interval of the mean of each quantity, by name. An interval that cannot be
         computed stays an interval of the mean.
@@ -387,7 +387,7 @@ class CombinedIntervals:
         return self._compute_interval_of_samples(fixed)
 
     def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
-        """Return the limits of the 95 % interval, extended to include the samples with mu0 or tau0 at its bound.
+        """Return the limits of the 95 % interval, extended to samples with mu0 or tau0 at its bound.
 
         The interval of a coefficient is computed only once, also if the coefficient is evaluated again among others.
         """
@@ -405,14 +405,14 @@ class CombinedIntervals:
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """Return an interval without an upper limit if the coefficient at the central inputs has none."""
+        """Return an interval without upper limit if the coefficient at the central inputs has none."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
         drift_factor: float = 1.0,
     ) -> list[tuple[Floats, Floats]]:  # fmt: skip
-        """Call `_sample_friction` for each entry of `strengths`, and multiply the samples by a factor."""
+        """Return samples of the coefficient, times a factor, for each element of `strengths`."""
         num_strengths = 1 if INTERFACE_INPUT_NAME in fixed else max(len(self.strengths), 1)
         samples = (self._sample_friction(fixed, dwell_time, index, drift_factor) for index in range(num_strengths))
         return [(lower * factor, upper * factor) for lower, upper in samples]
@@ -476,7 +476,7 @@ class CombinedIntervals:
     def _insert_interface_samples(
         self, inputs: InputValues, samples: _InputSamples, strength_index: int
     ) -> InputValues:
-        """Insert the joint samples of an interface, sorted by the coefficients that follow from mu0 and tau0.
+        """Insert joint samples of mu0 and tau0, sorted by the coefficient to which they lead.
 
         Quantiles of the samples are therefore also quantiles of the coefficient.
         """
@@ -502,19 +502,19 @@ class CombinedIntervals:
 
 @lru_cache(maxsize=8)
 def _compute_test_scores(freedom: float, num_dimensions: int) -> Floats:
-    """Return samples of Student's t distribution, from the last coordinate of the stratified points."""
+    """Return samples of Student's t distribution from the last coordinate of the Sobol points."""
     from scipy.special import stdtrit
 
     return make_read_only(np.asarray(stdtrit(freedom, generate_stratified_points(num_dimensions)[:, -1])))
 
 
 def _compute_friction_angle_difference(ends: tuple[float, float]) -> float:
-    """Return the difference (rad) between the friction angles that correspond to the limits of an interval."""
+    """Return the difference (rad) of the friction angles at both limits of an interval."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 
 def compute_equal_tailed_interval(values: NDArray[Any], upper_values: NDArray[Any] | None = None) -> Interval:
-    """Return the limits of the equal-tailed interval that contains 95 % of the samples; see `compute_quantiles`.
+    """Return the limits of the equal-tailed 95 % interval of samples; see `compute_quantiles`.
 
     Raises
     ------
@@ -527,7 +527,7 @@ def compute_equal_tailed_interval(values: NDArray[Any], upper_values: NDArray[An
 def compute_quantiles(
     probabilities: Floats, values: NDArray[Any], upper_values: NDArray[Any] | None = None, axis: int | None = None
 ) -> Floats:
-    """Return quantiles of samples along an axis. A quantile is infinite if too many samples are infinite.
+    """Return quantiles of samples along an axis, which may be infinite if samples are.
 
     If `upper_values` are given, quantiles above the median are computed from `upper_values`.
 
@@ -553,7 +553,7 @@ def compute_quantiles(
 
 
 def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:
-    """Extend low percentiles downwards and high percentiles upwards to the percentiles of other samples (last axis).
+    """Extend low percentiles downwards and high ones upwards to the percentiles of other samples.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

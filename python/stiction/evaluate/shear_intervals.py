@@ -1,4 +1,4 @@
-"""Intervals of a shear test: uncertain inputs, and the scatter between strips of the faces.
+"""Intervals of a shear test, due to uncertain inputs and to scatter between strips of the faces.
 
 Inputs are propagated by sampling (JCGM 101, 2008). μ0 and τ0 enter at the solved contacts. The hardness and E* change
 the contacts, so the test is repeated at the limits of each, and the curves are interpolated.
@@ -44,7 +44,7 @@ _Samples = dict[str, Floats]  # an array of each quantity, whose first axis cont
 
 @dataclass(frozen=True)
 class ShearInputSamples:
-    """Samples of the inputs of a shear test, each an array of shape (n,).
+    """Samples of the inputs of a shear test, each as an array of n numbers.
 
     `contact_inputs` contains those `CONTACT_INPUTS` that are uncertain, relative to their central values.
     `probabilities` are cumulative probabilities of another quantity, which is independent of the inputs.
@@ -57,7 +57,7 @@ class ShearInputSamples:
 
 
 def _draw_points(dimensions: int, num_displacements: int) -> Floats:
-    """Return points of a Sobol sequence, `NUM_INPUT_SAMPLES` or fewer if there are many displacements."""
+    """Return points of a Sobol sequence, fewer than `NUM_INPUT_SAMPLES` for many displacements."""
     count = min(NUM_INPUT_SAMPLES, 2 ** int(math.log2(MAX_CURVE_VALUES / num_displacements)))
     return generate_sobol_points(dimensions, max(count, MIN_INPUT_SAMPLES), seed=2016)
 
@@ -65,7 +65,7 @@ def _draw_points(dimensions: int, num_displacements: int) -> Floats:
 def draw_shear_samples(
     inputs: Inputs, strength: InterfaceStrength | None, num_displacements: int
 ) -> list[ShearInputSamples]:
-    """Draw samples of the uncertain inputs. With an interface, further samples have mu0 or tau0 at its bound."""
+    """Draw samples of the inputs of a shear test. With an interface, more samples have mu0 or tau0 at its bound."""
     uncertain, joint_strengths = find_inputs_and_strengths(inputs, strength)
     if not uncertain and all(np.ptp(mu0) == np.ptp(tau0) == 0 for mu0, tau0, *_ in joint_strengths):
         return []
@@ -96,19 +96,19 @@ def draw_shear_samples(
 
 @dataclass(frozen=True)
 class ContactVariation:
-    """One limit of an input in `CONTACT_INPUTS`, as a ratio to the central value of the input."""
+    """Lower or upper limit of an input that changes the contacts, relative to its central value."""
 
     name: str
     ratio: float
 
     def apply(self, box: ShearBox) -> ShearBox:
-        """Return the shear test with the changed input."""
+        """Return the shear test with the input at this limit."""
         changes: Any = {self.name: getattr(box, self.name) * self.ratio}
         return replace(box, **changes)
 
 
 def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariation]:
-    """Return the limits of the uncertain inputs that change the contacts."""
+    """Return the limits of all uncertain inputs that change the contacts."""
     if not samples:
         return []
     return [
@@ -120,7 +120,7 @@ def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariati
 
 
 class _SampledCurves:
-    """Curves over the displacement for samples of the inputs, from tests at the central inputs and at their limits.
+    """Curves of a shear test for samples of the inputs, from tests at central inputs and at their limits.
 
     Between them, curves are linear in the logarithm of the input. The effects of two inputs are added.
     `has_no_solution` is True for samples near a limit at which the contact has no solution, with the shape (samples,
@@ -140,7 +140,7 @@ class _SampledCurves:
             self.has_no_solution = self.has_no_solution | ((weight > 0.5) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
-        """Return a curve for each sample, with the shape (samples, displacements) or (displacements,)."""
+        """Return a curve of the shear test for each sample (first axis)."""
         central = get_curve(self._test)
         return central + sum(weight * np.nan_to_num(get_curve(other) - central) for weight, other in self._terms)
 
@@ -148,7 +148,7 @@ class _SampledCurves:
 def _sample_test(
     test: xr.Dataset, samples: ShearInputSamples, variations: Sequence[tuple[ContactVariation, xr.Dataset]]
 ) -> _Samples:
-    """Return samples of the curves and summary values. Coefficients are infinite where the faces lock."""
+    """Return curves and summary numbers for samples. Coefficients are infinite where the faces lock."""
     curves = _SampledCurves(test, samples, variations)
     law = FrictionLaw(samples.mu0[:, np.newaxis], samples.tau0[:, np.newaxis])
     sums = {name: curves.sample(partial(_divide, name=name, divisor="normal_load")) for name in LOAD_SUM_NAMES}
@@ -166,7 +166,7 @@ def _divide(test: xr.Dataset, name: str, divisor: str) -> Floats:
 
 
 def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, dilation: Floats) -> _Samples:
-    """Return curves and summary values of samples. A peak is found among the displacements with status "ok"."""
+    """Return curves and summary numbers of samples. The peak is found among displacements with status "ok"."""
     displacement, is_ok = test["displacement"].values, test["status"].values == STATUS_OK
     values = {"friction_coefficient": coefficient, "shear_stress": stress, "dilation": dilation}
     if is_ok[-1]:
@@ -180,7 +180,7 @@ def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, di
 
 
 def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _Samples:
-    """Return the standard errors of the means over the strips.
+    """Return the standard errors of means over strips of the faces.
 
     The errors are NaN, or the name is missing, if a strip has no solution.
     """
@@ -201,7 +201,7 @@ def add_shear_intervals(
     test: xr.Dataset, samples: Sequence[ShearInputSamples], variations: Sequence[tuple[ContactVariation, xr.Dataset]],
     strips: Sequence[xr.Dataset],
 ) -> xr.Dataset:  # fmt: skip
-    """Add the 95 % intervals of a shear test.
+    """Add 95 % intervals to the results of a shear test.
 
     `variations` are the tests at the limits of the inputs, and `strips` are the tests of the strips. The standard error
     of the mean over the strips counts as the error of the test, with Student's t distribution. An interval contains the
@@ -240,7 +240,7 @@ def _student_scores(probabilities: Floats, num_strips: int) -> Floats:
 
 
 def _compute_limits(values: Floats) -> Floats:
-    """Return 95 % limits over the first axis (last axis: lower, upper), or NaN where any sample is NaN."""
+    """Return 95 % limits over the first axis, or NaN if a sample is NaN."""
     columns = values.reshape(len(values), -1)
     limits = np.full((columns.shape[1], 2), np.nan)
     is_known = ~np.isnan(columns).any(axis=0)
@@ -250,14 +250,14 @@ def _compute_limits(values: Floats) -> Floats:
 
 
 def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
-    """Extend the first limits to the value and all other limits, and raise negative limits to 0 except for dilation."""
+    """Extend limits so that they enclose the central number, and raise negative limits to 0 except for dilation."""
     first, *other_limits = limits
     extended_limits = extend_intervals(first, *other_limits, np.stack([value, value], axis=-1))
     return extended_limits if "dilation" in name else np.maximum(extended_limits, 0.0)
 
 
 def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
-    """Return a copy of the test with intervals: variables for curves, and attributes for single numbers."""
+    """Return a copy of the shear test with intervals of curves (variables) and of single numbers (attributes)."""
     attributes: dict[str, float] = {}
     displacement = test["displacement"].values
     for name in SHEAR_SUMMARY_NAMES:
