@@ -1,1 +1,1 @@
-"""Values and intervals, evaluated from the contact sums of the members."""
+"""Quantities and their intervals, evaluated from the contact sums of the members."""

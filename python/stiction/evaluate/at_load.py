@@ -1,4 +1,4 @@
-"""Evaluation of results at given loads. The loads can be elastic loads, normal loads or mean normal loads.
+"""Evaluation of results at given loads, which are elastic, normal or mean normal loads.
 
 *mean*: the mean normal load of the ensemble equals the given load, and values are ratios of means, as in the figures of
 the paper. *elastic*: the elastic load of each member, before any contact slides, equals the given load. *normal*: the
@@ -37,7 +37,7 @@ def at_load(
     mu0: ArrayLike | None = None, tau0: ArrayLike | None = None, load_definition: LoadDefinition | None = None,
     member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate friction, true area and contact statistics at given loads, and compute their 95 % intervals.
+    """Evaluate friction, true area and contact statistics at given loads, with 95 % intervals.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def at_load(
 def _find_bracketing_loads(
     result: MemberSums, loads: Floats
 ) -> tuple[Floats, tuple[NDArray[np.intp], NDArray[np.intp]], Floats] | None:
-    """Find the computed loads between which values at the given loads are interpolated; None if all were computed.
+    """Return the computed loads between which given loads are interpolated, or None if all were computed.
 
     Returns the computed loads, the indices of the computed loads below and above each given load, and the position of
     each given load between them.
@@ -157,7 +157,7 @@ def _find_bracketing_loads(
 def estimate_small_slope_friction(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
-    """Compute the small-slope estimate of friction from rms gradients and directional rms slopes of the gaps.
+    """Return the small-slope estimate of friction from rms gradients and rms slopes of the gaps.
 
     The rms gradients have the shape (...), and the rms slopes have the shape (..., direction).
     """

@@ -1,4 +1,4 @@
-"""Range of the computed loads of a result, and requested loads at which the result has no values."""
+"""Loads at which a result was computed, and requested loads for which it has no coefficient."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLV
 
 
 def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> list[float]:
-    """Return the loads (mN) of a dataset from `Result.at` that have no coefficient because they were not computed.
+    """Return the loads (mN) in a dataset that have no coefficient because they were not computed.
 
     At a computed load, a point without a coefficient may be self-locked, for example. Such loads are not returned, and
     neither are negligible loads on adhesive bodies, for which there is a pull-off force.
@@ -62,7 +62,7 @@ def find_computed_load_range(result: MemberSums, values: xarray.Dataset | None =
 
 
 def find_neighbouring_loads(study: Study, loads: ArrayLike) -> dict[float, tuple[float, float]]:
-    """Return the two computed loads (mN) between which each load lies, by load.
+    """Return, for each load (mN), the two computed loads between which it lies.
 
     Computed loads, loads outside the computed range, and all loads of measured bodies or of approaches are left out.
     """
@@ -79,7 +79,7 @@ def find_neighbouring_loads(study: Study, loads: ArrayLike) -> dict[float, tuple
 
 
 def find_loads_outside_range(result: MemberSums, values: xarray.Dataset) -> list[float]:
-    """Return the loads (mN) of a dataset outside the computed range, except negligible loads on adhesive bodies."""
+    """Return the loads (mN) in a dataset outside the computed range, except negligible loads on adhesive bodies."""
     lowest_load, highest_load = find_computed_load_range(result, values)
     return [
         float(load)

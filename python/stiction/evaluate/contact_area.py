@@ -1,4 +1,4 @@
-"""True area of a pair as a function of load, hardness, E* and the exponent of the yielding area.
+"""True area of a pair as a function of load, hardness, E* and the exponent of yielding contacts.
 
 Elastic areas at all loads suffice for this: the area of contacts that yield follows from the elastic area at the same
 load, and by similarity, the elastic area at (F, e E*) equals the area at (F/e, E*). The *capped area* is that of the
@@ -38,7 +38,7 @@ AREA_SUMS = ("contact_area", "normal_adhesive", "tangential_adhesive")
 
 @dataclass(frozen=True, eq=False)
 class AreaFunction:
-    """True area of the contacts in one cell of a result, as a function of load and inputs, averaged over members.
+    """True area in one cell of a result as a function of load and inputs, averaged over members.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class AreaFunction:
     def contact_hardness(
         self, load: ArrayLike, hardness: ArrayLike | None = None, size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH
     ) -> Any:
-        """Return the hardness (GPa) of the contacts at a load (mN), or None for elastic bodies.
+        """Return the hardness (GPa) of the contacts at a load (mN), or None if the bodies do not yield.
 
         `hardness` is measured; that of the study is the default. `size_effect` is the length h* (µm) of the indentation
         size effect, which has no effect if the depth of the indentation is unknown.
@@ -85,7 +85,7 @@ class AreaFunction:
         return measured_hardness * size_effect_factor(size_effect, depth, self.indent)
 
     def elastic_area(self, load: ArrayLike, modulus: ArrayLike = 1.0) -> Floats:
-        """Return the true area (µm²) of elastic bodies at a load (mN), for a ratio of E* to the E* in the study.
+        """Return the true area (µm²) of elastic bodies at a load (mN), if E* changes by a ratio.
 
         Beyond the computed loads, the area is proportional to the load.
         """
@@ -95,7 +95,7 @@ class AreaFunction:
         return np.asarray(np.minimum(np.exp(log_area_per_load) * equivalent_load, self.nominal_area))
 
     def _contact_load(self, load: ArrayLike) -> Floats:
-        """Return the load (mN) on the contacts, including the attraction."""
+        """Return the load (mN) on the contacts, which includes the attraction."""
         loads = np.asarray(load, dtype=np.float64)
         if self.attractions is None:
             return loads
@@ -106,7 +106,7 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH,
     ) -> Floats:  # fmt: skip
-        """Return the true area (µm²) before shear. By default, hardness and exponent have the values of the study.
+        """Return the true area (µm²) before shear, by default at the hardness and exponent of the study.
 
         Parameters
         ----------
@@ -129,7 +129,7 @@ class AreaFunction:
     def _area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
-        """Return the true area (µm²) of contacts that yield at a pressure (GPa; None for elastic contacts)."""
+        """Return the true area (µm²) of contacts that yield at a pressure (GPa), or of elastic contacts for None."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent
@@ -141,7 +141,7 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH,
     ) -> OnsetState:  # fmt: skip
-        """Return the state of the contacts at the onset of sliding. Arguments have the meaning as in `__call__`."""
+        """Return the state of the contacts at the onset of sliding. Arguments are as for a call of the object."""
         elastic_area = self.elastic_area(load, modulus) if elastic_area is None else elastic_area
 
         def area_at_pressure(pressure: Floats | None) -> Floats:
@@ -153,7 +153,7 @@ class AreaFunction:
 
 @dataclass(frozen=True, eq=False)
 class _SolvedAreas:
-    """Areas (µm²) at the loading steps, averaged over members; all arrays have the shape (cells, loads)."""
+    """True areas (µm²) at the loading steps of each cell, averaged over members."""
 
     all_members: Floats  # true areas, averaged over all members
     elastic_members: Floats  # true areas, averaged over the members whose elastic area is stored
@@ -161,7 +161,7 @@ class _SolvedAreas:
 
 
 def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
-    """Average the stored areas. Pairs of surrogates are omitted if the result also has pairs of the scans."""
+    """Average the stored true areas over members, without pairs of surrogates if there are pairs of scans."""
     study = result.study
     has_elastic_areas = study.contact.yield_exponent is not None
     first_index = study.surfaces.first_scan_member_index
@@ -193,7 +193,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
 
 
 def build_area_functions(result: MemberSums) -> list[AreaFunction]:
-    """Return the true area as a function of the inputs, for each cell (cutoff) of a result for measured bodies."""
+    """Return the true area as a function of the inputs, for each cell (cutoff) of a result."""
     study, areas = result.study, result.compute_once(_average_solved_areas)
     contact, loads = study.contact, study.contact.loading_steps()
     nominal_area = float(result.head["nominal_area"])
@@ -228,7 +228,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
 
 
 def compute_onset_factors(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-    """Return the ratio of the true area at the onset of sliding to that before shear, and the friction fraction.
+    """Return the true area at the onset of sliding divided by that before shear, and the friction fraction.
 
     The friction fraction is that of `OnsetState`. Both arrays have the shape (cells, loads, mu0, tau0). The ratio is
     infinite at seizure. The pressure at the onset is also applied to contacts that do not oppose the motion, so that
@@ -246,7 +246,7 @@ def compute_onset_factors(result: MemberSums, loads: Floats, mu0: Floats, tau0: 
 
 
 def _estimate_contact_depths(result: MemberSums) -> Floats | None:
-    """Return the depths (µm) of indentations that correspond to contacts (cells, loading steps).
+    """Return the depths (µm) of indentations with the size of the contacts, per cell and loading step.
 
     The result is None if the depth of the indentation that measured the hardness is unknown. The contacts have the
     true area at the measured hardness.
@@ -262,14 +262,14 @@ def _estimate_contact_depths(result: MemberSums) -> Floats | None:
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:
-    """Return the mean load (mN) on the contacts of bodies that adhere, with the shape (cells, loading steps)."""
+    """Return the mean load (mN) on contacts of adhesive bodies, per cell and loading step."""
     if "contact_load" not in result.head.variables:
         return None
     return np.asarray(result.means(["contact_load"])["contact_load"].transpose("cut_off", "load").values)
 
 
 def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
-    """Estimate the elastic areas of a result that stores only capped areas.
+    """Estimate the elastic areas of a result that stores only areas limited by the hardness.
 
     The estimate A = κ F/(E* h') holds for small loads. Surfaces that fit perfectly are in complete contact.
     """
@@ -284,7 +284,7 @@ def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
 
 
 def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floats:
-    """Return d ln(q) / d ln F at the given loads F (mN), where q is the mean over members of a stored quantity."""
+    """Return d ln(q) / d ln F at given loads F (mN) for a stored quantity q, averaged over members."""
     steps = result.study.contact.loading_steps()
     values = result.means([name])[name]
     mean = np.asarray(values.mean([dim for dim in values.dims if dim != "load"]).values)
@@ -292,7 +292,7 @@ def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floa
 
 
 def compute_exponents(loads: Floats, values: Floats) -> Floats:
-    """Return d ln(q) / d ln F at each of the loads F. The exponent is 1 if fewer than two values are known."""
+    """Return d ln(q) / d ln F at each load F, or 1 for fewer than two known loads."""
     is_known = np.isfinite(values) & (values > 0)
     if is_known.sum() < 2:
         return np.ones(loads.size)
@@ -302,7 +302,7 @@ def compute_exponents(loads: Floats, values: Floats) -> Floats:
 
 
 def compute_yield_factors(result: MemberSums) -> Floats | None:
-    """Return the ratio of the true area to the capped area, with the shape (cells, loads).
+    """Return the true area divided by the area limited by the hardness, per cell and load.
 
     The result is None if both are equal, because the bodies are elastic or the result has no elastic areas.
     """
@@ -316,7 +316,7 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
 
 
 def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
-    """Return the ratio of the true area to the capped area at a given hardness (GPa), with the shape (cells, loads)."""
+    """Return the true area at a hardness (GPa) divided by the area limited by the hardness, per cell and load."""
     contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -335,7 +335,7 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
 
 
 def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Yield the pieces of a result, with the true areas of yielding contacts instead of capped areas.
+    """Yield the members of a result in groups, with the true areas of yielding contacts.
 
     Sums over the true area (`AREA_SUMS`) are proportional to it. All other sums stay those of the half-space
     solution.

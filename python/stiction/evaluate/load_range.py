@@ -1,4 +1,4 @@
-"""Loads at which results are evaluated: the range of a result, its default loads, and negligible loads."""
+"""Loads at which a result is evaluated: its range, default loads, and negligible loads."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NUM_DEFAULT_LOADS = 3  # number of loads that a result shows if the study specif
 
 
 def choose_loads_in_range(result: MemberSums | xarray.Dataset, steps: int = 80) -> Floats:
-    """Return loads (mN) in a geometric series that covers the load range of a result."""
+    """Return a geometric series of loads (mN) over the load range of a result."""
     elastic_loads = MemberSums.of(result).mean_elastic_loads
     highest_load = float(elastic_loads.max())
     if not highest_load > 0:
@@ -32,7 +32,7 @@ def choose_loads_in_range(result: MemberSums | xarray.Dataset, steps: int = 80) 
 
 
 def choose_default_loads(result: MemberSums) -> Floats:
-    """Return the loads (mN) of the study. If the study has none, return a few loads within the range of the result.
+    """Return the loads (mN) of the study or, without such loads, a few in the range of the result.
 
     Raises a `ValueError` if there is no contact.
     """
@@ -45,7 +45,7 @@ def choose_default_loads(result: MemberSums) -> Floats:
 
 
 def has_only_negligible_loads(result: MemberSums) -> bool:
-    """Return whether the loads of the study are all negligible compared with the largest mean pull-off force."""
+    """Return whether all loads of the study are negligible compared with the largest mean pull-off force."""
     study = result.study
     if not (study.contact.adheres and study.friction.load):
         return False
@@ -53,7 +53,7 @@ def has_only_negligible_loads(result: MemberSums) -> bool:
 
 
 def replace_zero_load(result: MemberSums, loads: Floats) -> Floats:
-    """Return loads (mN) without duplicates. For adhesive bodies, a negligible load replaces a load of 0."""
+    """Return different loads (mN). For adhesive bodies, a negligible load replaces 0."""
     if result.study.contact.adheres and 0 in loads:
         loads = np.where(loads == 0, result.compute_once(find_negligible_load), loads)
     return np.unique(loads)
@@ -67,5 +67,5 @@ def find_negligible_load(result: MemberSums) -> float:
 
 
 def _average_pull_off_by_piece(result: MemberSums) -> list[float]:
-    """Return the mean pull-off force (mN) of the members in each piece of a result. One piece is read at a time."""
+    """Return the mean pull-off force (mN) of each group of members in a result."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]

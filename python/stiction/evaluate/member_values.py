@@ -1,4 +1,4 @@
-"""Values of each member of a result at given loads, for any mu0 and tau0."""
+"""Friction and contact quantities of each member at given loads, for any mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def evaluate_members(
 
 
 def _get_study_inputs(result: MemberSums) -> dict[str, Floats]:
-    """Return the loads (mN), mu0 and tau0 (GPa) of a measured study, or no loads for a generated study."""
+    """Return the loads (mN), mu0 and tau0 (GPa) of a measured study; no loads for a generated study."""
     settings = result.study.friction
     loads = np.array([float(load) for load in settings.load] if result.study.is_measured else [])
     return {
@@ -155,7 +155,7 @@ def interpolate_member_sums(
     *,
     member_kind: MemberKind | None = None,
 ) -> xarray.Dataset:
-    """Return contact sums of all members at elastic loads (mN).
+    """Return the contact sums of all members, interpolated at elastic loads (mN).
 
     By default, these are the six sums that determine friction. The dimensions are cells, repetition, sliding, direction
     and load.
@@ -201,7 +201,7 @@ def _evaluate_piece(
     piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition,
     names: Collection[str] | None, onset: tuple[Floats, Floats] | None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate one piece (group of members) of a result at given loads.
+    """Evaluate a group of members at given loads.
 
     `names` lists quantities to evaluate besides `_FRICTION_VARIABLES`; None stands for all. `onset` is the result
     of `compute_onset_factors`, or None if shear does not change the area.
@@ -272,7 +272,7 @@ def _evaluate_piece(
 
 @dataclass(frozen=True, eq=False)
 class _MemberForces:
-    """Normal and tangential loads (mN) of members at the onset of sliding, and whether the given loads are reached.
+    """Normal and tangential loads (mN) of members at the onset of sliding, and which given loads they reach.
 
     The arrays have the shape (..., sliding, direction, load, mu0, tau0), or a shape that broadcasts to it.
     """
@@ -286,7 +286,7 @@ class _MemberForces:
     def at_elastic_loads(
         cls, contact_sums: Mapping[str, Floats], load_crossings: LoadCrossings, law: FrictionLaw
     ) -> _MemberForces:
-        """Compute normal and tangential loads from contact sums that are interpolated at elastic loads."""
+        """Return normal and tangential loads from contact sums that are interpolated at elastic loads."""
         is_reached, is_below = (
             each[..., None, None, :, None, None] for each in (load_crossings.reached, load_crossings.below)
         )
@@ -296,7 +296,7 @@ class _MemberForces:
     def at_normal_loads(
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
-        """Interpolate normal and tangential loads to given normal loads; interpolate ratios if the steps are loads."""
+        """Return normal and tangential loads at given normal loads, interpolated as ratios if the steps are loads."""
         # Move the steps to the last axis, along which loads are interpolated.
         normal, tangential = (np.moveaxis(each, -3, -1) for each in _compute_loads(sums_at_steps, law))
         normal = np.broadcast_to(normal, tangential.shape)
@@ -312,7 +312,7 @@ class _MemberForces:
 
 
 def _compute_loads(sums: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-    """Compute the normal and tangential loads (mN) from contact sums. Array axes for mu0 and tau0 are appended."""
+    """Return normal and tangential loads (mN) from contact sums, with axes for mu0 and tau0."""
     columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in LOAD_SUM_NAMES}
     return law.load("normal", columns), law.load("tangential", columns)
 
@@ -344,7 +344,7 @@ def _grow_contacts(
 def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return the fraction of the load on contacts that oppose the motion; {} without both sliding rules."""
+    """Return the load fraction on contacts that oppose the motion, or {} without both sliding rules."""
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}
@@ -361,7 +361,7 @@ def _compute_opposing_fraction(
 def _interpolate_quantities(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, names: Collection[str] | None
 ) -> dict[str, Any]:
-    """Interpolate the requested quantities and `normal_elastic` of a piece to the given loads."""
+    """Interpolate the requested quantities and `normal_elastic` at given loads."""
     step_dimension, variables = find_step_dimension(piece), {}
     for name in (*INTERPOLATED_QUANTITIES, *DISTRIBUTION_QUANTITIES):
         if name not in piece.variables or not (name == "normal_elastic" or is_requested(name, names)):
@@ -381,7 +381,7 @@ def _interpolate_quantities(
 
 
 def find_tangential_stiffness_ratio(study: Study) -> float:
-    """Return the initial tangential stiffness of a pair divided by its normal stiffness during unloading, E*_t/E*.
+    """Return the initial tangential stiffness of a pair divided by its normal unloading stiffness, E*_t/E*.
 
     The ratio is 1 for grooves, which deform in plane strain. For isotropic surfaces, it is that of Mindlin (1949), for
     the Poisson's ratios of both bodies.
@@ -393,7 +393,7 @@ def find_tangential_stiffness_ratio(study: Study) -> float:
 
 
 def has_grooves(study: Study) -> bool:
-    """Return whether profiles are pressed as sections of grooves, as opposed to sections of isotropic surfaces."""
+    """Return whether pressed profiles stand for grooves, and not for isotropic surfaces."""
     if study.is_areal:
         return False
     contact: Any = study.contact
@@ -417,7 +417,7 @@ _STIFFNESSES_BY_DISPLACEMENT = {
 def _interpolate_by_stiffness(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, variables: dict[str, Any]
 ) -> None:
-    """Replace interpolated displacements and stiffnesses by values that are derivatives of each other.
+    """Interpolate displacements and stiffnesses together, so that they are derivatives of each other.
 
     Between two computed loads, a displacement is the cubic in the logarithm of the load with the stored values and
     stiffnesses. The loading stiffness is its derivative. The unloading stiffness is a weighted geometric mean of two
@@ -457,7 +457,7 @@ def _interpolate_by_stiffness(
 
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
-    """Return the pull-off force of each member, whether it is only a lower bound, and the friction at no load."""
+    """Return the pull-off force of each member, whether it is a lower bound, and friction at zero load."""
     # Store 1 for a member whose pull-off force is only known to exceed a lower bound, and 0 otherwise.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
@@ -479,7 +479,7 @@ def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law:
 
 
 def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _MemberForces) -> NDArray[Any]:
-    """Return the status of each member, with the shape (..., sliding, direction, load, mu0, tau0)."""
+    """Return the status of each member by sliding rule, direction, load, mu0 and tau0."""
     is_known = np.isfinite(forces.normal)
     is_locked = is_known & (forces.normal <= 0)
     status = friction.choose_statuses(
@@ -505,7 +505,7 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
 def _find_load_crossings(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES
 ) -> tuple[dict[str, Floats], LoadCrossings]:
-    """Return the members' contact sums, and the points at which the load curves reach the given loads."""
+    """Return the contact sums of members, and the points at which their load curves reach given loads."""
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
     # Use variables instead of data arrays: without coordinates, they are accessed much faster.
@@ -526,7 +526,7 @@ def _find_load_crossings(
 
 
 def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return coordinates for the sliding rule and the direction unless these are dimensions of the result."""
+    """Return coordinates for sliding rule and direction, unless they are dimensions of the result."""
     values = {"sliding": list(study.contact.sliding_rules()), "direction": list(study.contact.direction_angles())}
     return {
         name: ((name,), values[name][:1], quantity_attributes(name))
@@ -536,7 +536,7 @@ def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict
 
 
 def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Add ratios of contact sums to the variables, and remove the sums that are needed only for these ratios."""
+    """Add ratios of contact sums to the variables, and remove the sums needed only for them."""
     dims, elastic = variables["normal_elastic"][:2]
     if nominal_area is not None and "pull_off" in variables:
         pull_off = variables["pull_off"]
@@ -551,7 +551,7 @@ def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dic
 
 
 def _to_float_array(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
-    """Convert a variable to an array of floats whose dimensions are in the given order.
+    """Return a variable as a float array with dimensions in a given order.
 
     If `missing` is true, missing dimensions are added with the length 1.
     """

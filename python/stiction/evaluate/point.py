@@ -1,4 +1,4 @@
-"""Values at one point of an `at_load` dataset: at one roughness or cutoff, load, mu0 and tau0."""
+"""Quantities at one point of an `at_load` dataset: one roughness or cutoff, load, mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NEGLIGIBLE_LOAD_RATIO = 0.01
 
 @dataclass(frozen=True)
 class SlidingRuleCoefficient(Estimate):
-    """Coefficient of static friction at a point under one sliding rule: mean over directions and combined interval.
+    """Static friction coefficient at one point under one sliding rule: mean over directions, and intervals.
 
     Without a combined interval, the interval is the interval of the mean.
     """
@@ -52,12 +52,12 @@ class SlidingRuleCoefficient(Estimate):
 
     @property
     def mean(self) -> Estimate:
-        """Coefficient with its interval of the mean."""
+        """Mean coefficient with its interval of the mean."""
         return Estimate(self.value, *self.interval_of_mean, **_get_estimate_fields("mean_friction", {}))
 
     @property
     def prediction(self) -> Estimate:
-        """Coefficient with its prediction interval."""
+        """Mean coefficient with its prediction interval."""
         return Estimate(self.value, *self.prediction_interval, **_get_estimate_fields("friction_prediction", {}))
 
 
@@ -80,24 +80,24 @@ MEAN_AND_LIMITS = ("mean", "lower", "upper")  # a mean and the limits of its 95 
 
 
 def get_roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
-    """Return the name and value of the roughness exponent. The name is H for self-affine surfaces, and D otherwise."""
+    """Return name and number of the roughness exponent: H for self-affine surfaces, or else D."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
 
 
 def select_sliding_rule(table: Any, rule: str) -> Any:
-    """Select the values for a sliding rule. An array without the dimension `sliding` is returned unchanged."""
+    """Select one sliding rule in an array. Without the dimension `sliding`, return the array unchanged."""
     return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 
 def find_statistic_indices(table: xarray.Dataset | xarray.DataArray) -> list[int]:
-    """Return the indices of the mean and of the limits of its interval along the dimension `statistic`."""
+    """Return the indices of a mean and of its interval limits along the dimension `statistic`."""
     statistics = table["statistic"].values.tolist()
     return [statistics.index(name) for name in MEAN_AND_LIMITS]
 
 
 def read_estimate(table: xarray.DataArray) -> Estimate:
-    """Return the estimate in an array; dimensions other than `statistic` must have size 1."""
+    """Return the estimate in an array, whose dimensions other than `statistic` must have size 1."""
     fields = _get_estimate_fields(table.name, table.attrs)
     if "statistic" not in table.dims:
         return Estimate(table.item(), **fields | {"kind": ""})
@@ -105,14 +105,14 @@ def read_estimate(table: xarray.DataArray) -> Estimate:
 
 
 def _get_estimate_fields(name: Any, attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Return name, unit and interval kind of the estimate in a variable, given the attributes of the variable."""
+    """Return name, unit and interval kind of an estimate from the attributes of its variable."""
     return {
         "name": str(name), "unit": QUANTITIES[str(name)].unit, "kind": find_interval_kind(str(name), attributes),
     }  # fmt: skip
 
 
 def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float, Estimate]:
-    """Return the estimates in an array with the dimensions `dimension` and `statistic`, keyed by coordinate."""
+    """Return the estimates in an array with the dimensions `dimension` and `statistic`, by coordinate."""
     rows = table.variable.transpose(dimension, "statistic").values[:, find_statistic_indices(table)].astype(float)
     fields = _get_estimate_fields(table.name, table.attrs)
     return {
@@ -123,7 +123,7 @@ def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float,
 
 @dataclass(frozen=True)
 class PointQuantities:
-    """Quantities with one value for a point and a sliding rule, by name.
+    """Quantities with one number at a point under one sliding rule, by name.
 
     If there are several directions, quantities that depend on the direction are not included.
     """
@@ -135,7 +135,7 @@ class PointQuantities:
 
 
 def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
-    """Return the quantities with one value for a point and a sliding rule.
+    """Return the quantities with one number at a point under one sliding rule.
 
     Selections from an `xarray.Variable` are much faster than selections from an `xarray.DataArray`.
     """
@@ -161,7 +161,7 @@ def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
 
 
 def mean_over_directions(point: xarray.Dataset, name: str) -> float:
-    """Return a quantity at a point, averaged over all directions, or NaN if the quantity is missing."""
+    """Return a quantity at a point, averaged over all directions, or NaN if it is missing."""
     if name not in point.variables:
         return math.nan
     # Select from the arrays of variables, which is much faster than from an `xarray.DataArray`.
@@ -175,7 +175,7 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
 
 
 def find_contact_status(point: xarray.Dataset, study: Study) -> str:
-    """Return the status of the true area at a point: "ok", "complete", or (asperity model only) "above-nominal"."""
+    """Return the status of the true area at a point: "ok", "complete", or in the asperity model "above-nominal"."""
     if "contact_status" in point:
         return str(point["contact_status"].values)
     is_above_nominal = mean_over_directions(point, "contact_area_fraction") > 1
@@ -185,12 +185,12 @@ def find_contact_status(point: xarray.Dataset, study: Study) -> str:
 
 
 def mean_contact_pressure(point: xarray.Dataset) -> float:
-    """Return the mean contact pressure (GPa) at a point."""
+    """Return the mean contact pressure (GPa) at a point of a result."""
     return mean_over_directions(point, "mean_pressure")
 
 
 def list_sliding_rules_reported_first(study: Study) -> list[str]:
-    """Return the sliding rules of a study, starting with the rule whose coefficient is reported.
+    """Return the sliding rules of a study, with the quoted rule first.
 
     With an interface, it is the rule under which mu0 and tau0 were fitted.
     """
@@ -200,7 +200,7 @@ def list_sliding_rules_reported_first(study: Study) -> list[str]:
 
 
 def sort_sliding_rules(table: Any, study: Study) -> Any:
-    """Return values with the reported sliding rule first.
+    """Return a table with the quoted sliding rule first.
 
     Generated bodies without an interface keep the order of the rules in their study.
     """
@@ -211,32 +211,32 @@ def sort_sliding_rules(table: Any, study: Study) -> Any:
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether a point has a nominal area that is meaningful for the contact model."""
+    """Return whether a point has a nominal area in its contact model."""
     return "nominal_area" in point.coords and study.has_nominal_area
 
 
 def nominal_pressure_at(point: xarray.Dataset, study: Study) -> float:
-    """Return the load of a point divided by its nominal area (GPa), or NaN if the nominal area is not meaningful."""
+    """Return the nominal pressure (GPa) at a point, or NaN without nominal area."""
     return float(point["load"]) / float(point["nominal_area"]) if has_nominal_area(point, study) else math.nan
 
 
 def get_contact_law_name(study: Study) -> str:
-    """Return the name of the contact law in lower case, or an empty string for the half-space model."""
+    """Return the name of the contact law in lower case, or "" in the half-space model."""
     return str(study.contact.law or "").lower()
 
 
 def has_limited_pressure(study: Study) -> bool:
-    """Return whether the contact pressure is limited by a hardness or a yield strength."""
+    """Return whether a hardness or a yield strength limits the contact pressure."""
     return study.contact.hardness is not None or "jackson" in get_contact_law_name(study)
 
 
 def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
-    """Return E* (GPa) at a point."""
+    """Return E* (GPa) at a point of a result."""
     return float(point["effective_modulus"] if "effective_modulus" in point.coords else study.contact.effective_modulus)
 
 
 def get_adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return the range of adhesion (µm) in the study, and the range used. A coarse grid requires a larger range."""
+    """Return the range of adhesion (µm) in the study, and the range used, which is larger on a coarse grid."""
     contact: Any = study.contact
     given_range = float(contact.adhesion_range or DEFAULT_ADHESION_RANGE)
     grid_spacing = float(np.max(point.attrs.get("spacing_um", 0.0)))
@@ -254,13 +254,13 @@ def is_unloaded(point: xarray.Dataset) -> bool:
 
 
 def get_study_hardness(study: Study) -> float:
-    """Return the hardness (GPa) of a study, or NaN if the study has no hardness."""
+    """Return the hardness (GPa) of a study, or NaN if it has none."""
     hardness = study.contact.hardness
     return math.nan if hardness is None else float(hardness)
 
 
 def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
-    """Return the hardness (GPa) of the contacts at a point, or NaN if the study has no hardness.
+    """Return the hardness (GPa) of the contacts at a point, or NaN if the study has none.
 
     The hardness of the contacts differs from the hardness of the study if the depth of the indentation is known.
     """
@@ -268,7 +268,7 @@ def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
 
 
 def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | None:
-    """Return the friction coefficient if all contacts yield and friction acts at all of them.
+    """Return the friction coefficient of contacts that all yield, with friction at all contacts.
 
     The coefficient is a lower limit if the interface is stronger than the softer body. The value is NaN at seizure, or
     None without a hardness.
@@ -281,7 +281,7 @@ def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | Non
 
 
 def is_stronger_than_body(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the interface of contacts that yield is stronger than the softer body."""
+    """Return whether the interface of yielding contacts is stronger than the softer body."""
     if study.contact.hardness is None:
         return False
     law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))

@@ -1,4 +1,4 @@
-"""Adhesion without an external load: pull-off force, pull-off pressure, and friction at zero load."""
+"""Adhesion without external load: pull-off force, pull-off pressure, and friction at zero load."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class PullOffValues:
 
     @property
     def sticking_assessment(self) -> Literal["yes", "no", "uncertain"]:
-        """Assessment of whether the bodies stick together, which is "yes", "no" or "uncertain".
+        """Answer to whether the bodies stick together: "yes", "no" or "uncertain".
 
         The value is "yes" if the interval of the pull-off pressure is above `MIN_STICKING_PRESSURE`, "no" if it is
         below, and "uncertain" if it contains this pressure.
@@ -49,7 +49,7 @@ class PullOffValues:
 
 
 def find_pull_off_values(point: xarray.Dataset, study: Study, rule: str) -> PullOffValues | None:
-    """Return pull-off force, pull-off pressure and friction at zero load, or None if the point has no such values."""
+    """Return pull-off force, pull-off pressure and friction at zero load, or None for a point without them."""
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (

@@ -1,4 +1,4 @@
-"""Response of a contact to its uncertain inputs: all quantities as functions of E*, hardness, μ0, τ0 and yielding.
+"""Response of a contact to its uncertain inputs E*, hardness, μ0, τ0 and those of yielding.
 
 One solution at the inputs of the study gives the quantities at all other inputs. Forces are linear in μ0 and τ0, and
 the true area is an `AreaFunction`.
@@ -29,7 +29,7 @@ double and E* within 25 %, the unloading stiffness is within 10 % of these solut
 
 @dataclass(frozen=True, kw_only=True)
 class InputValues:
-    """Values or samples of the inputs of a contact, as arrays that are broadcast against each other.
+    """Inputs of a contact, as numbers or as arrays of samples that are broadcast.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class InputValues:
 
     @property
     def law(self) -> FrictionLaw:
-        """Friction law of the contacts."""
+        """Friction law of the contacts with these inputs."""
         return FrictionLaw(self.mu0, self.tau0, self.junction_growth, self.uses_slip_lines, self.area_loss)
 
 
@@ -75,7 +75,7 @@ def _area_inputs(inputs: InputValues) -> dict[str, Any]:
 
 @dataclass(frozen=True, eq=False)
 class ClosureCurve:
-    """Closure of a pair at its computed loads, averaged over its members.
+    """Closure of a pair at its computed loads, averaged over members.
 
     Attributes
     ----------
@@ -93,13 +93,13 @@ class ClosureCurve:
     stiffness_exponents: Floats
 
     def exponents_at(self, load: float) -> tuple[float, float]:
-        """Return the logarithmic derivatives of the closure stiffness while loading and while unloading at a load."""
+        """Return the logarithmic derivatives of the closure stiffness at a load, for loading and unloading."""
         log_load, log_loads = np.log(load), np.log(self.loads)
         loading, unloading = (float(np.interp(log_load, log_loads, each)) for each in self.stiffness_exponents)
         return loading, unloading
 
     def scale_stiffness(self, ratios: Floats) -> Floats:
-        """Return the closures if the closure stiffnesses at the computed loads are multiplied by ratios.
+        """Return the closures after multiplying the closure stiffness at each computed load by a ratio.
 
         The arrays have the shape (l, ...). The closure is the integral of the load over the stiffness.
         """
@@ -109,7 +109,7 @@ class ClosureCurve:
         return np.cumsum(np.concatenate([self.closures[:1] * compliances[:1], steps]), axis=0)
 
     def interpolate(self, closures: Floats, load: Floats) -> Floats:
-        """Interpolate closures of shape (l, ...) by power laws, which continue beyond the computed loads."""
+        """Interpolate closures between the computed loads by power laws, which continue beyond them."""
         log_loads, logs = np.log(self.loads), np.log(closures)
         index = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
         below, above = (np.take_along_axis(logs, each[np.newaxis], axis=0)[0] for each in (index - 1, index))
@@ -118,7 +118,7 @@ class ClosureCurve:
 
 
 def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
-    """Return the closure curve for each cell (cutoff) of a result for measured bodies; None without known closures."""
+    """Return the closure curve of each cell (cutoff) of a result, or None if closures are unknown."""
     num_cells = result.study.surfaces.cell_coordinates()["cut_off"].size
     names = ["closure", "closure_stiffness", "unloading_closure_stiffness"]
     if any(name not in result.head.variables for name in names):
@@ -143,7 +143,7 @@ def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
 
 
 class AreasBeforeShear(NamedTuple):
-    """True areas (µm²) before shear: as if the bodies were elastic, and with yielding."""
+    """True areas (µm²) before shear: of elastic bodies, and of bodies that yield."""
 
     elastic: Floats
     true: Floats
@@ -151,7 +151,7 @@ class AreasBeforeShear(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseValues:
-    """Quantities of a contact for given inputs, as arrays of the broadcast shape.
+    """Quantities of a contact for given inputs, as arrays of equal shape.
 
     Attributes
     ----------
@@ -174,14 +174,14 @@ class ResponseValues:
     plastic_friction: Floats
 
     def select(self, *indices: int) -> ResponseValues:
-        """Return the quantities for one of the input samples, selected by its index."""
+        """Return the quantities for one sample of the inputs."""
         shape = np.shape(self.friction_coefficient)
         return ResponseValues(**{name: np.broadcast_to(each, shape)[indices] for name, each in vars(self).items()})
 
 
 @dataclass(frozen=True, eq=False)
 class ContactResponse:
-    """Contact of a pair at one load under one sliding rule, averaged over its members and directions.
+    """Contact of a pair at one load under one sliding rule, averaged over members and directions.
 
     Attributes
     ----------
@@ -207,12 +207,12 @@ class ContactResponse:
     closure_curve: ClosureCurve | None = None
 
     def areas_before_shear(self, inputs: InputValues) -> AreasBeforeShear:
-        """Return the true areas before shear, which depend neither on mu0 nor on tau0."""
+        """Return the true areas before shear, which do not depend on mu0 and tau0."""
         elastic_area = self.area.elastic_area(self.load, inputs.modulus * inputs.height_factor)
         return AreasBeforeShear(elastic_area, self.area(self.load, elastic_area=elastic_area, **_area_inputs(inputs)))
 
     def evaluate(self, inputs: InputValues, known_areas: AreasBeforeShear | None = None) -> ResponseValues:
-        """Return all quantities for the given inputs. `known_areas` saves computing the areas before shear again."""
+        """Return all quantities for given inputs. `known_areas` are the areas before shear, if computed before."""
         elastic_area, area = self.areas_before_shear(inputs) if known_areas is None else known_areas
         central_area = self.area(self.load)
         law = inputs.law
@@ -234,7 +234,7 @@ class ContactResponse:
         )
 
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, ...]:
-        """Return ratios of stiffnesses (loading, unloading, closure) to their values at the central inputs.
+        """Return stiffnesses (loading, unloading, closure) divided by those at the central inputs.
 
         E*, the heights and the hardness together change the stiffness by similarity: it is that at the load over their
         factor. A hardness that does not have this factor changes it with the area. The stiffness keeps the measured
@@ -258,7 +258,7 @@ class ContactResponse:
         )
 
     def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
-        """Return the ratio of the friction without an external load to its value at the central inputs.
+        """Return the friction at zero load divided by that at the central inputs.
 
         The attraction is computed with the central inputs. The area changes as at the smallest computed load.
         """
@@ -272,7 +272,7 @@ class ContactResponse:
         return force / central_force if central_force != 0 else np.ones_like(area_ratio)
 
     def closures_at_computed_loads(self, inputs: InputValues) -> Floats:
-        """Return the closures (µm) at all loads of the closure curve, from which `closure_ratio` interpolates.
+        """Return the closures (µm) at all computed loads, between which `closure_ratio` interpolates.
 
         E* and the height factor have the values of the study. The hardness is divided by their changes.
         """
@@ -288,7 +288,7 @@ class ContactResponse:
         return self.closure_curve.scale_stiffness(np.stack(ratios))
 
     def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
-        """Return the ratio of the closure to its value at the central inputs.
+        """Return the closure divided by that at the central inputs.
 
         By similarity, take the closure at the load divided by the change of E* and heights, and multiply it by the
         height factor. `closures` is the result of `closures_at_computed_loads`.
@@ -300,5 +300,5 @@ class ContactResponse:
         return np.asarray(inputs.height_factor * closure / central)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities for the central inputs, some of which may be replaced."""
+        """Return all quantities at the central inputs, of which some may be replaced."""
         return self.evaluate(replace(self.central, **changes))
