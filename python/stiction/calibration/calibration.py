@@ -1,4 +1,4 @@
-"""Calibration of an interface: infer mu0 and tau0 from friction tests on scanned surfaces.
+"""Calibration of an interface: mu0 and tau0 from friction tests on scanned surfaces.
 
 A test gives a coefficient y at a load, and its surfaces give six sums over the contacts at this load. They satisfy y
 (F_N0 + mu0 F_Nm + tau0 F_Na) = F_T0 + mu0 F_Tm + tau0 F_Ta, which is linear in mu0 and tau0. For small slopes and
@@ -39,7 +39,7 @@ def calibrate(
     tau0: float | str | None = None,
     outliers: bool = False,
 ) -> Interface:
-    """Infer the joint distribution of mu0 and tau0 of an interface from friction tests on scanned surfaces.
+    """Fit the joint distribution of mu0 and tau0 of an interface to friction tests on scanned surfaces.
 
     Parameters
     ----------

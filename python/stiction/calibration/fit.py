@@ -1,4 +1,4 @@
-"""Joint distribution of mu0 and tau0, computed from friction tests by adaptive importance sampling.
+"""Joint distribution of mu0 and tau0 from friction tests, by adaptive importance sampling.
 
 Nuisance parameters are uncertain quantities that the tests share: the gain of the force cell, the true areas of the
 surfaces, ranges of hardness, junction growth, creep and moduli, the spread between runs, and the size of the errors if
@@ -58,7 +58,7 @@ GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"  # 
 
 @dataclass(frozen=True)
 class _BestFit:
-    """Best fit to the friction tests of a calibration: mu0, tau0, nuisance parameters and residuals."""
+    """Best fit to friction tests: mu0, tau0, nuisance parameters and residuals."""
 
     mu0: float
     tau0: float  # tau0 (GPa) of the best fit
@@ -72,7 +72,7 @@ class _BestFit:
 
 @dataclass(frozen=True)
 class _GridLimits:
-    """Limits of the mu0-tau0 grids. Each nuisance point (a set of nuisance-parameter values) has its own grid."""
+    """Limits of the grid of mu0 and tau0 at each nuisance point, a combination of nuisance parameters."""
 
     triangular_factors: Floats  # (points, 3, 3) triangular factors of the QR decomposition of the test equations
     deviance_range: float
@@ -87,7 +87,7 @@ class _GridLimits:
 
 @dataclass(frozen=True)
 class _ProbabilityGrid:
-    """Grids of mu0 and tau0, with the log probability of each cell. Each nuisance point has its own grid."""
+    """Grid of mu0 and tau0 at each nuisance point, with the logarithm of the probability of each cell."""
 
     limits: _GridLimits
     # (points, tau0, mu0) ln(probability) of the tests, without the prior of the nuisance parameters.
@@ -95,7 +95,7 @@ class _ProbabilityGrid:
 
 
 class CalibrationProblem:
-    """Linear equations for mu0 and tau0 that follow from friction tests, with errors and nuisance parameters.
+    """Linear equations for mu0 and tau0 from friction tests, with errors and nuisance parameters.
 
     In each equation, the sum of mu0 and tau0, multiplied by their coefficients, equals the right side.
 
@@ -162,7 +162,7 @@ class CalibrationProblem:
     def _compute_equation_coefficients(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Compute the test equations from nuisance scores: the coefficients of mu0 and tau0, and the right sides.
+        """Return the coefficients of mu0 and tau0 in the test equations, and their right sides.
 
         The scores have the shape (points, nuisances), and the coefficients have the shape (points, tests). If mu0 and
         tau0 (GPa) of shape (points, ...) are given, the coefficients of tau0 have the shape (points, tests, ...) and
@@ -222,7 +222,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return the changes of the residuals due to an offset common to the tests of a run: unit vectors and norms.
+        """Return how the residuals change with an offset that all tests of a run share: unit vectors and norms.
 
         The directions are unit vectors with shape (runs, tests), and the norms, with shape (runs,), are in units of the
         errors. Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would
@@ -249,19 +249,19 @@ class CalibrationProblem:
 
     @property
     def mean_area_per_load(self) -> float:
-        """Weighted mean of A/F (true area per load, 1/GPa). Only tests with sliding are included."""
+        """Weighted mean of A/F (1/GPa), true area per load, over the tests with sliding."""
         return float(np.average(self.area_per_load, weights=self._test_weights))
 
     @property
     def area_per_load_variation(self) -> float:
-        """Weighted relative standard deviation of A/F (true area per load) among the tests with sliding."""
+        """Weighted relative standard deviation of A/F, true area per load, among the tests with sliding."""
         return float(
             np.sqrt(np.average((self.area_per_load - self.mean_area_per_load) ** 2, weights=self._test_weights))
             / self.mean_area_per_load
         )
 
     def _compute_deviation_between_runs(self, scores: Floats) -> Floats:
-        """Compute the relative standard deviation between runs for each set of nuisance parameters."""
+        """Return the relative standard deviation between runs at each nuisance point."""
         from scipy.special import ndtr
 
         if RUN_SPREAD_NUISANCE_NAME not in self.nuisances:
@@ -272,7 +272,7 @@ class CalibrationProblem:
     def _build_weighted_equations(
         self, columns: tuple[Floats, ...], scale: Floats, spread: Floats
     ) -> tuple[Floats, Floats]:
-        """Divide the equations of tests with sliding by the errors, and decorrelate the equations within each run.
+        """Divide the equations of tests with sliding by their errors, and remove correlations within runs.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
@@ -281,7 +281,7 @@ class CalibrationProblem:
         return self._decorrelate_within_runs(rows, scale, spread)
 
     def _decorrelate_within_runs(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Transform rows of shape (points, tests with sliding, k) so that the tests of one run are uncorrelated.
+        """Transform the equations of tests with sliding so that the tests of one run are not correlated.
 
         Also returns the logarithms of the normalization factors (points,).
         """
@@ -297,7 +297,7 @@ class CalibrationProblem:
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return the residuals of the tests with sliding in units of the errors, and the coefficients of the equations.
+        """Return the residuals of the tests with sliding, divided by their errors, and the equations' coefficients.
 
         The residuals have the shape (points, tests with sliding, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -317,7 +317,7 @@ class CalibrationProblem:
 
     @cached_property
     def best_fit(self) -> _BestFit:
-        """Values of mu0, tau0 and the nuisance parameters that fit the tests best.
+        """mu0, tau0 and nuisance parameters that fit the tests best.
 
         Offsets of runs are free parameters, so that residuals contain only the scatter within runs. Outliers get
         smaller weights.
@@ -349,7 +349,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return residuals that include junction growth. The array has the shape (points, tests with sliding)."""
+            """Return the residuals at each point and test with sliding if contacts grow under shear."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._compute_residuals(
@@ -422,7 +422,7 @@ class CalibrationProblem:
         return _BestFit(float(mu0), float(tau0), scores, misfit, jacobian_matrix, robust_factors, scale)
 
     def fit(self) -> StrengthFit:
-        """Compute the joint distribution of mu0 and tau0, and the quality of the fit."""
+        """Fit the joint distribution of mu0 and tau0 to the tests, and assess the quality of the fit."""
         from scipy.stats import chi2, linregress
 
         best_fit = self.best_fit
@@ -456,14 +456,14 @@ class CalibrationProblem:
         )  # fmt: skip
 
     def _compute_area_per_load_samples(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return samples of the weighted mean A/F (true area per load, 1/GPa). Only tests with sliding are included."""
+        """Return samples of the weighted mean of A/F (1/GPa), true area per load, over the tests with sliding."""
         mu0_coefficient, tau0_coefficient, _ = self._compute_equation_coefficients(scores, mu0, tau0)
         ratio = tau0_coefficient[:, self.slid] / mu0_coefficient[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._test_weights[self.slid]))
 
     @cached_property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α common to all tests, or None if α differs between tests or does not affect them.
+        """Junction growth α that all tests share, or None if it differs between tests or does not affect them.
 
         The value is 0 if no test has junction growth although it would affect at least one of them.
         """
@@ -480,7 +480,7 @@ class CalibrationProblem:
         return parse_uncertain_input("junction_growth", 0.0) if any(depend_on_growth) else None
 
     def _compute_growth_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the shared junction growth α, or NaN if α differs between tests or does not affect them."""
+        """Return samples of the junction growth α that all tests share, or NaN if there is none."""
         from scipy.special import ndtr
 
         if self.junction_growth is None or self.junction_growth.is_exact:
@@ -494,7 +494,7 @@ class CalibrationProblem:
 
     @cached_property
     def shared_hardness(self) -> Any:
-        """Uncertain hardness that all tests share, or None if the tests share no hardness."""
+        """Uncertain hardness that all tests share, or None if there is none."""
         first_area_factor = self._friction[0].area_factor
         area_factors = [equation.area_factor for equation in self._friction]
         names = {
@@ -508,7 +508,7 @@ class CalibrationProblem:
         )
 
     def _compute_hardness_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the hardness (GPa) that all tests share, or NaN if the tests share no hardness."""
+        """Return samples of the hardness (GPa) that all tests share, or NaN if there is none."""
         from scipy.special import ndtr
 
         first = self._friction[0]
@@ -520,7 +520,7 @@ class CalibrationProblem:
     # ---- Density of mu0 and tau0 for given nuisance parameters ------------------------------------------------------
 
     def _evaluate_probability_grids(self, points: Floats) -> _ProbabilityGrid:
-        """Return the log probability of each (mu0, tau0) of a grid, for each given set of nuisance parameters.
+        """Return the logarithm of the probability on a grid of mu0 and tau0, at each nuisance point.
 
         The last coordinate of a point is the logarithm of the scale of the errors.
         """
@@ -615,7 +615,7 @@ class CalibrationProblem:
     def _find_grid_limits_with_growth(
         self, limits: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _GridLimits:
-        """Return grid limits around the best-fit mu0, taking junction growth into account.
+        """Return the limits of the grid around the best mu0, if contacts grow under shear.
 
         `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
         """
@@ -662,7 +662,7 @@ class CalibrationProblem:
     def _choose_mu0_grid_at_tau0(
         self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the lower limit and the cell width of the mu0 grid at each given tau0."""
+        """Return the lower limit and the cell width of the grid of mu0 at each tau0."""
         if self.fixed_strengths[0] is not None:
             return np.full(tau0.shape, self.fixed_strengths[0]), np.zeros(tau0.shape)
         if limits.best_mu0 is None:
@@ -685,7 +685,7 @@ class CalibrationProblem:
     # ---- Nuisance parameters ----------------------------------------------------------------------------------------
 
     def _draw_samples(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
-        """Draw samples of mu0, tau0 (GPa) and the nuisance scores from their joint distribution.
+        """Draw samples of mu0, tau0 (GPa) and the nuisance parameters from their joint distribution.
 
         If `freedom` is given, all errors share an unknown factor.
         """
@@ -729,7 +729,7 @@ class CalibrationProblem:
         return self._draw_samples_from_grids(points, grid, log_weight)
 
     def _build_first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
-        """Return the mean and covariance of the first proposal distribution for nuisance scores and log error scale."""
+        """Return mean and covariance of the first distribution from which nuisance points are drawn."""
         score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
         num_parameters = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(num_parameters), np.eye(num_parameters)
@@ -750,7 +750,7 @@ class CalibrationProblem:
     def _draw_nuisance_points(
         self, mean: Floats, covariance: Floats, active_indices: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _ProbabilityGrid, Floats]:
-        """Draw nuisance points from the proposal distribution, and return their coordinates, grids and log weights."""
+        """Draw nuisance points, and return their coordinates, grids and logarithms of weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -773,7 +773,7 @@ class CalibrationProblem:
     def _draw_samples_from_grids(
         self, points: Floats, grid: _ProbabilityGrid, log_weight: Floats
     ) -> tuple[Floats, Floats, Floats]:
-        """Draw samples of mu0, tau0 (GPa) and nuisance scores. Grid cells are drawn in proportion to their weights."""
+        """Draw samples of mu0, tau0 (GPa) and nuisance parameters from grid cells, in proportion to their weights."""
         generator = np.random.default_rng(0)
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
@@ -798,7 +798,7 @@ class CalibrationProblem:
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def suggest_tests(self) -> tuple[tuple[str, float, float], ...]:
-        """Suggest further tests that would separate mu0 from tau0. Each plan includes the expected standard errors.
+        """Suggest further tests that would separate mu0 from tau0, with the expected standard errors.
 
         The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
         """
@@ -833,7 +833,7 @@ class CalibrationProblem:
 
 
 def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
-    """Concatenate grids that were computed for several batches of nuisance points."""
+    """Join the grids of several batches of nuisance points."""
     limits = [grid.limits for grid in grids]
     names = (
         "triangular_factors",
@@ -850,7 +850,7 @@ def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
 
 
 def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
-    """Return a matrix of shape (runs, tests) whose elements are 1 if a test belongs to a run, and 0 otherwise.
+    """Return a matrix of runs and tests with 1 for each test of a run, and 0 elsewhere.
 
     The matrix has no rows unless there are at least two runs, one of which has at least two tests.
     """
@@ -864,7 +864,7 @@ def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
 def _solve_nonnegative_least_squares(
     rows: Floats, weight: Floats, known: Sequence[float | None]
 ) -> tuple[float, float]:
-    """Solve weighted equations of shape (tests, 3) for nonnegative mu0 and tau0 (GPa) by least squares."""
+    """Solve weighted test equations for nonnegative mu0 and tau0 (GPa) by least squares."""
     from scipy.optimize import lsq_linear
 
     is_free = [value is None for value in known]
@@ -881,7 +881,7 @@ def _solve_nonnegative_least_squares(
 
 
 def _compute_triangular_factors(rows: Floats) -> Floats:
-    """Compute QR decompositions of the coefficient matrices, and return triangular factors with nonnegative diagonals.
+    """Return the triangular factors, with nonnegative diagonals, of QR decompositions of the test equations.
 
     The equations have the shape (points, tests, 3), and the factors have the shape (points, 3, 3).
     """
@@ -896,7 +896,7 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 
 
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) where -2 ln(density) at the best mu0 is within `deviance_range` of the minimum."""
+    """Return the range of tau0 (GPa) in which -2 ln(density) at the best mu0 is close to its minimum."""
     first, second = triangular_factors[:, 0], triangular_factors[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
     unbounded_best, best_at_bound = (
@@ -935,7 +935,7 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
 def _find_tau0_range_at_fixed_mu0(
     mu0: float, triangular_factors: Floats, deviance_range: float
 ) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) where -2 ln(density) at a fixed mu0 is within `deviance_range` of its minimum."""
+    """Return the range of tau0 (GPa) in which -2 ln(density) at a fixed mu0 is close to its minimum."""
     first, second = triangular_factors[:, 0], triangular_factors[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2
     centre = (second[:, 1] * second[:, 2] + first[:, 1] * (first[:, 2] - first[:, 0] * mu0)) / curvature
@@ -945,6 +945,6 @@ def _find_tau0_range_at_fixed_mu0(
 
 
 def _compute_effective_sample_size(log_weight: Floats) -> float:
-    """Compute the effective sample size from the logarithms of the sample weights."""
+    """Return the effective sample size from logarithms of the weights."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())

@@ -1,4 +1,4 @@
-"""Friction tests, and their contact sums per load."""
+"""Friction tests with their contact sums per load."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ coefficient due to junction growth. A coefficient depends on junction growth if 
 
 @dataclass(frozen=True)
 class Ball:
-    """Smooth elastic ball on a smooth flat, for which the true area is the Hertzian contact area.
+    """Smooth elastic ball on a smooth flat, whose true area follows from Hertz's theory.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Ball:
     lost_fraction: InputValue = field(init=False, repr=False)  # area loss with its uncertainty
 
     def __post_init__(self) -> None:
-        """Convert the radius to core units, and derive the elastic properties from the arguments."""
+        """Convert the radius to core units, and derive the elastic constants from the arguments."""
         radius = validate_number("radius", to_core_units("radius", self.radius, "length"), unit="µm", above=0)
         object.__setattr__(self, "radius", radius)
         elasticity, moduli = parse_elasticity(
@@ -88,7 +88,7 @@ class Ball:
             raise ArgumentError("{area_loss} {why}", why=str(error)) from None
 
     def __repr__(self) -> str:
-        """Return the call that creates an equal ball, with the uncertainty of its inputs."""
+        """Return the call that creates an equal ball, with the uncertainty of its arguments."""
         direct_modulus = self.moduli.effective_modulus
         arguments = {
             "radius": self.radius, "effective_modulus": None if direct_modulus is None else direct_modulus.text,
@@ -98,7 +98,7 @@ class Ball:
         return f"Ball({', '.join(f'{name}={value!r}' for name, value in arguments.items() if value is not None)})"
 
     def area_per_load(self, load: float | str) -> float:
-        """Return the true area per load A/F (1/GPa) before shear at a load (mN), for the central moduli."""
+        """Return A/F (1/GPa), true area per load before shear, at a load (mN) and central moduli."""
         load = validate_number("load", load, unit="mN", above=0)
         radius, modulus = float(self.radius), self.elasticity.effective_modulus
         overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
@@ -108,7 +108,7 @@ class Ball:
 
 @dataclass(frozen=True, kw_only=True)
 class _FrictionTestSums:
-    """Contact sums of a friction test, divided by the elastic load."""
+    """Contact sums of one friction test, divided by the elastic load."""
 
     sums: Mapping[str, float]
     scatter: float = 0.0  # relative standard error of the true area in a test
@@ -119,14 +119,14 @@ class _FrictionTestSums:
 
 @dataclass(frozen=True)
 class AreaFactor:
-    """Ratio of true contact area to computed contact area, which depends on uncertain inputs."""
+    """Factor from the computed to the true contact area of a test, which depends on uncertain inputs."""
 
     # Uncertain inputs of a test by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
     surfaces: Hashable  # key of the surfaces; tests with equal keys have the same area loss
 
     def nuisance_name(self, name: str) -> Hashable:
-        """Return the name of the nuisance parameter for an input. Tests with equal inputs share the parameter.
+        """Return the nuisance parameter of an input, which tests with equal inputs share.
 
         Small contacts lose a larger fraction of their area than large ones, so other surfaces have another area loss.
         """
@@ -135,20 +135,20 @@ class AreaFactor:
 
     @property
     def nuisance_names(self) -> list[Hashable]:
-        """Names of all nuisance parameters."""
+        """Nuisance parameters of all uncertain inputs, by name."""
         return [self.nuisance_name(name) for name in self.uncertain_inputs]
 
     def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Convert cumulative probabilities of the nuisance parameters to input values."""
+        """Convert cumulative probabilities of the nuisance parameters to inputs."""
         return {name: each.quantile(columns[self.nuisance_name(name)]) for name, each in self.uncertain_inputs.items()}
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth, or None if contacts do not grow."""
+        """Junction growth of the contacts in the test, or None."""
         return None
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the ratio of the true area at the onset of sliding to the computed area, and the friction fraction.
+        """Return the true area at the onset of sliding divided by the computed area, and the friction fraction.
 
         The friction fraction is that of `OnsetState`. `samples` are values of the inputs. The junction growth of the
         law is replaced by that of the test. At seizure the area is infinite, or the nominal area if tau0 is 0.
@@ -158,14 +158,14 @@ class AreaFactor:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Area factor of a Hertzian point contact. The area is proportional to E*^(-2/3)."""
+    """Area factor of a ball: its area is proportional to E*^(-2/3)."""
 
     moduli: UncertainModulus
     area_loss: float  # central area loss under shear
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
-        """Return the area factor of a ball, or None if its moduli are exact and shear leaves its area unchanged."""
+        """Return the area factor of a ball, or None if exact moduli and no effect of shear leave its area unchanged."""
         loss = ball.lost_fraction
         uncertain_inputs = ball.moduli.inputs | ({} if loss.is_exact else {"area_loss": loss.estimate})
         return (
@@ -173,14 +173,14 @@ class _BallAreaFactor(AreaFactor):
         )
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the ratio of the onset area to the area for the central moduli, and a friction fraction of 1."""
+        """Return the area at the onset of sliding divided by the area at central moduli, and 1 as friction fraction."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 
 
 @dataclass(frozen=True)
 class _AreaFactorFromResult(AreaFactor):
-    """Area factor at a given load, computed from a result for measured bodies."""
+    """Area factor of a test on measured surfaces at one load."""
 
     area: AreaFunction
     load: float
@@ -189,7 +189,7 @@ class _AreaFactorFromResult(AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
-        """Return the area factor of a result, or None if no uncertain input, creep or shear affects the area."""
+        """Return the area factor of a result, or None if no uncertain input, creep or shear changes its area."""
         sums = MemberSums.of(result)
         inputs = Inputs.from_study(sums.study)
         uncertain_inputs = {
@@ -206,11 +206,11 @@ class _AreaFactorFromResult(AreaFactor):
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth, or None if contacts do not grow."""
+        """Junction growth of the contacts in the test, or None."""
         return self.inputs.estimate("junction_growth")
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the ratio of the true area at the onset of sliding to the computed area, and the friction fraction.
+        """Return the true area at the onset of sliding divided by the computed area, and the friction fraction.
 
         The friction fraction is that of `OnsetState`. `samples` are values of the inputs. The junction growth of the
         law is replaced by that of the test. At seizure the area is infinite, or the nominal area if tau0 is 0.
@@ -242,7 +242,7 @@ MIN_COEFFICIENT_UNCERTAINTY = 1e-15
 
 @dataclass(frozen=True)
 class FrictionTest:
-    """Friction test, described by its surfaces, load and measured coefficient.
+    """Friction test: surfaces, load and measured coefficient.
 
     Attributes
     ----------
@@ -282,7 +282,7 @@ class FrictionTest:
     wait: float | str = 1.0
 
     def __post_init__(self) -> None:
-        """Convert the load, the coefficient and the uncertainty to numbers."""
+        """Convert load, coefficient and uncertainty of the test to numbers."""
         nominal_area = getattr(self.result, "nominal_area", None)
         load_value = (
             to_core_units("load", self.load, "force")
@@ -318,7 +318,7 @@ class FrictionTest:
             object.__setattr__(self, "uncertainty", uncertainty)
 
     def _compute_coefficient_uncertainty(self, load: float) -> float:
-        """Convert the given uncertainty to the standard uncertainty of the coefficient at a load (mN)."""
+        """Convert the given uncertainty to a standard uncertainty of the coefficient at a load (mN)."""
         uncertainty, is_force = self.uncertainty, self.force is not None
         if isinstance(uncertainty, str) and uncertainty.strip().endswith("%"):
             try:
@@ -334,21 +334,21 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor | None:
-        """Area factor of the test, or None if no uncertain input, creep or shear affects the area."""
+        """Area factor of the test, or None if no uncertain input, creep or shear changes its area."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
         return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))
 
 
 def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: float) -> bool:
-    """Return whether junction growth by slip lines would noticeably change the friction coefficient of a test."""
+    """Return whether junction growth by slip-line theory noticeably changes the coefficient of a test."""
     if not friction.sums["tangential_adhesive"] * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
     return abs(FrictionLaw(mu0, tau0).growth_effect(friction.hardness)) > NEGLIGIBLE_GROWTH_EFFECT
 
 
 def list_sliding_rules(result: Any) -> tuple[str, ...]:
-    """Return the sliding rules for which a result contains values."""
+    """Return the sliding rules for which a result has coefficients."""
     if isinstance(result, Ball):  # a ball has one contact, for which both sliding rules give the same friction
         return SLIDING_RULES
     if isinstance(result, FrictionCurve):
@@ -357,7 +357,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
 
 
 def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTestSums:
-    """Evaluate the contact sums per load of a friction test for a given sliding rule."""
+    """Return the contact sums of a friction test under a sliding rule, divided by the elastic load."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("wait requires a result of `pair` with a creep exponent")
@@ -371,7 +371,7 @@ def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTes
 
 
 def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTestSums:
-    """Interpolate a load curve to a given load, and return the contact sums per load."""
+    """Return the contact sums at a load, interpolated in a load curve and divided by the elastic load."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         range_text = f"{loads.min():g} to {loads.max():g} mN"
@@ -390,7 +390,7 @@ def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTe
 
 
 def _average_sums_per_load(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestSums:
-    """Average the contact sums per load over the members and directions of a result at a given load."""
+    """Return the contact sums at a load, averaged over members and directions and divided by the elastic load."""
     dataset = getattr(result, "dataset", result)
     sums = (
         interpolate_member_sums(dataset, np.array([load]))

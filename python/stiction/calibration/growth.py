@@ -1,4 +1,4 @@
-"""Best mu0 and range of tau0 for tests whose equations are nonlinear because of junction growth."""
+"""Best mu0 and range of tau0 for tests whose contacts grow under shear."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Residuals are infinite at seizure.
 
 
 def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
-    """Use the Gauss-Newton method to compute the nonnegative mu0 that fits the tests best at each tau0.
+    """Return the nonnegative mu0 that fits the tests best at each tau0, by the Gauss-Newton method.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> t
 def find_tau0_range(
     sum_of_squares: Callable[[Floats], Floats], max_tau0: Floats, deviance_range: float
 ) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which the sum of squared residuals is within `deviance_range` of its minimum.
+    """Return the range of tau0 (GPa) in which the sum of squared residuals is close to its minimum.
 
     Parameters
     ----------

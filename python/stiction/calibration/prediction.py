@@ -1,4 +1,4 @@
-"""Predictions of the friction of other surfaces from the fitted strength of an interface."""
+"""Predictions of the friction of other surfaces from a fitted interface."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from stiction.study.interfaces import (
 
 
 class Interface(InterfaceStrength):
-    """Strength of an interface, expressed as a joint distribution of mu0 and tau0, with predictions for other surfaces.
+    """Strength of an interface as joint distribution of mu0 and tau0, with predictions for other surfaces.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class Interface(InterfaceStrength):
             )
 
         def compute_coefficients(mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-            """Return coefficients and their upper limits. An upper limit is infinite if the softer body shears."""
+            """Return coefficients and their upper limits, which are infinite if the softer body shears."""
             law, fraction, total_area = FrictionLaw(mu0, tau0), np.ones(()), area_samples
             if area_factor is not None:
                 area, fraction = area_factor.onset_factors(samples, law)
@@ -143,7 +143,7 @@ class Interface(InterfaceStrength):
         return (value, lower, upper) if math.isnan(combined.lower + combined.upper) else (value, *combined)
 
     def _list_separate_nuisances(self, area_factor: AreaFactor) -> set[Hashable]:
-        """Return the nuisance parameters of an area factor that the joint distribution does not contain."""
+        """Return the nuisance parameters of an area factor that the fit of mu0 and tau0 does not include."""
         uncertain_inputs = area_factor.uncertain_inputs
         joint_names = {
             "hardness": "hardness" in uncertain_inputs
@@ -154,7 +154,7 @@ class Interface(InterfaceStrength):
 
 
 def read_interface(path: str | Path) -> Interface:
-    """Read an interface from a file written by `write_interface`.
+    """Read an interface from a file that `write_interface` wrote.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def read_interface(path: str | Path) -> Interface:
 
 
 def interface(name_or_path: str | Path) -> Interface:
-    """Return a published interface, or read an interface from a file written by `stiction calibrate`.
+    """Return a published interface, or read one from a file that `stiction calibrate` wrote.
 
     Parameters
     ----------

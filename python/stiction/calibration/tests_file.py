@@ -1,4 +1,4 @@
-"""Friction tests in a text file: a heading with column names and units, and one test per row below it."""
+"""Friction tests in a text file: a line of column names with units, and one test per row."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _SLID_BY_CELL_TEXT = {"": True, "1": True, "yes": True, "true": True, "0": False
 
 
 def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[FrictionTest, ...]:
-    """Parse a table of friction tests. It must have a column `load`, and a column `force` or `coefficient`.
+    """Parse a table of friction tests with the columns `load`, and `force` or `coefficient`.
 
     `FRICTION_TEST_COLUMNS` lists all columns. Columns are separated by tabs, semicolons or commas. With tabs or
     semicolons, decimal commas are accepted. The column `pair` contains the name of one of the bodies, which are results
@@ -80,12 +80,12 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
 
 
 def _is_comment(line: str, bodies: Mapping[str, Any]) -> bool:
-    """Return whether a line starts with "#", unless the first cell is the name of a body such as "#1"."""
+    """Return whether a line is a comment: it starts with "#", but not with the name of a body such as "#1"."""
     return line.startswith("#") and re.split("[\t;,]", line)[0].strip().rstrip("/") not in bodies
 
 
 def _parse_column_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
-    """Return the index and unit of each column, keyed by the standard name of the column."""
+    """Return the index and unit of each column, by the standard name of the column."""
     columns: dict[str, tuple[int, str]] = {}
     for index, cell in enumerate(title_row):
         match = _COLUMN_TITLE_PATTERN.fullmatch(cell)
@@ -153,7 +153,7 @@ class _FrictionTestTable:
     separator: str
 
     def parse_rows(self) -> Iterator[FrictionTest]:
-        """Yield one friction test for each row."""
+        """Yield the friction test in each row."""
         number_columns = [index for name, (index, _) in self.titles.items() if name in _COLUMN_UNITS]
         cells_with_commas = [
             row[index].strip()
