@@ -1,1 +1,1 @@
-"""Further solutions for a pair that are stored alongside its result."""
+"""Further solutions for a pair, stored beside its result."""

@@ -1,4 +1,4 @@
-"""Friction and true area of a measured pair whose heights are multiplied by a factor to represent another finish.
+"""Friction and true area of a measured pair with scaled heights, as for another finish.
 
 Each factor is computed as a separate study, which is stored in the directory of the result. Results for factors in
 between are interpolated.
@@ -65,7 +65,7 @@ _INTERPOLATED_VARIABLES = (
 
 
 class MissingHeightFactorsError(ArgumentError):
-    """Error raised if results are requested at height factors that have not been computed.
+    """Error raised if a result has not been computed at the requested height factors.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class MissingHeightFactorsError(ArgumentError):
 
 
 def parse_height_factors(factors: Any) -> Floats:
-    """Parse height factors, and return them in ascending order, rounded to six significant digits.
+    """Parse height factors, and return them in ascending order with six significant digits.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def parse_height_factors(factors: Any) -> Floats:
 
 
 def _parse_factor_text(text: str) -> Floats:
-    """Parse a list or a range of factors from a string."""
+    """Parse a text with a list or a range of height factors."""
     try:
         if ".." not in text:
             if text.count(",") == 1:
@@ -132,7 +132,7 @@ def _parse_factor_text(text: str) -> Floats:
 
 
 def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
-    """Return powers of 2 that enclose a range of factors, with exponents in steps of `HEIGHT_FACTOR_EXPONENT_STEP`."""
+    """Return powers of 2 that enclose height factors, in steps of `HEIGHT_FACTOR_EXPONENT_STEP` of the exponent."""
     first, last = (
         math.floor(math.log2(low) / HEIGHT_FACTOR_EXPONENT_STEP),
         math.ceil(math.log2(high) / HEIGHT_FACTOR_EXPONENT_STEP),
@@ -142,7 +142,7 @@ def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
 
 
 def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
-    """Return the height factors that must be computed before results can be interpolated to the given factors."""
+    """Return the height factors to compute, between which friction at given factors is interpolated."""
     missing_factors = np.array(
         [factor for factor in factors.tolist() if _find_neighbor_indices(solved_factors, factor) is None]
     )
@@ -153,7 +153,7 @@ def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
 
 
 def _find_neighbor_indices(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
-    """Return the indices of the nearest computed height factors below and above the given factor.
+    """Return the indices of the nearest computed height factors below and above a given one.
 
     Both indices are equal if the factor itself was computed. Returns None if neighbouring factors are too far apart.
     """
@@ -168,7 +168,7 @@ def _find_neighbor_indices(solved_factors: Floats, factor: float) -> tuple[int, 
 
 
 def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> Study:
-    """Return a copy of a study in which the heights of the measured bodies are multiplied by a factor.
+    """Return a copy of a study that multiplies the heights of the measured bodies by a factor.
 
     Raises
     ------
@@ -188,14 +188,14 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
 
 
 def find_factor_study(study: Study, path: Path, factor: float, scaled: ScaledBodies) -> CompanionStudy:
-    """Return the study with a height factor, and its subdirectory of a result directory."""
+    """Return the study at a height factor, and its directory."""
     return CompanionStudy(
         scale_study_heights(study, factor, scaled), path / HEIGHT_SCALE_DIRECTORY / f"{scaled}-{factor:.6g}"
     )
 
 
 def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[float, MemberSums]:
-    """Open all finished results that are stored for height factors, and sort them by factor.
+    """Open all finished results at height factors, in ascending order.
 
     The given result is included as factor 1. All results are opened with its friction parameters.
     """
@@ -212,7 +212,7 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
 
 
 def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]]:
-    """List the stored height factors that scale both bodies, only the upper body, or only the lower body.
+    """Return the stored height factors for both bodies, for the upper body alone and for the lower body alone.
 
     The dict is empty if factor 1 is the only factor.
     """
@@ -228,7 +228,7 @@ def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]
 
 
 def estimate_height_factor_time(study: Study, count: int) -> float:
-    """Estimate the time (s) that one core needs to compute the results for a given number of height factors."""
+    """Estimate the time (s) on one core to compute a result at a number of height factors."""
     return count * study.ensemble.repetitions * estimate_member_time(study)
 
 
@@ -236,7 +236,7 @@ def compute_results_at_height_factors(
     result: StoredResult, factors: Any, scaled: ScaledBodies = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
-    """Compute the missing results that are required to evaluate a pair at the given height factors.
+    """Compute the missing results at all height factors that an evaluation needs.
 
     Each factor is stored as a separate result, so that finished factors are kept if the run is interrupted. `announce`
     is called with a line of text before each factor. Raises the errors of `evaluate_at_height_factors` and of
@@ -258,7 +258,7 @@ def compute_results_at_height_factors(
 def evaluate_at_height_factors(
     result: StoredResult, factors: Any, loads: Any, *, mu0: Any = None, tau0: Any = None, scaled: ScaledBodies = "both"
 ) -> xarray.Dataset:
-    """Evaluate friction, true area and stiffness of a measured pair whose heights are multiplied by given factors.
+    """Evaluate friction, true area and stiffness of a measured pair with scaled heights.
 
     Parameters
     ----------
@@ -366,7 +366,7 @@ def evaluate_at_height_factors(
 
 
 def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) -> Floats | None:
-    """Return the values of a quantity for each member, with the given dimensions after the first axis.
+    """Return a quantity of each member, with given dimensions after the first axis.
 
     Returns None if members have no values of the quantity.
     """
@@ -386,7 +386,7 @@ def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) 
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:
-    """Return the rms heights (µm) of both bodies of the first member, or an empty dict if scan files are missing."""
+    """Return the rms heights (µm) of both bodies in the first member, or an empty dict without scan files."""
     try:
         return {side: float(np.std(body.heights)) for side, body in zip(SIDES, get_first_pair(study), strict=True)}
     except (ValueError, OSError):
@@ -396,7 +396,7 @@ def _compute_rms_heights(study: Study) -> dict[str, float]:
 def _interpolate_between_factors(
     values: Floats, solved_factors: Floats, factor: float, neighbors: tuple[int, int]
 ) -> Floats:
-    """Interpolate values along the first axis between computed height factors. NaN at either neighbour gives NaN."""
+    """Interpolate along the first axis between computed height factors. NaN at a neighbour gives NaN."""
     from scipy.interpolate import PchipInterpolator
 
     lower, upper = neighbors

@@ -1,4 +1,4 @@
-"""Onset of sliding of a measured pair. The result stores the mean onset curve over a subset of its members.
+"""Onset of sliding of a measured pair: the mean onset curve of some members.
 
 The stored curve is the curve of the contact whose pressure is limited by the hardness. The solver of this curve
 includes neither junction growth nor the closed-form area of yielding contacts. Reported curves are therefore scaled to
@@ -93,7 +93,7 @@ def compute_onset(
 
 
 def _find_onset_members(study: Study, count: int | None) -> range:
-    """Return the indices of the members whose onset is computed: none for generated bodies, or without friction."""
+    """Return the members whose onset of sliding is computed: none for generated bodies, or without friction."""
     surfaces: Any = study.surfaces
     if not study.is_measured or float(study.friction.mu0[0]) == float(study.friction.tau0[0]) == 0:
         return range(0)
@@ -105,7 +105,7 @@ def _find_onset_members(study: Study, count: int | None) -> range:
 
 
 def estimate_onset_time(study: Study, members: int | None = None) -> float:
-    """Estimate the time (s) on one core of `compute_onset`, or return 0 for asperities, which take little time."""
+    """Estimate the time (s) of `compute_onset` on one core. For asperities, it is 0."""
     if not study.uses_half_space:
         return 0.0
     return len(_find_onset_members(study, members)) * NUM_SOLUTIONS_PER_ONSET * estimate_solution_time(study)
@@ -114,7 +114,7 @@ def estimate_onset_time(study: Study, members: int | None = None) -> float:
 def compute_member_onset(
     study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
 ) -> dict[str, Any] | None:
-    """Return the onset curve, slip map, index and position of a member, or None if the solver fails."""
+    """Return onset curve, slip map, index and position of one member, or None if the solver fails."""
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
@@ -184,7 +184,7 @@ The parameters are attributes of the dataset, such as "iwan_chi".
 
 
 def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
-    """Fit the four-parameter Iwan model and the LuGre model to the mean curve, and return their parameters."""
+    """Fit the Iwan model and the LuGre model to the mean onset curve, and return their parameters."""
     curve = onset.sel(statistic="mean")
     displacement, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
     sliding_load = float(curve["sliding_load"])
@@ -212,7 +212,7 @@ _MODEL_FORCES = ("iwan_sliding_load_mN",)
 
 
 def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
-    """Scale a computed onset to the sliding load μ_s F, where F is the normal load of the onset.
+    """Scale a computed onset curve to the sliding load μ_s F at the normal load F.
 
     The sliding load and its interval are the coefficient and its interval times F. The tangential loads of the curve
     are fractions of this sliding load. As in the solution of Cattaneo and Mindlin, the displacements at equal fractions
@@ -244,7 +244,7 @@ _LOAD_INTERVAL_KIND = "load_interval_kind"
 
 @dataclass(frozen=True)
 class OnsetCurvePoint:
-    """Point of the mean onset curve."""
+    """Point of the mean onset curve, with 95 % intervals."""
 
     tangential_load: Estimate  # tangential load (mN)
     displacement: Estimate  # tangential displacement (µm)
@@ -255,7 +255,7 @@ class OnsetCurvePoint:
 
 @dataclass(frozen=True)
 class OnsetValues:
-    """Values of the onset of sliding at a load, mu0 and tau0: means over members with 95 % intervals.
+    """Onset of sliding at a load, mu0 and tau0: means over members with 95 % intervals.
 
     Tangential loads that are scaled to the coefficient of static friction have its combined interval.
     """
@@ -275,7 +275,7 @@ class OnsetValues:
 
 
 def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
-    """Return the values of the onset of sliding that a dataset of `compute_onset` or `scale_onset` contains."""
+    """Return the onset of sliding in a dataset of `compute_onset` or `scale_onset`."""
     attributes = onset.attrs
 
     def read(table: xarray.DataArray) -> Estimate:
@@ -373,7 +373,7 @@ def load_stored_onset(result: StoredResult) -> xarray.Dataset | None:
 
 
 def format_backbone_csv(onset: xarray.Dataset) -> str:
-    """Format a mean curve, which serves as the backbone curve of a Masing model, as CSV with units."""
+    """Return the mean onset curve as CSV with units, the backbone curve of a Masing model."""
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
@@ -394,7 +394,7 @@ _MICROMETRE_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
-    """Return the fraction of the sliding load at which slip starts, for each grid point or asperity contact.
+    """Return the fraction of the sliding load at which each grid point or asperity contact starts to slip.
 
     The dataset includes the heights of the lower body. In large maps, each block of neighbouring points is represented
     by the point that slips first. The dataset is empty for profiles.
@@ -432,7 +432,7 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
 
 
 def _find_block_minima(values: Floats, block_size: int) -> Floats:
-    """Return the minimum of each block of `block_size` rows and columns, or NaN for blocks without values."""
+    """Return the minimum over each block of `block_size` rows and columns, or NaN for an empty block."""
     rows, columns = (-(-size // block_size) * block_size for size in values.shape)
     padded = np.full((rows, columns), np.inf)
     padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

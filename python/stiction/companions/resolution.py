@@ -1,4 +1,4 @@
-"""Effect of the scan resolution on a measured pair: results at several cutoffs, and slopes at each wavelength."""
+"""Effect of the scan resolution on a measured pair: friction at several cutoffs, and slopes."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ MAX_RELATIVE_CUTOFF = 1 / 30  # largest cutoff, as a fraction of the shortest si
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Create a cutoff study. It has several cutoffs, fewer members, and only the requested loads of the original study.
+    """Return the cutoff study of a measured pair, which has several cutoffs, fewer members and only requested loads.
 
     The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength if the
     scans are unfiltered, or twice the first cutoff if they are filtered. Each further cutoff is twice the previous one.
@@ -98,19 +98,19 @@ def build_cutoff_study(study: Study) -> Study | None:
 
 
 def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
-    """Return the cutoff study of a measured pair with its directory in `path`, or None without a second cutoff."""
+    """Return the cutoff study of a measured pair, with its directory in `path`, or None for a single cutoff."""
     cutoff_study = build_cutoff_study(study)
     return None if cutoff_study is None else CompanionStudy(cutoff_study, path / CUTOFF_STUDY_DIRECTORY)
 
 
 def _find_first_scan_member(study: Study) -> int:
-    """Return the index of the first member that consists of pieces of the scans, or 0 if all members are surrogates."""
+    """Return the index of the first member cut from the scans, or 0 if all members are surrogates."""
     index = study.surfaces.first_scan_member_index
     return index if index < study.ensemble.repetitions else 0
 
 
 def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
-    """Evaluate the cutoff study that is stored with a measured pair, for the loads, mu0 and tau0 of the pair.
+    """Evaluate the stored cutoff study of a measured pair, at the loads, mu0 and tau0 of the pair.
 
     Returns None if no cutoff study that matches the pair is stored.
     """
@@ -139,7 +139,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 
 @dataclass(frozen=True, eq=False)
 class ResolvedRoughness:
-    """Roughness of the gap at resolved wavelengths, extrapolated to shorter wavelengths. Outliers are interpolated."""
+    """Roughness of the gap at resolved wavelengths, and its extrapolation to shorter wavelengths."""
 
     shortest: float  # shortest resolved wavelength (µm): the cutoff, or two grid spacings
     two_points: float  # two grid spacings, the shortest wavelength of unfiltered scans (µm)
@@ -150,11 +150,11 @@ class ResolvedRoughness:
 
     @property
     def shortest_octave_fraction(self) -> float:
-        """Fraction of the gap's mean square gradient that comes from the shortest resolved octave of wavelengths."""
+        """Fraction of the gap's mean square slope that is due to the shortest resolved octave of wavelengths."""
         return float(self.roughness.fraction_below(2 * self.shortest))
 
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Return the cutoff (µm) at which the elastic pressure is `ratio` times the pressure at the scan resolution.
+        """Return the cutoff (µm) at which the elastic pressure is `ratio` times that of the unfiltered scans.
 
         The cutoff is returned with its interval.
         """
@@ -163,7 +163,7 @@ class ResolvedRoughness:
         return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, kappa_factor)
 
     def extrapolate_to_finer_scans(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
-        """Extrapolate the gap gradient and the area fraction of elastic bodies to finer scans.
+        """Extrapolate rms slope and elastic area fraction of the gap to finer scans.
 
         Returns the shortest wavelengths (µm) of the finer scans, the gradients, and the area fractions. Gradients and
         area fractions are triples of value, lower limit and upper limit.
@@ -180,7 +180,7 @@ class ResolvedRoughness:
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """Return the resolved roughness of the gap, or None if the bodies are generated or if files are missing."""
+    """Return the roughness of the gap at resolved wavelengths, or None for generated bodies or missing files."""
     if not study.is_measured:
         return None
     try:
@@ -211,7 +211,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return lower bounds on mu_s and the area fraction for all finer scans, or None if contacts cannot yield.
+    """Return lower bounds on mu_s and area fraction for all finer scans, or None if contacts cannot yield.
 
     The bound on mu_s, with friction at all contacts, is mu0 + tau0/H', or k/(H/2) if the interface is stronger than the
     softer body, with its shear strength k. The bound on the area fraction is p/H, where p
@@ -225,7 +225,7 @@ def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, floa
 
 @dataclass(frozen=True)
 class YieldWavelengthEstimate:
-    """Estimates for a hardness H (GPa): the wavelength (µm) at which the pressure reaches H, and mu0 + tau0/H."""
+    """Estimates for a hardness H: the wavelength (µm) at which the pressure reaches H, and mu0 + tau0/H."""
 
     hardness: float
     wavelength: Estimate  # wavelength at which the elastic pressure reaches H; NaN if it never does
@@ -234,7 +234,7 @@ class YieldWavelengthEstimate:
 
 @dataclass(frozen=True)
 class CutoffResult:
-    """Values computed at one combination of cutoff, load, mu0 and tau0."""
+    """Friction and contact of a pair at one cutoff, load, mu0 and tau0."""
 
     at: dict[str, float]
     values: dict[str, float]  # friction for each sliding rule, rms gradient, area fraction and pressure at a cutoff
@@ -268,7 +268,7 @@ class ResolutionEffect:
 
 
 def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> ResolutionEffect | None:
-    """Return the effect of the scan resolution, or None if neither the roughness nor results at cutoffs are known.
+    """Return the effect of the scan resolution, or None if neither roughness nor friction at cutoffs is known.
 
     `cutoffs` is a result of `evaluate_at_cutoffs`, or a dataset of `Result.at` at several cutoffs.
     """
@@ -331,7 +331,7 @@ def estimate_yield_wavelengths(
 
 @dataclass(frozen=True, eq=False)
 class ResolutionLimits:
-    """Values of a cutoff study at one load, mu0 and tau0, and the limits that apply to finer scans.
+    """Friction at several cutoffs for one load, mu0 and tau0, with bounds for finer scans.
 
     Attributes
     ----------
@@ -360,7 +360,7 @@ class ResolutionLimits:
 
 
 def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLimits:
-    """Return the values of a cutoff study at one load, mu0 and tau0, with the limits that apply to finer scans."""
+    """Return friction at several cutoffs for one load, mu0 and tau0, with bounds for finer scans."""
     roughness = find_resolved_roughness(study)
     shortest_cutoff = float(np.min(points["cut_off"].values)) if "cut_off" in points.coords else 0.0
     limits = ResolutionLimits(
@@ -384,7 +384,7 @@ def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLi
 
 
 def _estimate_friction_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Return the closed-form estimate from the spectra of both bodies, or None if neither is a joined spectrum."""
+    """Return a closed-form estimate of friction from joined spectra, or None if neither body has one."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]
