@@ -1,1 +1,1 @@
-"""Browser app `stiction app`: a local server and page that run the commands of stiction."""
+"""Browser app `stiction app`: a local server, and a page that runs stiction's commands."""

@@ -1,4 +1,4 @@
-"""HTML form fields of the app, and functions that replace option names in messages with field labels."""
+"""Form fields of the app as HTML, and replacement of option names in messages by field labels."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ SHEAR_FLAGS = (
 
 
 def fields_html(place: Literal["scan", "more"]) -> str:
-    """Return the HTML of all fields in one section of the form."""
+    """Return all fields in one section of the app's form as HTML."""
     return "\n".join(_field_html(flag, field) for flag, field in FORM_FIELDS_BY_FLAG.items() if field.place == place)
 
 
@@ -65,7 +65,7 @@ def _field_html(flag: str, field: FormField) -> str:
 
 
 def page_data_json() -> str:
-    """Return the data for the page's script as JSON that is escaped for use in an HTML attribute.
+    """Return the data of the page's script as JSON, escaped for an HTML attribute.
 
     The data are units of plain numbers, options with one value for both scans, and descriptions of the sliding rules.
     """
@@ -87,12 +87,12 @@ def group_option_values(options: Iterable[tuple[str, str]]) -> dict[str, Any]:
 
 
 def format_error(error: Exception) -> str:
-    """Return the message of an error as the command line prints it, with option names instead of argument names."""
+    """Return the message of an error with option names instead of argument names, as on the command line."""
     return error.translated_message(format_command_line_name) if isinstance(error, ArgumentError) else str(error)
 
 
 def parse_reading_options(texts_by_flag: Mapping[str, str]) -> dict[str, str | tuple[str, ...]]:
-    """Convert the texts of form fields to keyword arguments of `read_measurement`. Empty fields are omitted."""
+    """Convert the texts of form fields to keyword arguments of `read_measurement`, without empty fields."""
     texts = {flag.replace("-", "_"): texts_by_flag.get(flag) for flag in FILE_READING_FLAGS}
     return {name: split_option_text(name, text) for name, text in texts.items() if text}
 
@@ -105,13 +105,13 @@ _PYTHON_ARGUMENT_PATTERN = re.compile(r'\b\w+="[^"]*" \((--[^()]*)\)')
 
 
 def find_first_option_name(message: str) -> str:
-    """Return the option name at the start of an error message, or an empty string if the form has no such field."""
+    """Return the option name at the start of an error message, or "" if the form has no such field."""
     match = _OPTION_PATTERN.match(message)
     return match[1] if match and match[1] in FORM_FIELDS_BY_FLAG else ""
 
 
 def replace_option_names(message: str) -> str:
-    """Replace option names in a command's message with the labels of the corresponding fields and choices."""
+    """Replace option names in a command's message by the labels of form fields and choices."""
 
     def field_label(match: re.Match[str]) -> str:
         field = FORM_FIELDS_BY_FLAG.get(match[1])
@@ -125,11 +125,11 @@ def replace_option_names(message: str) -> str:
 
 
 def replace_option_names_in_caveats(record: dict[str, Any]) -> dict[str, Any]:
-    """Replace option names in the caveats of a point record with field labels."""
+    """Replace option names in the caveats of a JSON record by labels of form fields."""
     caveats = [{name: replace_option_names(text) for name, text in caveat.items()} for caveat in record["caveats"]]
     return record | {"caveats": caveats}
 
 
 def replace_option_names_in_preview(preview: dict[str, Any]) -> dict[str, Any]:
-    """Replace option names in the messages of a scan preview with field labels."""
+    """Replace option names in the messages of a scan preview by labels of form fields."""
     return preview | {name: replace_option_names(preview[name]) for name in ("error", "warning") if name in preview}

@@ -1,4 +1,4 @@
-"""Job queue of the server. It runs commands in separate processes, one at a time.
+"""Job queue of the app, which runs commands in separate processes, one at a time.
 
 A job is a command that a user could type: the command line gives the same numbers, and "stop" has the same effect as
 Ctrl-C. A scan or result that exceeds the memory limit ends the command, but not the server.
@@ -51,17 +51,17 @@ REPORTED_EXCEPTIONS = (OSError, ValueError, ImportError, MemoryError, RuntimeErr
 
 
 class RejectedRequestError(ValueError):
-    """Error raised if a request is rejected, with a message to show on the page."""
+    """Error raised if the app rejects a request, with a message for the page."""
 
 
 def hide_private_paths(text: str, root: Path | str) -> str:
-    """Replace private paths in a text with the names of the uploaded scans."""
+    """Replace private paths in a text by the names of uploaded scans."""
     return re.sub(rf"{re.escape(str(root))}/(?:files/\w+/)?", "", text)
 
 
 @dataclass(eq=False)
 class Job:
-    """Command in the queue, with its progress and result."""
+    """Job in the queue: a command, its progress and its result."""
 
     number: int
     title: str
@@ -82,7 +82,7 @@ class Job:
     task: asyncio.Task[None] | None = None
 
     def page_data(self) -> dict[str, Any]:
-        """Return the job data that the server sends to the page."""
+        """Return the job as data for the page."""
         field_names = ("number", "title", "state", "finished", "total")
         return {name: getattr(self, name) for name in field_names} | {
             "words": self.activity, "by": self.scope, "answer": self.record, "error": replace_option_names(self.error),
@@ -91,7 +91,7 @@ class Job:
         }  # fmt: skip
 
     def show(self, record: Any, files: Path | None, *, scope: str = "", counts: tuple[int, int] | None = None) -> None:
-        """Store the values of a result, so that the page shows them.
+        """Store the numbers of a result, which the page then shows.
 
         `files` is the directory with the files that the user can save, or None if they have not been written. `scope`
         describes the members of an intermediate result. `counts` contains the number of finished members and the number
@@ -102,14 +102,14 @@ class Job:
             self.finished, self.total = counts
 
     def stop(self) -> None:
-        """Stop the command. The results computed so far are read after the process has ended."""
+        """Stop the command of the job. After the process has ended, the results so far are read."""
         if self.state in ("waiting", "running") and self.task is not None and not self.is_ending:
             self.is_ending, self.activity = True, "stopping"
             self.task.cancel()
 
 
 class JobQueue:
-    """Job queue of a server, and the directory that contains the job files."""
+    """Queue of the app's jobs, with the directory of their files."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -128,7 +128,7 @@ class JobQueue:
         directory: Path | None = None,
         preview: Any = None,
     ) -> Job:
-        """Add a command to the queue. If a result of the same command is stored, its computation is resumed.
+        """Add a command to the queue. A stored result of the same command is resumed.
 
         Files of the result are saved under the name `file_stem`, which is the title by default.
         """
@@ -147,7 +147,7 @@ class JobQueue:
         return job
 
     def page_data(self) -> list[dict[str, Any]]:
-        """Return the data of all jobs for the page. A waiting job contains the job for which it waits."""
+        """Return all jobs as data for the page; a waiting job refers to the job for which it waits."""
         records, previous_title = [], ""
         for job in self.jobs_by_number.values():
             record = job.page_data()
@@ -216,7 +216,7 @@ class JobQueue:
             task.add_done_callback(_print_unexpected_error)
 
         def show_values(record: str) -> None:
-            """Show the final values before figures are drawn, because drawing may fail."""
+            """Show the final numbers of a job before figures are drawn, because drawing may fail."""
             monitor_task.cancel()
             job.activity = "drawing"
             job.show(_read_answer(job, record), None)
@@ -250,7 +250,7 @@ class JobQueue:
         job.show(_read_answer(job, record), files, counts=counts)
 
     def _copy_files(self, job: Job, files: Path, record: str) -> tuple[int, int] | None:
-        """Copy the files and the JSON record of a job to a new directory. For a pair, return the member counts."""
+        """Copy the files and the JSON record of a job to a new directory. Return the member counts of a pair."""
         sources = FILES_BY_COMMAND[job.arguments[0]]
         texts = {name: (job.directory / source).read_text("utf-8") for name, source in sources.items()}
         files.mkdir(parents=True)
@@ -315,19 +315,19 @@ class JobQueue:
 
 
 def _print_unexpected_error(task: asyncio.Task[None]) -> None:
-    """Print the error of a task in the terminal of the server. Other tasks continue."""
+    """Print the error of a task in the terminal of the app, while other tasks continue."""
     if not task.cancelled() and (error := task.exception()) is not None:
         context = {"message": "unexpected error in a job", "exception": error, "task": task}
         task.get_loop().call_exception_handler(context)
 
 
 def _read_answer(job: Job, record: str) -> dict[str, Any]:
-    """Return the values in the JSON record that the command of a job printed."""
+    """Return the numbers in the JSON record that the command of a job printed."""
     return _read_shear_test(record) if job.arguments[0] == "shear" else _read_reported_point(record)
 
 
 def _read_shear_test(record: str) -> dict[str, Any]:
-    """Return the coefficients at the peak and at the end of a shear test as text, and its caveats."""
+    """Return the coefficients at the peak and at the end of a shear test as text, with its caveats."""
     values, lines = json.loads(record), []
     for name, place in (("peak_friction_coefficient", "at the peak"), ("end_friction_coefficient", "at the end")):
         entry = next(each for each in values["values"] if each["name"] == name)
@@ -337,7 +337,7 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the values of the reported point in the JSON record of a pair, or raise the remark of the record."""
+    """Return the quoted point in the JSON record of a pair, or raise its remark if there is none."""
     values = json.loads(record)
     if "points" not in values:
         raise RejectedRequestError(values["remark"])
@@ -345,7 +345,7 @@ def _read_reported_point(record: str) -> dict[str, Any]:
 
 
 def memory_limit_command_prefix(memory: float) -> list[str]:
-    """Return a command prefix that limits memory and kills the process if its parent dies; empty if not supported."""
+    """Return a command prefix that limits memory and kills the process with its parent, if supported."""
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
     import resource
@@ -419,7 +419,7 @@ async def _read_record(stream: StreamReader) -> tuple[str, bool]:
 
 
 def _failure_message(status: int, error_output: str) -> str:
-    """Return the message of a command that failed with an exit status; the status is negative after a signal."""
+    """Return a message about a command that failed with an exit status, which is negative after a signal."""
     if status < 0:
         return f"the system ended the command ({signal.Signals(-status).name}); memory may be insufficient"
     lines = [line.removeprefix("stiction: ") for line in error_output.splitlines()]

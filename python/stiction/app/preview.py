@@ -1,4 +1,4 @@
-"""Command `python -m stiction.app.preview FILE OPTIONS [FILE OPTIONS]`, which prints JSON for the page.
+"""Preview of scans: command `python -m stiction.app.preview FILE OPTIONS [FILE OPTIONS]`, which prints JSON.
 
 For one scan it prints the contents with a small image, and for two scans whether they fit into each other. OPTIONS is
 JSON text with options of `read_measurement` by name. Imports take most of the run time, so this module uses neither
@@ -33,7 +33,7 @@ LINE_COLOURS = ("#7a8490", "#8a63c7")
 
 
 def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
-    """Return a summary of a scan with a small image, or the reason why the scan cannot be read.
+    """Return a summary of a scan with a small image, or the reason why it cannot be read.
 
     Messages contain names of command-line options, which the server replaces with the labels of form fields.
     """
@@ -74,7 +74,7 @@ def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return whether the faces of two scans fit into each other, and a shear path of a tenth of their length.
+    """Return whether two scans show faces that fit into each other, and a shear path of a tenth of their length.
 
     Scans that cannot be read do not fit.
     """
@@ -91,7 +91,7 @@ def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> di
 
 
 def draw_lines_svg(*lines: Floats) -> str:
-    """Draw several lines in one SVG image with a common vertical scale."""
+    """Draw lines as an SVG image with a common vertical scale."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
     elements = ""
     for line, colour in zip(lines, LINE_COLOURS, strict=False):
@@ -102,7 +102,7 @@ def draw_lines_svg(*lines: Floats) -> str:
 
 
 def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes:
-    """Render a height map as a grey PNG image with square pixels and the first row at the bottom.
+    """Draw a height map as a grey PNG image, with square pixels and the first row at the bottom.
 
     The grey levels equal those of the colour map of heights in other figures to within one level.
     """

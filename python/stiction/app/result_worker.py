@@ -1,4 +1,4 @@
-"""Worker process of the server. It reads a result, prints its values, and writes files for the user."""
+"""Worker process of the app, which reads a result, prints its numbers and writes files."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the study for the asperity-model preview of a `pair` command with the given files and options."""
+    """Return the preview study of a `pair` command, which uses the asperity model."""
     return MeasuredPair.from_values(upper=files[0], lower=files[1], **group_option_values(options)).preview_study
 
 
 def main() -> None:
-    """Print the values and the member count of a result, and write its report and other files.
+    """Print the numbers and the member count of a result, and write its report and other files.
 
     The argument is JSON: `directory` of the result, or `preview` with the scans and options of a `pair` command;
     `name`; the `command` of a final result (empty for an intermediate result); `files`, the directory to write; and the

@@ -1,4 +1,4 @@
-"""Start and end of the app: a server in a private directory, and its page in a browser."""
+"""Start and end of the app: a server in a private directory, and a page in a browser."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ MAX_IDLE_CONNECTIONS = 64
 
 
 class TimeLimitedConnection(H11Protocol):
-    """HTTP connection that is closed if its request does not arrive in time."""
+    """HTTP connection that closes if its request does not arrive in time."""
 
     idle_timers: ClassVar[dict[TimeLimitedConnection, asyncio.TimerHandle]] = {}
 
     def connection_made(self, transport: Any) -> None:
-        """Start the timer of a new connection."""
+        """Start the timer of a new connection, and limit the number of idle connections."""
         super().connection_made(transport)
         self.idle_timers[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
         if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:
@@ -44,13 +44,13 @@ class TimeLimitedConnection(H11Protocol):
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:
-        """Stop the timer when the head of the request is complete."""
+        """Stop the timer of a connection when the headers of its request are complete."""
         super().data_received(data)
         if self.cycle is not None:
             self._cancel_idle_timer()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Stop the timer after the client has closed the connection."""
+        """Stop the timer of a connection that the client has closed."""
         self._cancel_idle_timer()
         super().connection_lost(exc)
 
@@ -68,7 +68,7 @@ class TimeLimitedConnection(H11Protocol):
 
 
 def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
-    """Serve the page until its last window has been closed for some time, or until the user interrupts the command."""
+    """Serve the page until its last window has been closed for some time, or until Ctrl-C."""
     with (
         tempfile.TemporaryDirectory(prefix=WORKING_DIRECTORY_PREFIX) as directory,
         socket.create_server(("127.0.0.1", 0)) as listener,
@@ -119,5 +119,5 @@ async def _serve(
 
 
 def is_abandoned(server: Server, now: float) -> bool:
-    """Return whether all windows have been closed for too long, or whether no window was opened in time."""
+    """Return whether all windows have been closed for too long, or none was opened in time."""
     return now - server.last_request_time > (SERVER_IDLE_TIMEOUT if server.has_window else FIRST_WINDOW_TIMEOUT)

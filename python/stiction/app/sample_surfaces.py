@@ -1,4 +1,4 @@
-"""Generated surfaces for the app: two sample surfaces, and the profiles that the user shapes with sliders."""
+"""Generated surfaces of the app: two sample scans, and profiles that sliders change."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from stiction.surfaces.self_affine import self_affine_surface
 
 
 def write_sample_surfaces(directory: Path) -> list[Path]:
-    """Write CSV files with two sample surfaces (side 26 µm, rms height Sq 50 nm), unless the files exist."""
+    """Write two sample scans (side 26 µm, rms height Sq 50 nm) as CSV files, unless they exist."""
     directory.mkdir(parents=True, exist_ok=True)
     paths = [directory / f"{side}.csv" for side in ("upper", "lower")]
     for path in paths:
@@ -29,7 +29,7 @@ def write_sample_surfaces(directory: Path) -> list[Path]:
 
 
 def draw_profiles(changes: Any) -> str:
-    """Draw an SVG image of two profiles near their first contact, from the study `quick` with `changes`."""
+    """Draw two profiles near first contact as SVG, from the study `quick` with `changes`."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
     upper, lower = next(

@@ -90,7 +90,7 @@ CROSS_ORIGIN_RESPONSE = PlainTextResponse("Requests of other pages are rejected.
 
 
 class Server:
-    """ASGI application that serves the app's page. It stores scans and new results in `root`.
+    """ASGI application for the app's page, with scans and new results in the directory `root`.
 
     Existing results are read from `working_directory`.
 
@@ -135,7 +135,7 @@ class Server:
         await self.jobs.shut_down()
 
     def shut_down(self) -> None:
-        """Answer all pending and later requests with a message that the server has shut down."""
+        """Answer all pending and later requests with the message that the server has shut down."""
         self._has_ended = True
         for task in self._running_requests:
             task.cancel()
@@ -462,7 +462,7 @@ async def _error_response(_: Request, error: Exception) -> Response:
 
 
 def _request_body_length(request: Request, max_length: int) -> int:
-    """Return the length of a request body. Raise HTTPException if the body is too long or its length is unknown."""
+    """Return the length of a request body. Raises HTTPException if it is too long or unknown."""
     length_text = request.headers.get("content-length", "")
     if "transfer-encoding" in request.headers or not length_text.isdecimal():
         raise HTTPException(411)
