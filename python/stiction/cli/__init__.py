@@ -1,4 +1,4 @@
-"""Command-line interface `stiction`, which parses arguments and prints results. Each group of commands has a module."""
+"""Command-line interface `stiction`: arguments are parsed and results printed, in one module per group of commands."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ With Python's default, 700 in Python 3.11, the collector traverses the objects o
 
 
 def main() -> None:
-    """Run the command and exit with status 0, status 2 after a message for bad input, or status 130 after Ctrl-C."""
+    """Run a command, and exit with status 0, 2 after bad input, or 130 after Ctrl-C."""
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION)
     # Prevent the import of Dask, which only clusters use. Otherwise xarray would import it, which takes 0.3 s.
     sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
@@ -62,7 +62,7 @@ def _redirect_closed_streams() -> None:
 
 
 def _address_space_limit() -> float:
-    """Return the address-space limit of this process in bytes, or infinity if there is none."""
+    """Return the limit of this process's address space in bytes, or infinity."""
     try:
         import resource
     except ImportError:  # Windows has no module `resource`

@@ -1,4 +1,4 @@
-"""Typer application with all commands, and functions for help texts, messages, output and exit statuses."""
+"""All commands as a typer application, with help texts, messages, output and exit statuses."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def print_message(text: str, kind: str = "") -> None:
-    """Print a message on standard error if possible. Control characters in the message are escaped."""
+    """Print a message on standard error if possible, with escaped control characters."""
     lines = [f"stiction: {kind}{printable_text(line, MAX_QUOTED_LINE_LENGTH)}" for line in text.split("\n") if line]
     if sys.stderr.isatty():
         width = shutil.get_terminal_size().columns
@@ -51,14 +51,14 @@ def _redirect_to_null_device(stream: TextIO) -> None:
 
 
 def report_interruption(detail: str = "") -> typer.Exit:
-    """Print on standard error that the command was interrupted, and return an exception with exit status 130."""
+    """Print that the command was interrupted, and return an exception with exit status 130."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C would only print a traceback
     print_message(f"interrupted{detail}")
     return typer.Exit(EXIT_INTERRUPTED)
 
 
 def show_status(text: str) -> None:
-    """Show the current operation on a terminal, in a line that the next message overwrites."""
+    """Show the current operation in a line on a terminal, which the next message overwrites."""
     if is_stderr_terminal():
         line = f"stiction: {printable_text(text, MAX_QUOTED_LINE_LENGTH)}"[: shutil.get_terminal_size().columns - 1]
         _clear_line(f"{line}\r")
@@ -76,7 +76,7 @@ def is_stderr_terminal() -> bool:
 
 
 def print_output(text: str) -> None:
-    """Print a result on standard output. A closed pipe does not stop the command."""
+    """Print a result on standard output, even if the pipe that reads it is closed."""
     lines = [printable_text(line, sys.maxsize) for line in text.removesuffix("\n").split("\n")]
     if sys.stdout.isatty():
         lines = [_BOLD_TEXT_PATTERN.sub(lambda match: typer.style(match[0], bold=True), line) for line in lines]
@@ -134,7 +134,7 @@ EXIT_STATUS_HELP = (
 
 
 def format_help_epilog(*lines: str) -> str:
-    """Return the end of a help text, which contains examples and explains the exit statuses."""
+    """Return the end of a help text: examples and exit statuses."""
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
@@ -155,7 +155,7 @@ def option_was_given(context: typer.Context, name: str) -> bool:
 
 
 class _CommandWithHelpPanels(TyperCommand):
-    """Command whose help lists the options in panels. Value types and ranges are not shown."""
+    """Command whose help lists options in panels, without types and ranges."""
 
     common: Collection[str] = ()  # options that the short help of a command lists, if the command has many
 
@@ -197,7 +197,7 @@ class _CommandWithHelpPanels(TyperCommand):
 
 
 class _LazyCommandGroup(TyperGroup):
-    """Command group that imports the module of a command on demand, because imports are slow."""
+    """Group of commands that imports the module of a command only when it is needed."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         return [name for group in COMMANDS_BY_GROUP.values() for name in group]
@@ -249,7 +249,7 @@ _SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # options that the shor
 
 
 def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[Function], Function]:
-    """Return a decorator that registers a function as a command and adds examples to the help text.
+    """Register a function as a command, with examples in its help text.
 
     If `common` is given, the short help lists only these parameters.
     """
@@ -263,7 +263,7 @@ _OPTION_NAMES_BY_ARGUMENT = {"height_scale": "--scale-heights", "compute=True": 
 
 
 def _option_name(argument: str) -> str:
-    """Return the command line option that corresponds to an argument in Python."""
+    """Return the command-line option for an argument in Python."""
     if argument in _OPTION_NAMES_BY_ARGUMENT:
         return _OPTION_NAMES_BY_ARGUMENT[argument]
     # Import the options only when one is needed, so that the help needs no numeric package.
@@ -323,7 +323,7 @@ def run_command_line() -> int:
 
 
 def _discard_unwritable_output() -> None:
-    """Discard output that cannot be written, which would lead to a traceback and to status 120 at exit."""
+    """Discard output that cannot be written, which would otherwise cause a traceback and status 120 at exit."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -332,7 +332,7 @@ def _discard_unwritable_output() -> None:
 
 
 def _add_command_suggestion(message: str) -> str:
-    """Return the parser's error message. For an unknown command, the message suggests a similar command."""
+    """Return the parser's error message, with a similar command if the command is unknown."""
     unknown_command = re.match(r"No such command '([^']*)'", message)
     names = [name for group in COMMANDS_BY_GROUP.values() for name in group]
     suggestions = difflib.get_close_matches(unknown_command[1], names, n=1) if unknown_command else []
@@ -345,7 +345,7 @@ def _add_command_suggestion(message: str) -> str:
 
 @contextmanager
 def _reraise_hidden_interrupts() -> Iterator[None]:
-    """Replace an exception that was caused by an interrupt, such as an ImportError, with KeyboardInterrupt."""
+    """Replace an exception that an interrupt caused, such as an ImportError, by KeyboardInterrupt."""
     try:
         yield
     except Exception as error:
@@ -358,7 +358,7 @@ def _reraise_hidden_interrupts() -> Iterator[None]:
 
 
 def _handle_unraisable(unraisable: Any) -> None:
-    """Raise KeyboardInterrupt again in the main thread if Python ignored it in a destructor.
+    """Raise a KeyboardInterrupt again in the main thread if Python ignored it in a destructor.
 
     An AttributeError is ignored: the destructor of an object raises it if the constructor was interrupted.
     """

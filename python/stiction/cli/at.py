@@ -1,4 +1,4 @@
-"""Command `stiction at`: values of a result for other loads, mu0 and tau0, or for scaled heights."""
+"""Command `stiction at`: friction of a result at other loads, mu0 and tau0, or with scaled heights."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ def at(
 
 
 def _report_missing_loads(result: Result, values: xarray.Dataset, missing_loads: Sequence[float]) -> None:
-    """Print a warning that names the loads without values. If no load has values, raise a `ValueError` instead."""
+    """Warn about loads without a coefficient, or raise a `ValueError` if no load has one."""
     from stiction.views.text import missing_loads_text
 
     if not missing_loads:
@@ -181,7 +181,7 @@ def _print_height_factor_results(
     stored_result: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print a result for several height factors. If `compute` is True, compute missing results first."""
+    """Print a result at several height factors, and compute missing ones first if `compute` is True."""
     from stiction.companions.height_scale import (
         compute_results_at_height_factors,
         evaluate_at_height_factors,
@@ -215,7 +215,7 @@ def _print_height_factor_results(
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
-    """Parse and sort the loads (mN) given on the command line. By default, return the loads of the study."""
+    """Parse and sort loads (mN) from the command line, by default those of the study."""
     from stiction._arguments import parse_load, parse_quantity, reject_decimal_commas, split_values
     from stiction.mechanics.model import PROFILE_WIDTH
 
@@ -248,7 +248,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
 def _select_nearest_parameters(
     dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
 ) -> xarray.Dataset:
-    """Select the computed fractal dimensions and amplitudes (µm) nearest to the given values.
+    """Return the computed fractal dimensions and amplitudes (µm) nearest to given ones.
 
     The default is all dimensions and the first amplitude.
     """

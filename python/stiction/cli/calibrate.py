@@ -150,7 +150,7 @@ InterfacePathArgument = Annotated[
 
 @command("interfaces", "stiction interfaces", "stiction interfaces .", "stiction interfaces --json")
 def interfaces(path: InterfacePathArgument = None, as_json: JsonOption = False) -> None:
-    """List the interfaces that `pair --interface` accepts: the published ones, or the calibrated ones at PATH.
+    """List the interfaces that `pair --interface` accepts: published ones, or calibrated ones at PATH.
 
     "Measured" values come from contacts of known area. "Lumped" values come from friction at a nominal pressure and do
     not separate the effect of roughness. Each value is a range for the listed pressures and conditions.

@@ -1,4 +1,4 @@
-"""Exit statuses of the command `stiction`, and the exit on Ctrl-C while modules are imported."""
+"""Exit statuses of `stiction`, and the exit on Ctrl-C while modules are imported."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ EXIT_BAD_INPUT = 2  # exit status after an invalid input
 
 @contextmanager
 def exit_on_interrupt() -> Iterator[None]:
-    """Exit on Ctrl-C while modules are imported, because some modules catch every exception.
+    """Exit on Ctrl-C while modules are imported, because some modules catch all exceptions.
 
     OpenBLAS raises the same signal if it cannot start its threads, for example if the number of processes is limited.
     """

@@ -1,4 +1,4 @@
-"""Command line options created from the declarations in `study.pair_options`."""
+"""Command-line options of `pair`, created from the declarations in `study.pair_options`."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ PAIR_SHORT_HELP_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.i
 
 
 class _CommandLineOptionNames(dict[str, str]):
-    """Mapping from placeholders in help texts to command line option names."""
+    """Command-line names of options, by their placeholders in help texts."""
 
     def __missing__(self, name: str) -> str:
         return format_command_line_name(name)
 
 
 def format_option_help(name: str) -> str:
-    """Return the help text of a `pair` option. Placeholders are replaced by command line names."""
+    """Return the help text of a `pair` option, with command-line names instead of placeholders."""
     return PAIR_OPTIONS[name].help.format_map(_CommandLineOptionNames())
 
 
 def pair_option(name: str, *, repeatable: bool = True) -> Any:
-    """Declare a `pair` option for the command line. The help lists it in the panel of its option group."""
+    """Declare a `pair` option for the command line, in the help panel of its group."""
     declared = PAIR_OPTIONS[name]
     panel = next(group.title for group in OPTION_GROUPS if name in group.model_fields)
     suffix = " Repeatable." if declared.is_repeatable and repeatable else ""
@@ -39,12 +39,12 @@ def pair_option(name: str, *, repeatable: bool = True) -> Any:
 
 
 def pair_argument(name: str) -> Any:
-    """Declare the command line argument for one of the two bodies of the `pair` command."""
+    """Declare the command-line argument for one of the two bodies of `pair`."""
     return typer.Argument(metavar=PAIR_OPTIONS[name].value, help=format_option_help(name))
 
 
 def read_given_options(context: typer.Context) -> dict[str, object]:
-    """Return the values of the `pair` options given on the command line, keyed by field name."""
+    """Return the `pair` options given on the command line, by field name."""
     values: Mapping[str, object] = context.params
     return {name: value for name, value in values.items() if name in PAIR_OPTIONS and option_was_given(context, name)}
 

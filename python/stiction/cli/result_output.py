@@ -1,4 +1,4 @@
-"""Output of results for all commands: printed values and assessment, tables, figures and reports."""
+"""Output of results for all commands: printed friction and assessment, tables, figures and reports."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ VERBOSE_OPTION = "--verbose"  # option that prints all points and all caveats
 
 
 def complete_output_command(result: Result) -> str:
-    """Return the command that prints all points and caveats of a stored result without computing it again."""
+    """Return the command that prints all points and caveats of a stored result, without computing again."""
     return f"stiction info {shlex.quote(printable_path(result.path or Path()))} {VERBOSE_OPTION}"
 
 
@@ -47,32 +47,32 @@ def open_result_with_warning(directory: Path) -> Result:
 
 
 def print_result(result: Result, *, verbose: bool = False) -> None:
-    """Print a result at the loads of its study: values, assessment, cutoff study and onset of sliding."""
+    """Print a result at the loads of its study: friction, assessment, cutoff study and onset of sliding."""
     command = complete_output_command(result)
     options: dict[str, Any] = {"max_overview_lines": MAX_CAVEAT_LINES, "complete_command": command}
     print_output(study_result_text(_summarize(result), verbose=verbose, **options))
 
 
 def print_pair_values(result: Result, *, verbose: bool = False) -> None:
-    """Print the values of a measured pair without the cutoff study and the onset of sliding."""
+    """Print the friction of a measured pair, without cutoff study and onset of sliding."""
     options: dict[str, Any] = {"max_lines": MAX_CAVEAT_LINES, "complete_command": complete_output_command(result)}
     print_output(main_values_text(_summarize(result), verbose=verbose, **options))
 
 
 def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None:
-    """Print the cutoff study and the onset of sliding of a measured pair, if the result has values."""
+    """Print the cutoff study and the onset of sliding of a measured pair, unless friction is missing."""
     if text := resolution_and_onset_text(_summarize(result), verbose=verbose):
         print_output(text)
 
 
 def print_sentences(result: Result) -> None:
-    """Print the sentence to quote for each load, each on a line that is not wrapped."""
+    """Print the sentence to quote for each load, in one line without wrapping."""
     summary = _summarize(result)
     print_output("\n".join(quotable_sentences(summary)) if summary.points else no_values_text(summary))
 
 
 def print_result_json(result: Result, command: str, **fields: Any) -> None:
-    """Print a result at the loads of its study as a JSON record of a command, with additional fields."""
+    """Print a result at the loads of its study as the JSON record of a command."""
     print_output(summary_json(command, _summarize(result), **fields))
 
 
@@ -94,7 +94,7 @@ def _summarize(result: Result) -> Summary:
 
 
 def write_pair_files(result: Result, *, print_written: Callable[[str], None]) -> None:
-    """Write the report, table and figure of a measured pair into the result directory, and print the file names.
+    """Write report, table and figure of a measured pair to the result directory, and print the file names.
 
     If another command has stored other mu0, tau0 or loads in the directory in the meantime, the files are written for
     these values, so that they agree with the stored study.
@@ -128,7 +128,7 @@ def _write_result_files(result: Result, directory: Path) -> list[str]:
 
 
 def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:
-    """Draw the figures of a result into a directory, and print the file names."""
+    """Draw the figures of a result to files in a directory, and print their names."""
     from stiction.views.figures import draw_figures
 
     show_status("drawing")
@@ -137,5 +137,5 @@ def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = (
 
 
 def choose_message_printer(as_json: bool) -> Callable[[str], None]:
-    """Return the function that prints messages. It uses standard error if standard output contains JSON."""
+    """Return the function that prints messages: on standard error if JSON is printed on standard output."""
     return print_message if as_json else print_output
