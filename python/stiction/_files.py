@@ -1,4 +1,4 @@
-"""Atomic writing of files, and reading of input files up to a maximum size."""
+"""Atomic writing of files, and reading of files up to a maximum size."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _NUM_SEARCHED_BYTES = 2**16
 
 @contextmanager
 def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file that is renamed to `path` when complete. Raise `error_type` if `path` already exists."""
+    """Yield a temporary file that becomes `path` when it is complete, unless `path` exists."""
     check_creatable(path, error_type)
     # `os.link` never replaces a file, unlike `os.rename`.
     with _translate_os_errors(path, error_type), _open_partial_file(path, os.link) as partial_path:
@@ -46,7 +46,7 @@ def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator
 
 
 def check_creatable(path: Path, error_type: type[ValueError]) -> None:
-    """Raise `error_type` if the path exists, or if its directory does not exist. A dangling link counts as existing."""
+    """Raise `error_type` if a path exists, also as a dangling link, or if its directory does not exist."""
     with _translate_os_errors(path, error_type):
         if os.path.lexists(path):
             raise FileExistsError
@@ -55,7 +55,7 @@ def check_creatable(path: Path, error_type: type[ValueError]) -> None:
 
 @contextmanager
 def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file that replaces `path` when complete; raise `error_type` if an existing file lacks `mark`.
+    """Yield a temporary file that replaces `path` when it is complete, unless an existing file lacks `mark`.
 
     A file without the bytes `mark` near its start or its end was not written by this package.
     """
@@ -65,7 +65,7 @@ def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError
 
 
 def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> None:
-    """Raise `error_type` if the path exists, unless it is a file that contains `mark`.
+    """Raise `error_type` if a path exists, except for a file that contains `mark`.
 
     A dangling link counts as existing.
     """
@@ -78,7 +78,7 @@ def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> 
 
 
 def create_atomically(path: Path, content: bytes) -> None:
-    """Write a new file, which appears only when complete. Raise a `FileExistsError` if the path exists.
+    """Write a new file, which appears only when it is complete.
 
     If several processes create the same path at the same time, exactly one succeeds, provided that the file system has
     hard links.
@@ -97,14 +97,14 @@ def create_atomically(path: Path, content: bytes) -> None:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file atomically. It appears under its name, and replaces an older file, only when complete."""
+    """Write a file, which appears or replaces an older file only when it is complete."""
     with _open_partial_file(path, Path.replace) as partial_path:
         partial_path.write_bytes(content)
 
 
 @contextmanager
 def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) -> Iterator[Path]:
-    """Yield an empty file in the directory of `path`. Rename it to `path` on success, and remove it otherwise."""
+    """Yield an empty file in the directory of `path`. Rename it to `path` after success, or else remove it."""
     partial_path = path.parent / new_partial_file_name()
     try:  # inside `try`, the file is removed even if Ctrl-C arrives immediately
         os.close(os.open(partial_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
@@ -116,12 +116,12 @@ def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) ->
 
 
 def new_partial_file_name() -> str:
-    """Return a new, unused name of fixed length for a partial file."""
+    """Return an unused name for a partial file."""
     return f".stiction-{_MACHINE_TOKEN}-{os.getpid()}-{_PROCESS_TOKEN}-{secrets.token_hex(4)}.partial"
 
 
 class DirectoryClaim:
-    """Partial file by which a run claims a directory, from `acquire` until the end of the context.
+    """Claim of a run on a directory: a partial file that exists until the end of the context.
 
     A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
     process is killed, the file stays and becomes stale, so that it does not lock the directory.
@@ -145,7 +145,7 @@ class DirectoryClaim:
                 self.file.unlink(missing_ok=True)
 
     def acquire(self) -> None:
-        """Create the file of this claim. The directory must exist."""
+        """Create the file of the claim in an existing directory."""
         self.file.touch()
         if self._refresh_thread is None:
             self._refresh_thread = threading.Thread(target=self._refresh_regularly, daemon=True)
@@ -158,7 +158,7 @@ class DirectoryClaim:
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:
-        """Return the partial file of another active run in this directory, or None.
+        """Return the claim of another active run on this directory, or None.
 
         If two runs acquire their claims first and call this function afterwards, at least one of them finds the other.
         """
@@ -169,7 +169,7 @@ class DirectoryClaim:
 
 
 def remove_stale_partial_files(directory: Path) -> None:
-    """Remove partial files left by processes that have died. Errors, such as missing permissions, are ignored."""
+    """Remove partial files of processes that have died, as far as possible."""
     with suppress(OSError):
         for entry, is_stale in _scan_partial_files(directory):
             if is_stale:
@@ -178,7 +178,7 @@ def remove_stale_partial_files(directory: Path) -> None:
 
 
 def _scan_partial_files(directory: Path) -> Iterator[tuple[os.DirEntry[str], bool]]:
-    """Yield the partial files in a directory, each with True if the process that wrote it has died."""
+    """Yield the partial files in a directory, each with True if its process has died."""
     with os.scandir(directory) as iterator:
         entries = list(iterator)
     for entry in entries:
@@ -225,17 +225,17 @@ def _contains_file_mark(path: Path, mark: bytes) -> bool:
 
 
 class UnreadableFileError(Exception):
-    """Error raised for a file that is not of the expected kind."""
+    """Error raised for a path that is not a regular file."""
 
 
 def check_is_file(path: Path) -> None:
-    """Raise `UnreadableFileError` for a directory, a device or a pipe, and `OSError` if the path cannot be examined."""
+    """Raise `UnreadableFileError` for a directory, a device or a pipe."""
     if not stat.S_ISREG(mode := path.stat().st_mode):
         raise UnreadableFileError("is a directory" if stat.S_ISDIR(mode) else "is not a file")
 
 
 def read_file_bytes(path: Path, max_bytes: int, start: bytes = b"") -> bytes:
-    """Return the bytes of a regular file without blocking on devices or pipes.
+    """Return the bytes of a regular file, without waiting for a device or a pipe.
 
     Raises `UnreadableFileError` if it is another kind of file, is longer than `max_bytes` or does not begin with
     `start`, and `OSError` if it cannot be read.
@@ -257,5 +257,5 @@ def _open_nonblocking(path: str, flags: int) -> int:
 
 
 def describe_os_error(error: OSError) -> str:
-    """Return the reason for a system error without the name of the file, because this name may be internal."""
+    """Return the reason for a system error without the file name, which may be internal."""
     return os.strerror(error.errno) if error.errno else str(error)
