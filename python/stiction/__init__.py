@@ -1,4 +1,4 @@
-"""stiction: computation of the static friction coefficient of rough surfaces from their shape.
+"""stiction: static friction coefficient of rough surfaces, computed from their shape.
 
 Lengths are in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm²); angles in rad.
 """

@@ -1,4 +1,4 @@
-"""Parsing of arguments that are given as numbers or as strings with units."""
+"""Parsing of arguments given as numbers or as texts with units."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stiction._units import Quantity, core_quantity, quantity, short_repr, unit_
 
 
 def split_values(value: Any) -> list[Any]:
-    """Split a comma-separated string or a nested list into a flat list. Any other value becomes a list of one item."""
+    """Return a flat list of the values in a text with commas, in nested lists, or in a single value."""
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]
     is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and _count_dimensions(value) == 1
@@ -35,7 +35,7 @@ def _split_required_values(name: str, value: Any) -> list[Any]:
 
 
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
-    """Convert a string with a unit, or a number in core units, to a quantity of the given kind."""
+    """Convert a text with a unit, or a number in core units, to a quantity of a given kind."""
     try:
         return quantity(value, kind) if isinstance(value, str) else core_quantity(validate_number("", value), kind)
     except ValueError as error:
@@ -43,7 +43,7 @@ def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
 
 
 def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
-    """Parse one or more quantities of a given kind."""
+    """Parse one or several quantities of a given kind."""
     reject_decimal_commas(name, value)
     return [parse_quantity(name, item, kind) for item in _split_required_values(name, value)]
 
@@ -53,7 +53,7 @@ _DECIMAL_COMMA_PATTERN = re.compile(r"(?<![\d.])\d+,\d+(?!\d|\.(?!\.))")
 
 
 def reject_decimal_commas(name: str, value: Any) -> None:
-    """Raise an `ArgumentError` if a string contains a comma that may be a decimal comma."""
+    """Raise an `ArgumentError` if a text has a comma that may be a decimal mark."""
     for item in value if isinstance(value, (list, tuple)) else [value]:
         if isinstance(item, str) and (match := _DECIMAL_COMMA_PATTERN.search(item)):
             as_decimal, as_list = match[0].replace(",", "."), match[0].replace(",", ", ")
@@ -64,7 +64,7 @@ def reject_decimal_commas(name: str, value: Any) -> None:
 
 
 def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
-    """Parse one or more numbers. If `integers` is True, a comma always separates two numbers: "0,90" is 0 and 90."""
+    """Parse one or several numbers. With `integers`, a comma always separates numbers: "0,90" is 0 and 90."""
     if not integers:
         reject_decimal_commas(name, value)
     try:
@@ -85,7 +85,7 @@ MAX_INPUT_NUMBER = 1e6
 
 
 def parse_coefficients(name: str, value: Any) -> list[float]:
-    """Parse one or more numbers between 0 and `MAX_INPUT_NUMBER`."""
+    """Parse one or several numbers from 0 to `MAX_INPUT_NUMBER`."""
     numbers = parse_numbers(name, value)
     if any(item < 0 for item in numbers):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=short_repr(value))
@@ -97,14 +97,14 @@ def parse_coefficients(name: str, value: Any) -> list[float]:
 
 
 def validate_nonnegative_values(name: str, values: list[Any], argument: Any) -> list[Any]:
-    """Return the values of an argument; raise an `ArgumentError` if a value is negative."""
+    """Check that no number of an argument is negative, and return the numbers."""
     if not all(value >= 0 for value in values):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=short_repr(argument))
     return values
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load. Return the load, and True if it is a pressure or False if it is a force.
+    """Parse a load. Return it with True for a pressure, or False for a force.
 
     A number without a unit is a force in mN. A pressure acts on the slider.
     The load must be above 0 or, if `or_zero` is True, at least 0.

@@ -23,7 +23,7 @@ _Array = TypeVar("_Array", bound=NDArray[Any])
 
 
 def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Floats:
-    """Return the values as a C-contiguous float64 array. Infinite values and NaN raise a `ValueError`.
+    """Return numbers as a C-contiguous float64 array. Infinity and NaN raise a `ValueError`.
 
     `ndim` is the required number of dimensions; None accepts any.
     """
@@ -61,7 +61,7 @@ def make_read_only(array: _Array) -> _Array:
 def validate_number(
     name: str, value: Any, *, unit: str = "", above: float = -math.inf, below: float = math.inf
 ) -> float:
-    """Check that a value is a finite number strictly between `above` and `below`, and return it as a float.
+    """Check that a number is finite and strictly between `above` and `below`, and return it as a float.
 
     A zero-dimensional array counts as a number. If a unit is given, a string such as "39 nm" is accepted too.
     """
@@ -83,12 +83,12 @@ def validate_number(
 
 
 def unwrap_scalar(value: Any) -> Any:
-    """Return the element of a zero-dimensional array, and any other value unchanged."""
+    """Return the number in a zero-dimensional array, and any other argument unchanged."""
     return value.item() if getattr(value, "ndim", None) == 0 and hasattr(value, "item") else value
 
 
 def validate_fraction(name: str, value: Any) -> float:
-    """Check that a value is a number from 0 to 1, and return it."""
+    """Check that a number is from 0 to 1, and return it."""
     result = validate_number(name, value)
     if not 0 <= result <= 1:
         raise ValueError(f"{name} must be from 0 to 1, got {short_repr(value)}")
@@ -96,7 +96,7 @@ def validate_fraction(name: str, value: Any) -> float:
 
 
 def validate_whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 1) -> int:
-    """Check that a value is an integer from `minimum` to `maximum`, and return it."""
+    """Check that a number is an integer from `minimum` to `maximum`, and return it."""
     try:
         result = operator.index(unwrap_scalar(value)) if not isinstance(unwrap_scalar(value), bool) else minimum - 1
     except TypeError:
@@ -108,19 +108,19 @@ def validate_whole_number(name: str, value: Any, *, minimum: int, maximum: int =
 
 
 def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:
-    """Raise a `ValueError` unless the value is an instance of `kind`. In the message, `words` describes this type."""
+    """Raise a `ValueError` unless an argument is an instance of `kind`, which `words` describes in the message."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
 
 
 def check_callable(name: str, value: Any) -> None:
-    """Raise a `ValueError` unless the value is a function."""
+    """Raise a `ValueError` unless an argument is a function."""
     if not callable(value):
         raise ValueError(f"{name} must be a function, got {short_repr(value)}")
 
 
 def parse_path(name: str, value: Any) -> Path:
-    """Return a path that is given as a string or as a path. Names that no file can have raise a `ValueError`."""
+    """Return a path given as text or as a path. Names that no file can have raise a `ValueError`."""
     if not isinstance(value, (str, os.PathLike)):
         raise ValueError(f"{name} must be a path, got {type(value).__name__}")
     path = Path(value)
@@ -134,7 +134,7 @@ def parse_path(name: str, value: Any) -> Path:
 
 
 def parse_names(name: str, value: Any) -> list[str]:
-    """Return one name, or several, as a list."""
+    """Return a list of names, given as one name or as several."""
     names = [value] if isinstance(value, str) else value
     names = list(names) if isinstance(names, Iterable) and not isinstance(names, bytes) else [None]
     if not all(isinstance(item, str) for item in names):
@@ -143,7 +143,7 @@ def parse_names(name: str, value: Any) -> list[str]:
 
 
 def check_choice(name: str, value: Any, literal: Any) -> None:
-    """Raise a `ValueError` unless the value is one of the strings that a `Literal` type allows."""
+    """Raise a `ValueError` unless an argument is one of the texts that a `Literal` type allows."""
     allowed = get_args(literal)
     value = unwrap_scalar(value)
     if not (isinstance(value, str) and value in allowed):
@@ -152,6 +152,6 @@ def check_choice(name: str, value: Any, literal: Any) -> None:
 
 
 def check_bool(name: str, value: Any) -> None:
-    """Raise a `ValueError` unless the value is True or False. 0 and 1 are rejected."""
+    """Raise a `ValueError` unless an argument is True or False, and not 0 or 1."""
     if not isinstance(unwrap_scalar(value), bool):
         raise ValueError(f"{name} must be True or False, got {short_repr(value)}")

@@ -1,4 +1,4 @@
-"""Plots of profiles, surfaces, spectra, contacts and the onset of sliding, drawn into Matplotlib axes."""
+"""Plots of profiles, surfaces, spectra, contacts and onset curves with Matplotlib."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ MAX_LEGEND_LINES = 12  # maximum number of curves in a figure with a legend
 
 
 def to_readable_height_unit(heights: Floats) -> tuple[Floats, str]:
-    """Convert heights (µm) to nm if they span less than 0.5 µm, and return the heights with their unit."""
+    """Convert heights (µm) that span less than 0.5 µm to nm. Return heights and unit."""
     return (heights * 1000, "nm") if np.ptp(heights) < _MAX_NANOMETRE_RANGE else (heights, "µm")
 
 
 def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
-    """Draw the heights of a profile against x. The two axes have different scales."""
+    """Draw the heights of a profile against x, with different scales of both axes."""
     heights, unit = to_readable_height_unit(heights)
     ax.plot(x, heights, color="0.2", linewidth=0.8)
     ax.set(xlim=(0, float(x[-1])), xlabel="x (µm)", ylabel=f"height ({unit})")
@@ -35,7 +35,7 @@ def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
 
 
 def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axes:
-    """Draw a height map with the y axis pointing upwards. Each point lies at the centre of its pixel."""
+    """Draw a height map with y upwards and each point at the centre of its pixel."""
     heights, unit = to_readable_height_unit(heights)
     image = ax.imshow(heights, extent=map_extent(heights.shape, spacing), origin="lower", cmap=HEIGHT_COLOUR_MAP)
     add_colour_bar(ax, image, f"height ({unit})")
@@ -44,7 +44,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw the spectral density of all harmonics, and its averages in bins, against wave number on logarithmic axes."""
+    """Draw the density of all harmonics of a spectrum, and its means in bins, on logarithmic axes."""
     wave_number, density = harmonics
     is_positive = density > 0
     if not is_positive.any():
@@ -65,7 +65,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
 
 
 def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
-    """Draw the rms height common to both scans, and the rms noise of a single scan, for each octave of wavelength."""
+    """Draw the rms height that two scans share, and the rms noise of one scan, for each octave of wavelength."""
     for name, style, label in (("common", "o-", "in both"), ("noise", "s--", "noise of one")):
         heights = 1000 * getattr(comparison, name)
         ax.loglog(
@@ -80,7 +80,7 @@ def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
 
 
 def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
-    """Draw a scale bar with a round length in the lower right corner of a map with the given extent (µm)."""
+    """Draw a scale bar of round length in the lower right corner of a map with a given width (µm)."""
     from matplotlib.patheffects import withStroke
 
     left, right, bottom, top = box
@@ -97,25 +97,25 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
 
 
 def map_extent(shape: tuple[int, ...], spacing: tuple[float, ...]) -> tuple[float, float, float, float]:
-    """Return the left, right, bottom and top edges (µm) of a map whose cells are centred on the points."""
+    """Return the sides of a map (left, right, bottom, top; µm) whose cells are centred on its points."""
     return 0.0, shape[1] * spacing[1], 0.0, shape[0] * spacing[0]
 
 
 def wave_number_to_wavelength(wave_number: Any) -> Any:
-    """Convert wave numbers to wavelengths, or wavelengths to wave numbers."""
+    """Convert wave numbers to wavelengths, or vice versa."""
     with np.errstate(divide="ignore"):
         return 2 * math.pi / np.asarray(wave_number, dtype=np.float64)
 
 
 def add_colour_bar(ax: Axes, image: Any, text: str) -> None:
-    """Add a colour bar that is as high as the map."""
+    """Add a colour bar of the same height as a map."""
     figure = ax.get_figure()
     assert figure is not None
     figure.colorbar(image, cax=ax.inset_axes((1.03, 0.0, 0.04, 1.0)), label=text)
 
 
 def set_log_tick_labels(axes: Axes) -> None:
-    """Label logarithmic axes with plain numbers if they span up to three decades, and otherwise with powers of ten."""
+    """Label logarithmic axes with plain numbers up to three decades, and with powers of ten beyond."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     for axis in (axes.xaxis, axes.yaxis):
@@ -149,7 +149,7 @@ def draw_contact_area(ax: Axes, load: Floats, area: Floats) -> Axes:
 def draw_friction(
     ax: Axes, load: Floats, coefficient: Floats, *, mu0: ArrayLike, tau0: ArrayLike, direction: ArrayLike
 ) -> Axes:
-    """Draw friction coefficients against load (mN), with one curve for each combination of direction, mu0 and tau0."""
+    """Draw friction coefficients against load (mN), one curve per direction, mu0 and tau0."""
     if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
     ax.set(xscale="log", xlabel="normal load (mN)")
@@ -168,7 +168,7 @@ def draw_friction(
 
 
 def _friction_parameter_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
-    """Return one label per pair of mu0 and tau0, as a nested list. The list is empty if both are scalars."""
+    """Return a label for each pair of mu0 and tau0, or nothing for a single pair."""
     parameters = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if parameters[0].ndim == 0:
         return []
@@ -213,7 +213,7 @@ def _draw_profile_contact_pressure(ax: Axes, pressure: Floats, heights: Floats, 
 def draw_onset(
     ax: Axes, load: Floats, displacement: Floats, slipped_area: Floats, *, sliding_load: float, stiffness: float
 ) -> Axes:
-    """Draw tangential load against displacement, or against slipped area fraction if a displacement is not finite."""
+    """Draw tangential load against displacement or, without finite displacements, against slipped area."""
     has_displacement = bool(np.isfinite(displacement).all())
     abscissa = displacement if has_displacement else slipped_area
     axis_label = "slipped fraction of the area"

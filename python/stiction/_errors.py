@@ -1,4 +1,4 @@
-"""Errors of arguments, named as function parameters or as command-line options, and errors of solvers."""
+"""Errors about arguments, with names of parameters or of command-line options, and errors of solvers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 class _MessageValues(dict[str, Any]):
-    """Mapping from message placeholders to values. An unknown placeholder is treated as the name of an argument."""
+    """Replacements of placeholders in a message; an unknown placeholder is the name of an argument."""
 
     def __init__(self, values: dict[str, Any], translate: Callable[[str], str]) -> None:
         super().__init__(values)
@@ -18,14 +18,14 @@ class _MessageValues(dict[str, Any]):
 
 
 class ArgumentError(ValueError):
-    """Error for an invalid argument. Placeholders in its message are replaced by values or by argument names."""
+    """Error about an invalid argument, with placeholders in its message for numbers and argument names."""
 
     def __init__(self, message: str, **values: Any) -> None:
         super().__init__(message.format_map(_MessageValues(values, str)))
         self._message, self._values = message, values
 
     def translated_message(self, translate: Callable[[str], str]) -> str:
-        """Return the message with argument names translated, for example to command-line options."""
+        """Return the message with other names of arguments, for example command-line options."""
         return self._message.format_map(_MessageValues(self._values, translate))
 
 

@@ -1,4 +1,4 @@
-"""Values with 95 % intervals. The width of the interval determines how many digits are printed."""
+"""Estimates: numbers with 95 % intervals, whose width determines the number of printed digits."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit
 
 
 class Interval(NamedTuple):
-    """Limits of an interval.
+    """Lower and upper limit of an interval.
 
     ``str(interval)`` rounds both limits to the first significant digit of the half-width, as in "0.04 to 0.19". The
     larger limit has at least two digits. `upper` may be infinite. An interval with NaN limits cannot be printed.
@@ -42,7 +42,7 @@ class Interval(NamedTuple):
     upper: float
 
     def extended_to(self, *others: tuple[float, float]) -> Interval:
-        """Return the smallest interval that includes this interval and others, with NaN as in `extend_intervals`."""
+        """Return the smallest interval that includes this one and others, with NaN as in `extend_intervals`."""
         return Interval(*extend_intervals(self, *others).tolist()) if others else self
 
     def __str__(self) -> str:
@@ -58,7 +58,7 @@ class Interval(NamedTuple):
 
 @dataclass(frozen=True)
 class Estimate:
-    """Value with the limits of its 95 % interval.
+    """Central number with the limits of its 95 % interval.
 
     ``str(estimate)`` is ``estimate.text(1)``, as in "0.16 [0.10, 0.22]".
 
@@ -89,7 +89,7 @@ class Estimate:
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Self:
-        """Create an estimate from a JSON object of `to_record`, where only `upper` is null without an upper limit."""
+        """Create an estimate from the JSON object of `to_record`."""
         value, lower, upper = (math.nan if record[key] is None else record[key] for key in ("value", "lower", "upper"))
         if math.isnan(upper) and not math.isnan(lower):
             upper = math.inf
@@ -97,12 +97,12 @@ class Estimate:
 
     @property
     def interval(self) -> Interval:
-        """Limits of the 95 % interval."""
+        """Limits of the 95 % interval of the estimate."""
         return Interval(self.lower, self.upper)
 
     @property
     def has_interval(self) -> bool:
-        """True if both limits are known. The upper limit may be infinite."""
+        """True if both limits of the interval are known, although the upper one may be infinite."""
         return not (math.isnan(self.lower) or math.isnan(self.upper))
 
     def __str__(self) -> str:
@@ -110,16 +110,16 @@ class Estimate:
 
     @property
     def table_text(self) -> str:
-        """Text for a table: `text`, followed by "no interval" if there is no interval."""
+        """Text of the estimate in a table: `text`, with "no interval" if there is none."""
         is_missing_interval = not (math.isnan(self.value) or self.has_interval)
         return f"{self.text()}{' no interval' * is_missing_interval}"
 
     def in_unit(self, unit: str, factor: float) -> Self:
-        """Return a copy in another unit, which is `factor` (positive) times as large."""
+        """Return the estimate in another unit, which is `factor` (positive) times as large."""
         return replace(self, value=self.value / factor, lower=self.lower / factor, upper=self.upper / factor, unit=unit)
 
     def in_prefixed_unit(self, unit: str | None = None) -> Self:
-        """Return a copy in the prefixed unit, such as nm or mm, in which the value has the fewest zeros.
+        """Return the estimate in the unit, such as nm or mm, in which the number has the fewest zeros.
 
         Parameters
         ----------
@@ -130,7 +130,7 @@ class Estimate:
         return self.in_unit(name, factor)
 
     def to_record(self, at: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Return the JSON object of the estimate. `at` contains the coordinates of the value."""
+        """Return the estimate as a JSON object, with the coordinates in `at`."""
         return {
             "name": self.name, "value": float(self.value), "unit": to_file_unit(self.unit),
             "lower": float(self.lower), "upper": float(self.upper), "kind": self.kind, "at": dict(at or {}),
@@ -138,7 +138,7 @@ class Estimate:
         }  # fmt: skip
 
     def extended_to(self, other: Estimate) -> Self:
-        """Return a copy whose interval is extended to include the interval of another estimate.
+        """Return the estimate with an interval that includes that of another estimate.
 
         A missing interval stays missing, because the uncertainty of the value is then unknown.
         """
@@ -146,7 +146,7 @@ class Estimate:
         return replace(self, lower=lower, upper=upper)
 
     def text(self, digits: int = 2) -> str:
-        """Return the value and its interval, rounded to a number of significant digits of the half-width.
+        """Return number and interval as text, rounded to significant digits of the half width.
 
         The value has up to four significant digits; without an interval, it has two digits if `digits` is 1, and
         otherwise up to three. The interval is omitted if both limits are equal after rounding. The text is "none" if
@@ -179,13 +179,13 @@ def to_file_unit(unit: str) -> str:
 
 
 def estimate_column_titles(title: str, unit: str = "1") -> dict[str, str]:
-    """Return the titles of the columns of a CSV file that contain the value and the limits of an estimate."""
+    """Return the column titles of an estimate in a CSV file: number, lower and upper limit."""
     title = title if unit in ("", "1") else f"{title} ({unit})"
     return {"value": title, "lower": f"{title}: lower", "upper": f"{title}: upper"}
 
 
 def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
-    """Extend intervals to include other intervals.
+    """Extend intervals so that they include other intervals.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return how many decimals an `Estimate` prints: one number for value and lower limit, and one for the upper limit.
+    """Return the numbers of decimals that estimates print: of number and lower limit, and of the upper limit.
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper limit are
     `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large limit. `digits` is
@@ -234,7 +234,7 @@ def count_estimate_decimals(
 
 
 def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:
-    """Count the decimals that show `digits` digits of the half-width, but at least 2 and at most 4 of the value."""
+    """Return the number of decimals for `digits` digits of the half width, and 2 to 4 digits of the number."""
     first_decimals = -_find_decimal_exponents(value)
     max_decimals = first_decimals + MAX_SIGNIFICANT_DIGITS - 1
     interval_decimals = digits - 1 - _find_decimal_exponents((upper - lower) / 2)
@@ -243,7 +243,7 @@ def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits
 
 
 def _count_significant_decimals(value: Floats, digits: int) -> Floats:
-    """Count the decimals of values that are rounded to `digits` digits, without trailing zeros."""
+    """Return the number of decimals after rounding to `digits` digits, without trailing zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
         # Write the rounded digits as a whole number, such as 123 for 0.01234.

@@ -1,4 +1,4 @@
-"""Formatting of numbers without an interval. The magnitude of a number determines its unit."""
+"""Formatting of numbers without interval, in a unit that suits their size."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MIN_WITHOUT_EXPONENT, MAX_WITHOUT_EXPONENT = 1e-6, 1e6
 
 
 def format_significant(value: float, digits: int = 2) -> str:
-    """Format a number to `digits` significant digits. Exponents are used only below 1e-6 and from 1e6 upwards."""
+    """Format a number with `digits` significant digits, and with an exponent only below 1e-6 and from 1e6 on."""
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
@@ -40,7 +40,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 class NumberFormat(NamedTuple):
-    """Format of numbers of a certain size. In `text`, {} stands for the number, divided by `factor` and rounded.
+    """Format for numbers of a certain size, divided by `factor` and rounded.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class NumberFormat(NamedTuple):
     digits: int
 
     def format(self, value: float) -> str:
-        """Format a number."""
+        """Return a number as text."""
         number_text = format_significant(value / self.factor, self.digits)
         return "none" if math.isnan(value) else self.text.replace("{}", number_text)
 
@@ -76,7 +76,7 @@ MIN_ROUNDED_TO_ONE = 0.9995
 
 
 def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
-    """Return the formats of a kind of numbers in descending order of `minimum`, which is 0 for the last format.
+    """Return the formats for a kind of numbers by size, from the largest numbers down.
 
     Parameters
     ----------
@@ -93,22 +93,22 @@ def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
 
 
 def format_number(value: float, kind: str) -> str:
-    """Format a number according to its size and its kind (for example "percent"); see `list_number_formats`."""
+    """Format a number according to its size and kind, such as "percent"; see `list_number_formats`."""
     return _choose_by_size(value, list_number_formats(kind)).format(value)
 
 
 def format_with_unit(value: float, unit: str) -> str:
-    """Format a length (um), pressure (GPa), force (mN) or energy (pJ) to three digits with a suitable prefix."""
+    """Format a length (um), pressure (GPa), force (mN) or energy (pJ) with three digits and a suitable prefix."""
     return format_number(value, unit)
 
 
 def format_percent(fraction: float) -> str:
-    """Format a fraction as a percentage, as in "37 %". Percentages below 1 % and from 10 % to 99 % have two digits."""
+    """Format a fraction as a percentage, as in "37 %", with two digits below 1 % and from 10 % to 99 %."""
     return format_number(fraction, "percent")
 
 
 def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
-    """Return the prefixed unit in which a value has the fewest zeros, after the conversion factor.
+    """Return the unit in which a number has the fewest zeros, after its conversion factor.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Choose the first item whose first entry does not exceed the rounded absolute value; 0 and NaN count as 1."""
+    """Return the first item whose limit is at most the rounded size of a number; 0 and NaN count as 1."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_ROUNDED_TO_ONE * item[0])
 
@@ -137,7 +137,7 @@ _TIME_UNITS = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"), (1e-3, 
 
 
 def to_json(record: Any, **options: Any) -> str:
-    """Convert a number for JSON. NaN, infinity and None become None."""
+    """Convert a number for JSON, with None for NaN and infinity."""
     return json.dumps(_replace_nonfinite_by_none(record), allow_nan=False, **options)
 
 

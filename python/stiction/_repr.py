@@ -1,4 +1,4 @@
-"""Representations of results in a terminal or a notebook as text, HTML and images."""
+"""Representation of results in a terminal or a notebook: text, HTML and images."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")
 
 
 class TextReprMixin:
-    """Mixin for a text representation that lists all numbers, and the shapes and ranges of all arrays."""
+    """Mixin for a text that lists all numbers of an object, and the shapes and ranges of its arrays."""
 
     def __repr__(self) -> str:
         """Return one line per quantity, with its unit."""
@@ -40,14 +40,14 @@ class TextReprMixin:
 
 
 class PlotReprMixin(TextReprMixin):
-    """Mixin that shows text and a plot in a notebook. The class must have a method ``plot(ax=None)``."""
+    """Mixin for a text and a plot in a notebook, drawn by the method ``plot(ax=None)``."""
 
     def _repr_html_(self) -> str:
         return f"<div>{preformatted_html(repr(self))}{plot_html(self.plot)}</div>"  # type: ignore[attr-defined]
 
 
 class TableReprMixin(TextReprMixin):
-    """Mixin that shows a table of values with units in a notebook."""
+    """Mixin for a table of numbers with units in a notebook."""
 
     def _repr_html_(self) -> str:
         units = field_units(type(self))
@@ -62,12 +62,12 @@ class TableReprMixin(TextReprMixin):
 
 
 def field_units(cls: Any) -> dict[str, str]:
-    """Return a mapping from the names of dataclass fields to their units. Fields without a unit are omitted."""
+    """Return the units of dataclass fields by name, without fields that have none."""
     return {field.name: field.metadata["unit"] for field in fields(cls) if "unit" in field.metadata}
 
 
 def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
-    """Format a number to four digits. Return it with the unit in which it has the fewest zeros."""
+    """Return a number with four digits, and the unit in which it has the fewest zeros."""
     if unit in _SMALLER_UNITS and 0 < abs(value) < 0.1:
         factor, unit = _SMALLER_UNITS[unit]
         value = value / factor
@@ -77,12 +77,12 @@ def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
 
 
 def format_with_unit(value: float, unit: str) -> str:
-    """Format a number to four digits with its unit."""
+    """Return a number with four digits and its unit."""
     return " ".join(format_number_and_unit(float(value), unit)).strip()
 
 
 def format_range(values: Any, unit: str = "") -> str:
-    """Format the range of the finite values in an array, and the number of missing values."""
+    """Return the range of the finite numbers in an array as text, with the count of missing ones."""
     finite_values = values[np.isfinite(values)] if values.dtype.kind == "f" else values
     if not finite_values.size:
         return "none"
@@ -125,20 +125,20 @@ def _format_array(values: Any, unit: str) -> str:
 
 
 def preformatted_html(text: str) -> str:
-    """Return text as preformatted HTML, which can be scrolled with the keyboard."""
+    """Return text as preformatted HTML, which the keyboard can scroll."""
     style = "white-space:pre;overflow-x:auto;font-size:0.85em;line-height:1.35"
     return f'<pre tabindex="0" style="{style}">{html.escape(text)}</pre>'
 
 
 def table_html(column_titles: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return an HTML table whose first column contains the row names."""
+    """Return an HTML table with names of rows in the first column."""
     head = "".join(f"<th>{html.escape(text)}</th>" for text in column_titles)
     body = "".join("<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in row) + "</tr>" for row in rows)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
 def plot_html(draw: Callable[[Axes], object]) -> str:
-    """Call a plotting function. Return the plot as an inline image, or an error message as preformatted text."""
+    """Return a plot as an inline image, or an error message as preformatted text."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=NOTEBOOK_IMAGE_SIZE, layout="constrained")
@@ -164,7 +164,7 @@ def describe_axes(figure: Any) -> str:
 
 
 def render_png(figure: Any) -> bytes:
-    """Render a Matplotlib figure as PNG, at a higher resolution if it is only one column wide."""
+    """Render a Matplotlib figure as PNG, with a higher resolution for a one-column figure."""
     buffer = io.BytesIO()
     is_narrow = figure.get_size_inches()[0] <= MAX_ONE_COLUMN_WIDTH
     write_png(figure, buffer, dpi=1.5 * NOTEBOOK_IMAGE_DPI if is_narrow else NOTEBOOK_IMAGE_DPI)
@@ -172,7 +172,7 @@ def render_png(figure: Any) -> bytes:
 
 
 def write_png(figure: Figure, file: Path | BinaryIO, *, dpi: float, metadata: dict[str, str] | None = None) -> None:
-    """Write a Matplotlib figure as PNG at the given resolution.
+    """Write a Matplotlib figure as PNG with a given resolution.
 
     The figure is drawn only once, whereas `Figure.savefig` draws a figure with automatic layout twice.
     """
@@ -189,7 +189,7 @@ def write_png(figure: Figure, file: Path | BinaryIO, *, dpi: float, metadata: di
 
 
 def axes_or_new_axes(ax: Axes | None) -> Axes:
-    """Return the given axes, or new pyplot axes that a notebook displays."""
+    """Return the given axes, or new ones that a notebook displays."""
     if ax is not None:
         return ax
     from matplotlib import pyplot

@@ -1,4 +1,4 @@
-"""Formatting of text from files and users for a terminal: printable characters and limited lengths."""
+"""Text of files and users for a terminal: printable characters and limited lengths."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
 def printable_text(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
-    r"""Return text as one line, with control characters escaped and the middle of a long text replaced by dots.
+    r"""Return a text as one line, with escaped control characters and dots for the middle of a long text.
 
     Examples
     --------
@@ -36,7 +36,7 @@ def printable_text(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
 
 
 def printable_path(path: str | os.PathLike[str]) -> str:
-    """Return a path as one printable line of limited length, for use in a message."""
+    """Return a path as one printable line of limited length for a message."""
     return printable_text(os.fspath(path), MAX_PATH_LENGTH)
 
 

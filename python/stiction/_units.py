@@ -1,4 +1,4 @@
-"""Quantities with units: conversion of strings such as "200 MPa" to numbers in core units."""
+"""Quantities with units: conversion of texts such as "200 MPa" to numbers in core units."""
 
 from __future__ import annotations
 
@@ -40,17 +40,17 @@ _RANGE_OF_NUMBERS_PATTERN = re.compile(r"[0-9]\s*[^\W0-9_]*\s*\.\.\s*[0-9]")
 
 
 def unit_names(kind: str) -> tuple[str, ...]:
-    """Return the names of the units for a kind of quantity."""
+    """Return the names of the units for a kind of quantity, such as "pressure"."""
     return tuple(_UNIT_FACTORS[kind])
 
 
 class Quantity(float):
-    """Number in core units (µm, GPa, mN) with its original text. Comparisons use only the number."""
+    """Number in core units (µm, GPa, mN) with its original text, which comparisons ignore."""
 
     text: str
 
     def __new__(cls, value: float, text: str) -> Quantity:
-        """Create a quantity from its value in core units and its text."""
+        """Create a quantity from a number in core units and its text."""
         quantity = super().__new__(cls, value)
         quantity.text = text
         return quantity
@@ -60,7 +60,7 @@ class Quantity(float):
 
 
 def quantity(text: object, kind: str) -> Quantity:
-    """Parse a number with a unit, such as "200 MPa". The parameter `kind` names the quantity, such as "pressure".
+    """Parse a number with a unit, such as "200 MPa", for a kind of quantity, such as "pressure".
 
     Raises a `ValueError` if the text is not a number with a unit of that kind.
     """
@@ -97,7 +97,7 @@ def quantity(text: object, kind: str) -> Quantity:
 
 
 def core_quantity(value: float, kind: str) -> Quantity:
-    """Return a number in core units as a quantity. Raises a `ValueError` if its magnitude is out of range."""
+    """Return a number in core units as a quantity. Too large or too small numbers raise a `ValueError`."""
     text = exact_quantity_text(value, _core_unit(kind))
     return _check_magnitude(Quantity(value, text), kind, text)
 
@@ -115,7 +115,7 @@ def _check_magnitude(value: Quantity, kind: str, text: str) -> Quantity:
 
 
 def to_core_units(name: str, value: Any, kind: str) -> Any:
-    """Convert strings with a unit to core units, and return numbers unchanged.
+    """Convert texts with a unit to core units, and return numbers unchanged.
 
     Raises a `ValueError` that names the argument if a string is not a number with a unit of this kind.
     """
@@ -130,7 +130,7 @@ def to_core_units(name: str, value: Any, kind: str) -> Any:
 
 
 def loads_to_core_units(name: str, value: Any, area: float) -> Any:
-    """Convert loads such as "10 mN" or "10 MPa" to mN; a pressure acts on `area` (µm²). Numbers remain unchanged.
+    """Convert loads such as "10 mN" to mN, and pressures such as "10 MPa" with `area` (µm²).
 
     Raises a `ValueError` if a string is neither a force nor a pressure.
     """
@@ -147,7 +147,7 @@ def loads_to_core_units(name: str, value: Any, area: float) -> Any:
 
 
 def is_pressure(value: Any) -> bool:
-    """Return whether a value is a string that consists of a number and a pressure unit."""
+    """Return whether an argument is a text with a number and a unit of pressure."""
     if not isinstance(value, str):
         return False
     try:
@@ -158,17 +158,17 @@ def is_pressure(value: Any) -> bool:
 
 
 def exact_quantity_text(value: float, unit: str) -> str:
-    """Format a number and its unit so that `quantity` parses exactly the same number."""
+    """Format a number and its unit so that `quantity` parses exactly this number."""
     return f"{repr(float(value)).removesuffix('.0')} {unit}"
 
 
 def exact_quantity(value: float, unit: str) -> Quantity:
-    """Return a number in core units as a quantity without checking its magnitude."""
+    """Return a number in core units as a quantity, without checking its size."""
     return Quantity(value, exact_quantity_text(value, unit))
 
 
 def short_repr(value: object) -> str:
-    """Return the representation of a value, shortened to fit on a line of a message."""
+    """Return the representation of an argument, shortened to a line of a message."""
     try:
         text = repr(value)
     except (

@@ -80,7 +80,7 @@ def shear_test(
     replace: bool = False,
     progress: Callable[[int, int], object] | None = None,
 ) -> xr.Dataset:
-    r"""Compute a direct shear test of two faces that fit: shear stress and dilation over the displacement.
+    r"""Compute a direct shear test of two faces that fit: shear stress and dilation against displacement.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def shear_test(
 
 
 def _create_directory(directory: Path) -> None:
-    """Create the directory of a shear test. Raise a `ValueError` if it cannot be created, or contains a study."""
+    """Create the directory of a shear test. Raises a `ValueError` if it contains a study or cannot be created."""
     try:
         directory.mkdir(parents=True, exist_ok=True)
         has_study = (directory / STUDY_FILE).exists()
@@ -242,7 +242,7 @@ def _create_directory(directory: Path) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _TestSetup:
-    """Shear test to compute, and the further tests that its intervals require."""
+    """Shear test to compute, with the further tests that its intervals need."""
 
     box: ShearBox
     offsets: NDArray[np.int64]
@@ -264,7 +264,7 @@ def _build_setup(box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64
 
 
 def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[ShearBox]:
-    """Return a test of each strip. Raise a `ValueError` if the faces cannot be cut into this number of strips."""
+    """Return a shear test of each strip. Raises a `ValueError` if the faces cannot be cut into so many strips."""
     if strips is None:
         boxes = box.cut_strips(offsets)
         return boxes if len(boxes) >= MIN_STRIPS else []
@@ -293,7 +293,7 @@ def _compute(setup: _TestSetup, record: SolutionRecord, progress: Callable[[int,
     num_steps = len(offsets)
 
     def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
-        """Solve one of the tests. The progress counts the displacements of all tests."""
+        """Solve one of the shear tests, and report progress over all of them."""
 
         def show(done: int, _: int) -> None:
             if progress is not None:
@@ -326,7 +326,7 @@ def _compute(setup: _TestSetup, record: SolutionRecord, progress: Callable[[int,
 
 
 def _describe_uncertain_inputs(setup: _TestSetup) -> str:
-    """Return the labels of the uncertain inputs, separated by commas."""
+    """Return the labels of the uncertain inputs as a list with commas."""
     labels = [entry.label for entry in setup.inputs.uncertain.values()]
     return ", ".join(labels + ["the interface"] * bool(setup.strength and setup.samples))
 
@@ -350,7 +350,7 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
 
 
 def _describe_inputs(setup: _TestSetup) -> str:
-    """Return text that identifies all inputs of a test. Tests with different inputs have different texts."""
+    """Return a text that identifies all inputs of a shear test; different inputs give different texts."""
     box = setup.box
     checksums = [
         hashlib.sha256(face.heights_with_nan.tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
@@ -364,7 +364,7 @@ def _describe_inputs(setup: _TestSetup) -> str:
 
 
 def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset | None:
-    """Return the finished test in a directory, or None if the directory has no test, or another test to be replaced."""
+    """Return the finished shear test in a directory, or None if it has none or another one to replace."""
     import xarray as xr
 
     path = directory / TEST_FILE_NAME
@@ -386,7 +386,7 @@ def _build_box(
     upper: Any, lower: Any, contact: MeasuredPair, *, load: Any, direction: Any, normal_stiffness: Any, boundary: Any,
     tilt: Any, level: Any, register: Any, tolerance: float,
 ) -> tuple[ShearBox, Registration | None]:  # fmt: skip
-    """Check the arguments of a shear test, and return its faces and conditions, and the position of a registration."""
+    """Check the arguments of a shear test, and return the faces with its conditions, and their registration."""
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(
@@ -443,7 +443,7 @@ def _build_box(
 
 
 def _parse_stiffness(value: Any) -> float:
-    """Parse a stiffness per area, a number in GPa/µm or a pressure per length such as "5 MPa/mm"."""
+    """Parse a stiffness per area: a number in GPa/µm, or a pressure per length such as "5 MPa/mm"."""
     if isinstance(value, str):
         pressure, _, length = value.partition("/")
         try:

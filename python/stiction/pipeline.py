@@ -1,4 +1,4 @@
-"""Completion of a result directory: missing blocks and, for a measured pair, companion files.
+"""Completion of a result directory: missing blocks and, for a measured pair, companion results.
 
 Companion files contain the contacts of a typical member and the onset of sliding. The
 cutoff study and the alternative preparations of the scans are companion studies, each in a subdirectory.
@@ -62,7 +62,7 @@ _COMPANION_FILES = {
 
 
 def _ignore_line(_: str) -> None:
-    """Ignore a line of output. Runs that print nothing use this function."""
+    """Ignore a line of output, in runs that print nothing."""
 
 
 def run(
@@ -110,7 +110,7 @@ def run(
 
 
 def compute_preview_result(study: Study) -> Result:
-    """Compute a preview result from the first few members of a study. Parameters and errors as for `run`."""
+    """Compute a preliminary result from the first few members. Arguments and errors: as for `run`."""
     return Result.of(compute_preview_sums(study))
 
 
@@ -120,7 +120,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing blocks of a study, or of one part of the study if `part` is given.
+    """Compute the missing blocks of a study, or of one part of it.
 
     Without a part, the companion files are computed too.
 
@@ -189,7 +189,7 @@ def complete_result(
 
 
 def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: float) -> None:
-    """Print the estimated time of a task if the task takes long."""
+    """Print the estimated time of a computation if it is long."""
     if seconds > MIN_ANNOUNCED_TIME:
         print_remark(f"{task}: about {format_duration(seconds)} of one core")
 
@@ -197,7 +197,7 @@ def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: flo
 def _compute_alternatives(
     stored_result: StoredResult, executor: Executor, *, progress: bool, print_remark: LinePrintFunction
 ) -> None:
-    """Compute the results for alternative preparations of the scans, which the combined interval includes.
+    """Compute the results for alternative preparations of the scans, which the combined interval covers.
 
     If such a result cannot be computed, the pair keeps its result, and a remark gives the reason.
     """
@@ -219,7 +219,7 @@ def _compute_alternatives(
 
 
 def _write_companion_file(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:
-    """Compute and write a companion file. Do nothing if there are no data, or if body files are missing."""
+    """Compute and write a companion file, unless there is nothing to compute or a scan file is missing."""
     with contextlib.suppress(ValueError):
         if (dataset := compute()) is not None:
             export(dataset, stored_result.path / name, replace=True)
@@ -229,7 +229,7 @@ def compute_companion_files(
     result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False,
     announce: LinePrintFunction = _ignore_line, print_remark: LinePrintFunction = _ignore_line,
 ) -> None:  # fmt: skip
-    """Compute the cutoff study and the onset of sliding of a measured pair, unless they are stored already."""
+    """Compute the cutoff study and the onset of sliding of a measured pair, unless they are stored."""
     stored_result = result.stored
     if stored_result is None or not stored_result.study.is_measured:
         return
@@ -263,7 +263,7 @@ def compute_companion_files(
 
 
 def _write_onset_table(result: Result, onset: xarray.Dataset) -> None:
-    """Write the onset table of a result, scaled to its coefficient, unless the file already contains this table."""
+    """Write the onset table of a result, scaled to its coefficient, unless the file is up to date."""
     scaled_onset = result.scale_onset(onset)
     if scaled_onset is None or result.path is None:
         return

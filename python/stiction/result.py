@@ -1,4 +1,4 @@
-"""`Result`: the values of a study as numbers, tables, figures and reports."""
+"""`Result`: friction and other quantities of a study as numbers, tables, figures and reports."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class Result(Evaluation):
-    """Result of a study of generated or measured surfaces. It is returned by `run`, `pair` and `open_result`.
+    """Result of a study of generated or measured surfaces, as returned by `run`, `pair` and `open_result`.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class Result(Evaluation):
 
     @property
     def sentence(self) -> str:
-        """Sentences to quote, one line for each load, with all conditions under which the values hold.
+        """Sentences to quote, one line per load, with all conditions under which the friction holds.
 
         Loads whose coefficient must not be quoted have a sentence with the reason. If `mu0` and `tau0` have several
         values, each combination has a sentence. For generated surfaces, only the first combination of D, amplitude, mu0
@@ -54,11 +54,11 @@ class Result(Evaluation):
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the table written to CSV files, with one row per load, mu0, tau0, sliding rule and direction."""
+        """Return the table of CSV files: one row per load, mu0, tau0, sliding rule and direction."""
         return summary_table(self.summary())
 
     def figures(self) -> list[str]:
-        """Return the names of the figures that `figure` can draw."""
+        """Return the names of the figures that the method `figure` can draw."""
         return [name for name, _ in self._list_drawing_functions()]
 
     def figure(self, name: str) -> Figure:
@@ -90,7 +90,7 @@ class Result(Evaluation):
         return list(select_figures(self))
 
     def save_report(self, path: str | Path) -> Path:
-        """Save the interactive HTML report of the result, and return its path."""
+        """Save the result's interactive HTML report, and return its path."""
         from stiction.views.report import save_report  # imported here, because it imports Matplotlib
 
         path = parse_path("path", path)
@@ -98,7 +98,7 @@ class Result(Evaluation):
         return path
 
     def export(self, path: str | Path, *, joint: bool = False, units: UnitSystem | None = None) -> None:
-        """Write the result to a new file: all numbers for ``.nc``, or a table of values for ``.csv`` and ``.tex``.
+        """Write the result to a new file: all numbers for ``.nc``, or a table for ``.csv`` and ``.tex``.
 
         Parameters
         ----------
@@ -126,14 +126,14 @@ class Result(Evaluation):
     # ---- Display in a terminal or a notebook -------------------------------------------------------------------------
 
     def __repr__(self) -> str:
-        """Return the text that is shown if the result is printed on a terminal."""
+        """Return the text of the result that a terminal shows."""
         try:
             return study_result_text(self.summary()).rstrip()
         except ValueError as error:  # the surfaces do not touch, or no member is finished
             return f"no answer: {error}"
 
     def _repr_html_(self) -> str:
-        """Return HTML that contains a figure and the text that is shown on a terminal."""
+        """Return the figure and the text of the result as HTML."""
         figure_names = self.figures()
         figure_name = next((each for each in ("contacts", "friction", *figure_names) if each in figure_names), None)
         return (
@@ -142,7 +142,7 @@ class Result(Evaluation):
 
 
 def open_result(directory: str | Path) -> Result:
-    """Open a finished or unfinished result in a directory that was written by `run`, `pair` or a command.
+    """Open a finished or unfinished result in a directory that `run`, `pair` or a command has written.
 
     Parameters
     ----------
