@@ -228,6 +228,29 @@ def test_interrupt_is_reported_as_a_limit_on_threads_if_no_thread_can_be_started
     assert completed.stderr.startswith(message)
 
 
+THREAD_COUNT_SCRIPT = """
+import os, sys
+from stiction.cli import main
+sys.argv = ["stiction", "pair", "--help"]
+try:
+    main()
+finally:
+    assert "numpy" in sys.modules
+    print("threads:", len(os.listdir("/proc/self/task")))
+"""
+"""Script that counts the threads of a command after the import of NumPy."""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the threads of a process are counted in /proc")
+def test_command_starts_no_threads_for_linear_algebra():
+    environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    completed = subprocess.run(
+        [sys.executable, "-c", THREAD_COUNT_SCRIPT], capture_output=True, text=True, check=False, timeout=60,
+        env=environment,
+    )  # fmt: skip
+    assert completed.stdout.endswith("threads: 1\n")
+
+
 COMMANDS_WITH_EMPTY_NAMES = [
     (["pair", "", "lower.csv"], "UPPER"), (["pair", "upper.csv", ""], "LOWER"),
     (["pair", "a.csv,,b.csv", "c"], "UPPER"), (["pair", "--gap", ""], "--gap"),

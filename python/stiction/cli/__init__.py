@@ -24,6 +24,8 @@ With Python's default, 700 in Python 3.11, the collector traverses the objects o
 def main() -> None:
     """Run a command, and exit with status 0, 2 after bad input, or 130 after Ctrl-C."""
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION)
+    # The matrices are small. Waiting threads of OpenBLAS would occupy the processor for a tenth of a second.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Prevent the import of Dask, which only clusters use. Otherwise xarray would import it, which takes 0.3 s.
     sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     _redirect_closed_streams()
