@@ -123,6 +123,8 @@ def table_command(
         seed=seed,
         **friction_parameters,
     )
+    if interface is not None:
+        study = study.with_changes({"contact.sliding": rules})
     signatures = {  # first bytes of the files of an earlier table, which may be replaced
         NETCDF_FILE_NAME: CHECKSUM_PREFIX,
         CSV_FILE_NAME: b"stiffness over area (",
@@ -132,7 +134,6 @@ def table_command(
     with open_executor(workers, scheduler) as executor:
         result = compute_result_in_directory(study, output, executor)
     table = friction_table(result)
-    table = table if interface is None else table.sel(sliding=rules)
     print_output(friction_table_text(table, rules))
     if assessment_text := table_assessment_text(table, result.summary()):
         print_output(f"{assessment_text}\n")

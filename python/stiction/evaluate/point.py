@@ -192,21 +192,18 @@ def mean_contact_pressure(point: xarray.Dataset) -> float:
 def list_sliding_rules_reported_first(study: Study) -> list[str]:
     """Return the sliding rules of a study, with the quoted rule first.
 
-    With an interface, it is the rule under which mu0 and tau0 were fitted.
+    With an interface, it is the rule under which mu0 and tau0 were fitted. For generated bodies, it is the first rule
+    of the study.
     """
-    rules = SLIDING_RULE_ORDER if study.is_measured else SLIDING_RULE_ORDER[::-1]
+    rules = SLIDING_RULE_ORDER if study.is_measured else study.contact.sliding_rules()
     fitted_rule = None if study.friction.interface is None else study.friction.interface.fitted_rule
     return sorted(study.contact.sliding_rules(), key=lambda rule: (rule != fitted_rule, rules.index(rule)))
 
 
 def sort_sliding_rules(table: Any, study: Study) -> Any:
-    """Return a table with the quoted sliding rule first.
-
-    Generated bodies without an interface keep the order of the rules in their study.
-    """
+    """Return a table of measured bodies with the quoted sliding rule first. Other tables are returned unchanged."""
     rules = list_sliding_rules_reported_first(study)
-    keeps_order = not study.is_measured and study.friction.interface is None
-    is_sorted = keeps_order or "sliding" not in table.dims or table["sliding"].values.tolist() == rules
+    is_sorted = not study.is_measured or "sliding" not in table.dims or table["sliding"].values.tolist() == rules
     return table if is_sorted else table.sel(sliding=rules)
 
 

@@ -36,7 +36,7 @@ def overview_text(
     varying_names = [name for name in ("mu0", "tau0") if len({point.at[name] for point in printed_points}) > 1]
     tables: list[str | Table] = []
     for amplitude, rule in itertools.product(
-        dict.fromkeys(point.at["amplitude"] for point in printed_points), [rule.rule for rule in points[0].rules]
+        dict.fromkeys(point.at["amplitude"] for point in printed_points), study.contact.sliding_rules()
     ):
         points_of_table = [point for point in printed_points if point.at["amplitude"] == amplitude]
         tables += [
