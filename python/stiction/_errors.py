@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 
-class _MessageValues(dict[str, Any]):
+class _PlaceholderValues(dict[str, Any]):
     """Replacements of placeholders in a message; an unknown placeholder is the name of an argument."""
 
     def __init__(self, values: dict[str, Any], translate: Callable[[str], str]) -> None:
@@ -21,12 +21,12 @@ class ArgumentError(ValueError):
     """Error about an invalid argument, with placeholders in its message for numbers and argument names."""
 
     def __init__(self, message: str, **values: Any) -> None:
-        super().__init__(message.format_map(_MessageValues(values, str)))
+        super().__init__(message.format_map(_PlaceholderValues(values, str)))
         self._message, self._values = message, values
 
     def translated_message(self, translate: Callable[[str], str]) -> str:
         """Return the message with other names of arguments, for example command-line options."""
-        return self._message.format_map(_MessageValues(self._values, translate))
+        return self._message.format_map(_PlaceholderValues(self._values, translate))
 
 
 class NoSolutionError(RuntimeError):

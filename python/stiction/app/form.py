@@ -29,7 +29,7 @@ FORM_FIELDS_BY_FLAG: dict[str, FormField] = {
 FILE_READING_FLAGS = tuple(flag for flag in FORM_FIELDS_BY_FLAG if _NAMES_BY_FLAG[flag] in READING_OPTION_NAMES)
 """Names of the reading options for which the form has a separate field for each scan."""
 
-SHARED_FLAGS = tuple(
+FLAGS_SHARED_BY_SCANS = tuple(
     flag
     for flag, field in FORM_FIELDS_BY_FLAG.items()
     if field.place == "scan" and not PAIR_OPTIONS[_NAMES_BY_FLAG[flag]].is_repeatable
@@ -71,7 +71,7 @@ def page_data_json() -> str:
     """
     page_data = {
         "units": {flag: f" {field.unit}" for flag, field in FORM_FIELDS_BY_FLAG.items() if field.unit},
-        "shared": SHARED_FLAGS,
+        "shared": FLAGS_SHARED_BY_SCANS,
         "shear": SHEAR_FLAGS,
         "ruleDescriptions": SLIDING_RULE_DESCRIPTIONS,
     }

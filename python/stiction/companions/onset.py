@@ -207,7 +207,7 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
 
 # ---- Values to report ------------------------------------------------------------------------------------------------
 
-_MODEL_FORCES = ("iwan_sliding_load_mN",)
+_MODEL_FORCE_PARAMETERS = ("iwan_sliding_load_mN",)
 """Parameters of the fitted models that are proportional to the sliding load."""
 
 
@@ -234,7 +234,7 @@ def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
     variables = {name: onset[name].copy(data=each * onset[name].values) for name, each in multiplied.items()}
     variables |= {"sliding_load": sliding_load, "tangential_load": tangential_load}
     scaled_onset = onset.assign(variables)
-    forces = {name: factor * float(onset.attrs[name]) for name in _MODEL_FORCES if name in onset.attrs}
+    forces = {name: factor * float(onset.attrs[name]) for name in _MODEL_FORCE_PARAMETERS if name in onset.attrs}
     return scaled_onset.assign_attrs({_LOAD_INTERVAL_KIND: coefficient.kind, **forces})
 
 

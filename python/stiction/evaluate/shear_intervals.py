@@ -36,7 +36,7 @@ CONTACT_INPUTS = ("hardness", "effective_modulus")
 CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 """Quantities that have an interval at each displacement."""
 
-SHEAR_SUMMARY_NAMES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
+SHEAR_INTERVAL_ATTRIBUTES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
 """Attributes of a shear test that have an interval."""
 
 _Samples = dict[str, Floats]  # an array of each quantity, whose first axis contains samples or strips
@@ -260,7 +260,7 @@ def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
     """Return a copy of the shear test with intervals of curves (variables) and of single numbers (attributes)."""
     attributes: dict[str, float] = {}
     displacement = test["displacement"].values
-    for name in SHEAR_SUMMARY_NAMES:
+    for name in SHEAR_INTERVAL_ATTRIBUTES:
         if name not in limits or np.isnan(limits[name]).any():
             continue
         lower, upper = map(float, limits[name])

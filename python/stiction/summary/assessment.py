@@ -229,7 +229,7 @@ ASPERITY_CHECKS: CheckGroups = (
 _OVERLAP_CHECK = _build_fraction_check(
     "share_overlapping", "{} of the load is on contacts with overlapping ellipses, which merge", "use the half-space"
 )
-_EDGE_CHECK = _build_fraction_check(
+_EDGE_LOAD_CHECK = _build_fraction_check(
     "share_at_edge", "{} of the load is on contacts at the edge", "use larger maps or a smaller load"
 )
 LARGEST_CONTACT_LOAD_TEXT = "one contact carries {} of the load"
@@ -244,7 +244,7 @@ EQUALS_MU0_CHECK = LimitCheck(
 )  # fmt: skip
 
 _COMMON_CONTACT_CHECKS: CheckGroups = (
-    [_EDGE_CHECK, _EDGE_CHECK._replace(limit=CAUTION_LOAD_FRACTION_AT_EDGE, severity="caution")],
+    [_EDGE_LOAD_CHECK, _EDGE_LOAD_CHECK._replace(limit=CAUTION_LOAD_FRACTION_AT_EDGE, severity="caution")],
     [
         LimitCheck("single_cells", MAX_AFFECTED_FRACTION, "contacts are single grid points", _FINER_SCAN_REMEDY),
         _build_fraction_check(

@@ -245,17 +245,17 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
     `num_members` is the number of solved members.
     """
     study, (table,) = grid.study, grid.evaluate()
-    points = _transpose(table["friction_coefficient"])
+    points = _order_dimensions(table["friction_coefficient"])
     shape: tuple[int, ...] = points.shape[:-1]
     estimates = {
-        panel: np.broadcast_to(_transpose(table[name]), points.shape)
+        panel: np.broadcast_to(_order_dimensions(table[name]), points.shape)
         for panel, name in QUANTITIES_BY_PANEL.items()
         if name in table and (panel != "stiffness" or bool(table[name].notnull().any()))
     }
     other_names = [name for name in quantity_names_shown_in("report") if name not in QUANTITIES_BY_PANEL.values()]
     means = {name: _broadcast_means(table[name], shape) for name in other_names if name in table}
     means = {name: values for name, values in means.items() if is_shown_in_report(name, values)}
-    statuses = np.broadcast_to(_transpose(table["status"]), shape)
+    statuses = np.broadcast_to(_order_dimensions(table["status"]), shape)
     checked_numbers = _compute_checked_numbers(table, estimates, study, num_members)
     rule_index = study.contact.sliding_rules().index(list_sliding_rules_reported_first(study)[0])
     checked_numbers = {name: values[:, :, rule_index] for name, values in checked_numbers.items()}
@@ -283,7 +283,7 @@ def _find_unloaded(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.
     if "pull_off" not in table:
         return np.zeros(statuses.shape, np.bool_)
     pull_off = table["pull_off"].sel(statistic="mean", drop=True)
-    is_unloaded = _transpose(table["load"] < NEGLIGIBLE_LOAD_RATIO * pull_off)
+    is_unloaded = _order_dimensions(table["load"] < NEGLIGIBLE_LOAD_RATIO * pull_off)
     return np.broadcast_to(is_unloaded[:, :, 0], statuses.shape)
 
 
@@ -291,7 +291,7 @@ def _compute_checked_numbers(
     table: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
 ) -> dict[str, Any]:
     """Compute, for every point, the numbers that the assessment of generated surfaces compares with limits."""
-    mu0, tau0 = (_transpose(table[name]) for name in ("mu0", "tau0"))
+    mu0, tau0 = (_order_dimensions(table[name]) for name in ("mu0", "tau0"))
     area = estimates["area"][..., 0]
     surfaces: Any = study.surfaces
     nominal_area = float(surfaces.nominal_area) if study.is_areal else math.inf
@@ -308,10 +308,12 @@ def _compute_checked_numbers(
 
 def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
     """Return the means of a quantity, given with or without intervals, broadcast to all points."""
-    return np.broadcast_to(_transpose(table.sel(statistic="mean") if "statistic" in table.dims else table), shape)
+    return np.broadcast_to(
+        _order_dimensions(table.sel(statistic="mean") if "statistic" in table.dims else table), shape
+    )
 
 
-def _transpose(table: xarray.DataArray) -> Floats:
+def _order_dimensions(table: xarray.DataArray) -> Floats:
     """Transpose values so that `LEADING_DIMENSIONS` come first. Missing dimensions get a length of 1."""
     table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
     return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)

@@ -44,7 +44,7 @@ _MIN_STEP_RATIO = 0.7
 _MIN_DEEP_SPIKE_RATIO = 2.0
 
 # A scan is flat except for outliers if its height range without outliers is below this fraction of the whole range.
-MIN_ROUGHNESS_RATIO = 1e-6
+MIN_HEIGHT_RANGE_RATIO = 1e-6
 
 MIN_LAY_RATIO = 2.0
 """Minimum ratio of the rms slopes across and along the lay of a map whose orientation matters.
@@ -114,7 +114,7 @@ class ScanDefects:
         If the body has no outliers, or is flat except for outliers, it is returned unchanged.
         """
         body = with_interpolated_points(self.body, self.outliers)
-        is_rough = body is self.body or _find_height(body) > MIN_ROUGHNESS_RATIO * _find_height(self.body)
+        is_rough = body is self.body or _find_height(body) > MIN_HEIGHT_RANGE_RATIO * _find_height(self.body)
         return body if is_rough else self.body
 
     @cached_property

@@ -527,13 +527,13 @@ def _line_hurst_exponent_text(line: LineRoughness) -> str:
 CharacterisedFiles = Sequence[tuple[str, Characterisation]]  # file names with the characterisations of their scans
 
 
-def _list_values(result: Characterisation) -> list[Estimate]:
+def _list_estimates(result: Characterisation) -> list[Estimate]:
     return [value for row in CharacterisationTable(result).rows for value in row.values]
 
 
 def characterisation_json(files: CharacterisedFiles, readings: Sequence[dict[str, Any]] = ()) -> str:
     """Return the characterisations of files as a JSON record, including a description of how each file was read."""
-    values = [value.to_record({"file": file}) for file, result in files for value in _list_values(result)]
+    values = [value.to_record({"file": file}) for file, result in files for value in _list_estimates(result)]
     return record_json(
         "characterise", values, kind="surface", surfaces=[_file_record(*item) for item in files], files=list(readings)
     )
@@ -559,7 +559,7 @@ def characterisation_csv(files: CharacterisedFiles) -> str:
         row = {"file": file, "type": file_record["type"]}
         for title, key in (("points", "points"), ("spacing (um)", "spacing_um")):
             row[title] = " x ".join(f"{item:.12g}" for item in file_record[key])
-        for value in _list_values(result):
+        for value in _list_estimates(result):
             titles = estimate_column_titles(value.name, value.unit)
             row[titles["value"]] = value.value
             if value.kind:

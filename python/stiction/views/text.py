@@ -241,14 +241,14 @@ def interpolation_text(
     def describe_load(load: float) -> str:
         return load_text(load, math.nan if nominal_area is None else load / nominal_area)
 
-    def describe_node(load: float) -> str:
+    def describe_computed_load(load: float) -> str:
         points_of_load = [point for point in points if point.at["load"] == load]
         assessments = {point.assessment for point in points_of_load}
         text = assessments.pop() if len(assessments) == 1 else count_assessments_text(points_of_load)
         return f"{describe_load(load)}: {text}"
 
     sentences = [
-        f"Interpolated at {describe_load(load)}, between {' and '.join(map(describe_node, loads))}."
+        f"Interpolated at {describe_load(load)}, between {' and '.join(map(describe_computed_load, loads))}."
         for load, loads in neighbours.items()
     ]
     return format_paragraph(list(sentences))

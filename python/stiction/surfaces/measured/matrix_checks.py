@@ -36,7 +36,7 @@ MAX_DEVIATION_IN_LINES = 8.0
 # minimum ratio of the mean square height differences of neighbours in a column and in a line of a wrapped profile
 MIN_COLUMN_DIFFERENCE = 2.0
 
-_STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
+_SUMMARY_STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
     ("means", np.mean), ("standard deviations", np.std),
     ("sample standard deviations", lambda x, axis: np.std(x, axis, ddof=1)),
     ("sums", np.sum), ("medians", np.median), ("maxima", np.max), ("minima", np.min), ("ranges", np.ptp),
@@ -167,7 +167,7 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
     # Lines of equal numbers always agree with their own statistics, so they prove nothing.
     if min(float(np.median(np.ptp(heights, axis=0))), float(np.ptp(last))) <= 50 * tolerance:
         return None
-    for name, statistic in _STATISTICS:
+    for name, statistic in _SUMMARY_STATISTICS:
         if np.abs(statistic(heights, axis=0) - last).max() <= tolerance:
             return name
     return None

@@ -42,9 +42,9 @@ NUM_NEIGHBOURS = 12
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 # fraction of the points that must have the same height for a caveat about an unusually frequent height
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
-# Zeros are unusually frequent if their number is at least 2 m + ZERO_COUNT_DEVIATIONS · sqrt(2 m) + MIN_ZEROS.
+# Zeros are unusually frequent if their number is at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS.
 # The symbol m stands for the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
-ZERO_COUNT_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
+MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 # Rows that equal the row before have a caveat up to this fraction of all rows.
 # If more rows equal the row before, the map is probably an extended profile.
 MAX_REPEATED_ROWS = 0.9
@@ -251,7 +251,7 @@ def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str |
         float(near_counts[(distances > 0) & (distances < (num + 0.5) * step)].sum()) / (2 * num)
         for num in NUM_NEAREST_HEIGHTS
     )
-    if counts[place] < 2 * usual + ZERO_COUNT_DEVIATIONS * (2 * usual) ** 0.5 + MIN_ZEROS:
+    if counts[place] < 2 * usual + MIN_ZERO_DEVIATIONS * (2 * usual) ** 0.5 + MIN_ZEROS:
         return None
     return (
         f"{100 * counts[place] / total:.2g} % of the heights are exactly 0, which is "
