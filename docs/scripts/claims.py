@@ -370,7 +370,7 @@ def _mean_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop:
     return np.asarray(np.nansum(finite_values, axis=1) / np.isfinite(finite_values).sum(axis=1))
 
 
-def _extreme_over_dimensions(
+def _find_extreme_over_dimensions(
     r: ResampledMeans, arrays: list[Floats], extreme_function: np.ufunc
 ) -> Floats | SimultaneousInterval:
     """Return the largest (fmax) or smallest (fmin) value over the D at which all quantities have a value."""
@@ -390,7 +390,7 @@ def _extreme_over_dimensions(
     )
 
 
-def _slope_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop: float) -> Floats:
+def _fit_slope_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop: float) -> Floats:
     """Return the least-squares slope over fractal dimensions in a range."""
     is_used = r.finite_value_mask(values, r.dimension_range_mask(start, stop))
     if is_used.sum() < 2:
@@ -410,11 +410,11 @@ _FULL_DIMENSION_RANGE = (1.0, 1.7)
 _DIMENSION_RANGE_OF_MINIMUM = (1.25, 1.55)
 
 
-def _smallest_area_load_r_squared(r: ResampledMeans) -> Floats | SimultaneousInterval:
+def _find_smallest_area_load_r_squared(r: ResampledMeans) -> Floats | SimultaneousInterval:
     load, area = r.mean_sums("normal_elastic", r.amplitude), r.mean_sums("contact_area", r.amplitude)
     proportionality = (area * load).sum(axis=2, keepdims=True) / (load * load).sum(axis=2, keepdims=True)
     residual = ((area - proportionality * load) ** 2).sum(axis=2)
-    return _extreme_over_dimensions(
+    return _find_extreme_over_dimensions(
         r, [1 - residual / ((area - area.mean(axis=2, keepdims=True)) ** 2).sum(axis=2)], np.fmin
     )
 
@@ -443,7 +443,7 @@ def _friction_ratio_upper_to_low_dimensions(r: ResampledMeans) -> Floats:
 
 def _slope_change_at_dimension_1_5(r: ResampledMeans) -> Floats:
     log_friction = np.log(r.at("friction", r.middle_load))
-    return _slope_over_dimensions(r, log_friction, 1.5, 1.7) - _slope_over_dimensions(r, log_friction, 1.0, 1.5)
+    return _fit_slope_over_dimensions(r, log_friction, 1.5, 1.7) - _fit_slope_over_dimensions(r, log_friction, 1.0, 1.5)
 
 
 def _mu0_effect_on_dimension_rise(r: ResampledMeans) -> Floats:
@@ -466,7 +466,7 @@ def _adhesion_friction_ratios(r: ResampledMeans, tau0: float) -> list[Floats]:
 
 
 def _smallest_adhesion_ratio(r: ResampledMeans) -> Floats | SimultaneousInterval:
-    return _extreme_over_dimensions(r, _adhesion_friction_ratios(r, 0.2), np.fmin)
+    return _find_extreme_over_dimensions(r, _adhesion_friction_ratios(r, 0.2), np.fmin)
 
 
 def _adhesion_rise_at_low_dimensions(r: ResampledMeans) -> Floats:
@@ -485,7 +485,9 @@ def _adhesion_rise_at_low_load(r: ResampledMeans) -> Floats:
 
 
 def _largest_change_by_weak_adhesion(r: ResampledMeans) -> Floats | SimultaneousInterval:
-    return _extreme_over_dimensions(r, [np.abs(ratio - 1) for ratio in _adhesion_friction_ratios(r, 0.001)], np.fmax)
+    return _find_extreme_over_dimensions(
+        r, [np.abs(ratio - 1) for ratio in _adhesion_friction_ratios(r, 0.001)], np.fmax
+    )
 
 
 def _make_dimension_ratio_measure(start: float, stop: float) -> MeasureFunction:
@@ -506,7 +508,7 @@ def _dimension_of_smallest_friction(r: ResampledMeans) -> Floats:
         return np.full(values.shape[0], np.nan)
     minimum_indices = np.argmin(np.where(np.isfinite(values[:, is_used]), values[:, is_used], np.inf), axis=1)
     result = np.asarray(r.dimensions[is_used][minimum_indices])
-    # A smallest value at the last D is not a minimum, because friction may decrease further in the claimed range.
+    # If friction is smallest at the last D, it has no minimum, because it may decrease further in the claimed range.
     highest_dimension = r.dimensions[is_used][-1]
     return np.full(result.shape, np.nan) if result[0] == highest_dimension < _DIMENSION_RANGE_OF_MINIMUM[1] else result
 
@@ -517,7 +519,7 @@ def _ratio_of_light_to_heavy_load(r: ResampledMeans) -> Floats:
 
 
 def _smallest_friction_to_mu0_ratio(r: ResampledMeans) -> Floats | SimultaneousInterval:
-    return _extreme_over_dimensions(r, [r.at("friction", r.middle_load) / 0.4], np.fmin)
+    return _find_extreme_over_dimensions(r, [r.at("friction", r.middle_load) / 0.4], np.fmin)
 
 
 def _make_amplitude_ratio_measure(quantity: ClaimQuantity, tau0: float) -> MeasureFunction:
@@ -562,7 +564,7 @@ def _make_relative_change_measure(
     quantity: ClaimQuantity, changed_parameters: dict[str, float], reference_parameters: dict[str, float]
 ) -> MeasureFunction:
     def measure(r: ResampledMeans) -> Floats | SimultaneousInterval:
-        return _extreme_over_dimensions(
+        return _find_extreme_over_dimensions(
             r,
             [
                 np.abs(
@@ -577,13 +579,13 @@ def _make_relative_change_measure(
     return measure
 
 
-_MU0_BEFORE_AND_AFTER = ({"mu0": 1.0}, {"mu0": 0.1})
-_TAU0_BEFORE_AND_AFTER = ({"tau0": 0.2}, {"tau0": 0.0})
+_HIGH_AND_LOW_MU0 = ({"mu0": 1.0}, {"mu0": 0.1})
+_HIGH_AND_ZERO_TAU0 = ({"tau0": 0.2}, {"tau0": 0.0})
 _LARGEST_CHANGE_TEXT = "largest relative change of the"
 
 CLAIM_PARTS = (
     ClaimPart(
-        "1a", "smallest R² for any D of a straight line A = c F_N", 0.95, math.inf, _smallest_area_load_r_squared
+        "1a", "smallest R² for any D of a straight line A = c F_N", 0.95, math.inf, _find_smallest_area_load_r_squared
     ),
     ClaimPart(
         "1b",
@@ -690,28 +692,28 @@ CLAIM_PARTS = (
         f"{_LARGEST_CHANGE_TEXT} area for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
-        _make_relative_change_measure("area", *_MU0_BEFORE_AND_AFTER),
+        _make_relative_change_measure("area", *_HIGH_AND_LOW_MU0),
     ),
     ClaimPart(
         "8b",
         f"{_LARGEST_CHANGE_TEXT} area for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
-        _make_relative_change_measure("area", *_TAU0_BEFORE_AND_AFTER),
+        _make_relative_change_measure("area", *_HIGH_AND_ZERO_TAU0),
     ),
     ClaimPart(
         "8c",
         f"{_LARGEST_CHANGE_TEXT} stiffness for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
-        _make_relative_change_measure("stiffness", *_MU0_BEFORE_AND_AFTER),
+        _make_relative_change_measure("stiffness", *_HIGH_AND_LOW_MU0),
     ),
     ClaimPart(
         "8d",
         f"{_LARGEST_CHANGE_TEXT} stiffness for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
-        _make_relative_change_measure("stiffness", *_TAU0_BEFORE_AND_AFTER),
+        _make_relative_change_measure("stiffness", *_HIGH_AND_ZERO_TAU0),
     ),
 )
 """Parts of all claims, at mu0 = 0.4, tau0 = 0 and the middle load unless stated otherwise."""
