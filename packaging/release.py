@@ -22,7 +22,7 @@ RELEASE_VERSION = VERSION.removesuffix(".dev0")
 RELATIVE_LINK_PATTERN = re.compile(r"(?<=\]\()(?!https?:|#)([^)\s]+)(?=\))")
 """Pattern of relative links in Markdown."""
 
-URL_NAMES = ("Source", "Documentation", "Issues", "Changelog")
+PROJECT_URL_NAMES = ("Source", "Documentation", "Issues", "Changelog")
 
 ReleaseCheck = Callable[[], str | None]
 RELEASE_CHECKS: list[tuple[str, ReleaseCheck]] = []
@@ -77,7 +77,7 @@ def citation_problem() -> str | None:
 @register_check("the addresses of the project are public ones")
 def project_url_problem() -> str | None:
     missing = missing_names_message(
-        "[project.urls] has no", (name for name in URL_NAMES if name not in PROJECT_METADATA["urls"])
+        "[project.urls] has no", (name for name in PROJECT_URL_NAMES if name not in PROJECT_METADATA["urls"])
     )
     return missing and f"{missing}: ./dev release --address URL"
 
@@ -172,7 +172,7 @@ def write_repository_address(url: str) -> None:
     ]  # fmt: skip
     project_text = read_file("pyproject.toml")
     urls_heading = re.search(r"^\[project\.urls\]\n(?:Paper = .*\n)?", project_text, re.MULTILINE)
-    if urls_heading is None or tomllib.loads(project_text)["project"]["urls"].keys() & set(URL_NAMES):
+    if urls_heading is None or tomllib.loads(project_text)["project"]["urls"].keys() & set(PROJECT_URL_NAMES):
         exit_with_error("pyproject.toml has addresses already")
     (ROOT / "pyproject.toml").write_text(
         project_text[: urls_heading.end()]

@@ -135,7 +135,7 @@ def test_release_script_writes_the_repository_address_into_all_files(release_scr
         release_script.write_repository_address("example.org/stiction")
     release_script.write_repository_address("https://example.org/them/stiction")
     urls = tomllib.loads((tmp_path / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]
-    assert set(urls) == {"Paper", *release_script.URL_NAMES}
+    assert set(urls) == {"Paper", *release_script.PROJECT_URL_NAMES}
     assert "repository-code: https://example.org/them/stiction\n" in (tmp_path / "CITATION.cff").read_text(
         encoding="utf-8"
     )
