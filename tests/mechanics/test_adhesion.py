@@ -199,7 +199,7 @@ def test_adhesive_contact_of_a_sinusoid_equals_johnson_solution_and_jumps_to_ful
     x, full_contact_pressure = np.arange(points) / points, np.pi * height
     bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
     work = (alpha * full_contact_pressure) ** 2 / 2
-    # The adhesion range extends over 4 points.
+    # The adhesion range is such that 4 grid points resolve the attraction at the contact edge.
     adhesive = {"work_of_adhesion": work, "adhesion_range": (4 * work / points) ** 0.5}
     loads = np.array([0.0, 0.05]) * full_contact_pressure
     curve = half_space(*bodies, loads, effective_modulus=1.0, boundary="periodic", **adhesive)
@@ -279,7 +279,7 @@ def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tensio
         )
     loads = np.array([state.load for state in states])
     first_local_minimum = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
-    # At this load, the energy has a local minimum that is not its global minimum.
+    # At the load of the first local minimum, the energy has another, lower minimum.
     assert first_local_minimum > 0.9 * loads.min()
     largest_tension = adhesion_solver.mean_pressure_to_force(-loads.min())
     assert curve.pull_off == pytest.approx(largest_tension, rel=PULL_OFF_TOLERANCE)

@@ -169,7 +169,7 @@ class TestSurfacesAgainstExactSolutions:
         def ellipsoid_height(x, y):
             x, y = x - (size / 2 + 0.3) * spacing, y - (size / 2 - 0.2) * spacing
             x_along, x_across = c * x + s * y, -s * x + c * y
-            # The radii at the apex are exact, because a cubic spline reproduces a paraboloid except near the edges.
+            # The spline has the exact radii at the apex, because it reproduces a paraboloid except near the edges.
             return -(x_along**2) / (2 * 2.0) - x_across**2 / (2 * shorter_radius)
 
         body = surface_from_function(ellipsoid_height, (size + 1, size + 1), (spacing, spacing))
@@ -205,7 +205,7 @@ class TestSurfacesAgainstExactSolutions:
         )
         assert_close(curve_of_both_directions.friction_coefficient(mu0=mu0)[1], math.tan(math.atan(mu0) - theta), 1e-11)
         assert abs(curve.lateral_load(mu0=mu0)).max() < ROUND_OFF * curve.normal_elastic[0]
-        # With adhesion, the coefficient follows from the same force triangle.
+        # With tau0 > 0, the friction angle is atan(mu0 + tau0 A/F).
         m = mu0 + 0.05 * curve.contact_area / curve.normal_elastic * math.cos(theta)
         coefficient = curve.friction_coefficient(mu0=mu0, tau0=0.05)[0]
         assert_close(coefficient, np.tan(theta + np.arctan(m)), ROUND_OFF)
@@ -573,7 +573,7 @@ class TestInvalidArguments:
 
 class TestGridRefinement:
     def test_areal_load_curve_converges_as_the_grid_is_refined(self):
-        # All grids sample the same heights.
+        # Heights of one analytical surface are sampled on grids of different spacing.
         # First contact is defined by grid points, so approaches on two grids differ by an offset.
         results_by_points = {}
         for points in (1024, 512, 256):
@@ -764,11 +764,11 @@ def test_load_curve_of_flat_valleys_is_invariant_under_rotation_and_mirroring_an
 
 
 def test_points_of_flat_valleys_are_classified_as_unresolved():
-    # The surface has a flat-bottomed trench next to a pit with a round bottom.
+    # The map has a trench with a level floor next to a pit with a round bottom.
     y, x = np.meshgrid(np.arange(40), np.arange(60), indexing="ij")
     upper = -0.05 * (np.abs(x - 15) <= 6) - 0.06 * np.maximum(0, 1 - ((x - 45) ** 2 + (y - 20) ** 2) / 100)
     curve = press(Surface(upper, spacing=0.1), Surface(np.zeros_like(upper), spacing=0.1), [0.058])
-    # All points of the floor are unresolved, except points on the edge of the map. The pit adds one resolved point.
+    # All points of the level floor are unresolved, except at the edge of the map. The pit adds one resolved point.
     assert curve.grid_minimum_count[0] == 13 * 38 + 1 == curve.unanswered_count[0] + 1
 
 
@@ -818,7 +818,7 @@ def test_loads_along_and_across_the_motion_equal_sums_over_reference_contacts():
 
 
 def test_load_fraction_of_overlapping_contact_ellipses_is_reported():
-    # The surface has two adjacent summits whose ellipses meet, and a distant summit.
+    # The surface has two adjacent summits, whose contact ellipses meet, and a distant summit.
     def bump_height(x, y):
         centres = ((0.6, 0.6, 0.0), (0.8, 0.6, 0.0), (2.0, 0.6, 0.0))
         return np.max([h - ((x - cx) ** 2 + (y - cy) ** 2) / 0.4 for cx, cy, h in centres], axis=0)
@@ -834,7 +834,7 @@ def test_load_fraction_of_overlapping_contact_ellipses_is_reported():
 
 
 def test_load_on_a_valley_longer_than_the_map_tends_to_the_load_of_a_line_contact():
-    # As the bow decreases, the ellipse grows, and its part on the map approaches a line contact.
+    # The less a valley is bowed, the longer its contact ellipse, which becomes a line contact within the map.
     y, x = np.meshgrid((np.arange(41) - 20.3) * 0.05, (np.arange(81) - 40.3) * 0.02, indexing="ij")
     flat = Surface(np.zeros_like(x), spacing=(0.05, 0.02))
     load = []

@@ -3,7 +3,7 @@ import pytest
 from reference import pressing
 from stiction import Profile, Surface, asperities
 
-# Tolerance for the same spline computed by two solvers: round-off of the second differences, relative to their rms.
+# Relative difference between one spline from two solvers: round-off of the second differences, relative to their rms.
 SPLINE_TOLERANCE = 1e-12
 
 

@@ -57,7 +57,7 @@ def test_jackson_green_law_of_the_core_equals_the_published_fit(ratio, radius, m
     law = JacksonGreen(yield_strength=strength, poisson_ratio=poisson)
     actual = force_and_area(law, overlap=ratio * critical_overlap, radius=radius, effective_modulus=modulus)
     if abs(ratio / 1.9 - 1) > 1e-9:  # At a ratio of 1.9, round-off decides which branch applies.
-        # The tolerance is larger because the formula raises powers of ratios to further powers.
+        # Powers of powers of ratios in the formula of Jackson and Green limit the accuracy to 1e-10.
         assert actual == pytest.approx((force, area), rel=1e-10)
 
 
@@ -110,14 +110,14 @@ def test_asperity_model_of_a_sinusoid_tends_to_westergaard_solution_at_light_loa
     )
     difference = curve.contact_area / (10 * wavelength) / exact_fraction - 1
     relative_pressures = pressures / (math.pi * modulus * amplitude / wavelength)
-    # The difference is one term of the series, to 10 %. The apex of the spline is accurate to 1e-5 of the overlap.
+    # The difference equals the next term of the series, to 10 %. The spline apex is accurate to 1e-5 of the overlap.
     assert np.allclose(difference, -relative_pressures / 6, rtol=0.1, atol=1e-5)
     assert relative_pressures[1] > 5 * relative_pressures[0]
 
 
 class TestWeierstrassMandelbrotMoments:
     def test_exact_spectral_moments_equal_means_over_many_profiles(self):
-        # All frequencies are well resolved and have many periods in the profile.
+        # The grid resolves all frequencies of the profiles, and each frequency has many periods.
         shape = {"directions": 10, "frequencies": 6}
         exact_moments = weierstrass_mandelbrot_moments(1.4, **shape)
         moment_sums = np.zeros(3)

@@ -25,7 +25,7 @@ CONTACT_SUM_NAMES = (
     "normal_frictional", "tangential_frictional", "normal_adhesive", "tangential_adhesive",
 )  # fmt: skip
 
-# Tolerances for a reference that evaluates the same heights with another spline solver and order of operations.
+# Tolerances for a slow reference, which uses another spline solver and another order of operations.
 # Round-off moves the minima of the gap, most where the gap is flat.
 REFERENCE_TOLERANCES = {"cell": 1e-9, "gap-minimum": 1e-7}
 REFERENCE_FUNCTIONS = {"cell": pressing.find_contacts, "gap-minimum": pressing.find_contacts_at_minima}
@@ -177,7 +177,7 @@ class TestProfilesAgainstExactSolutions:
         plane = Profile(1.0 + slope * ball.x, spacing=spacing)
         upper, lower = (plane, ball) if below else (ball, plane)
         contact_gap = (upper.heights - lower.heights).min()
-        # The overlap follows from the distance of the ball centre from the plane after the approach.
+        # After the approach, `height` is the height of the ball centre, which determines the overlap with the plane.
         height = 1.0 + slope * 10.003 + (-contact_gap - 1e-3) * (1 if below else 0)
         centre = -radius if below else radius - contact_gap - 1e-3
         overlap = radius - abs(height - centre) / math.hypot(1, slope)

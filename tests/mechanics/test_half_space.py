@@ -33,7 +33,7 @@ from stiction.study.members import pair_of
 from support.rough_surfaces import flat_like, periodic_body
 
 EFFECTIVE_MODULUS = 10.0
-DENSE_SOLUTION_TOLERANCE = 1e-8  # relative to the highest pressure; both solutions have a tolerance of 1e-11
+DENSE_SOLUTION_TOLERANCE = 1e-8  # error relative to the highest pressure, if both solutions have a tolerance of 1e-11
 MINDLIN_TOLERANCE = 1e-3  # relative to the displacement of a sphere whose contact radius is 50 points
 ROUND_OFF = 1e-12
 # Relative error of the true area with about 15 points per contact. The mean error over several grids is below 0.015.
@@ -45,7 +45,7 @@ TIGHT_TOLERANCE = 1e-10  # solver tolerance in comparisons of two solutions
 
 # Error relative to the largest displacement. It is larger than round-off because logarithms of distant cells cancel.
 LARGE_GRID_TOLERANCE = 1e-11
-MAX_SECONDS_TO_END = 2.0  # seconds of processor time; a complete solution takes ten times as long
+MAX_SECONDS_AFTER_INTERRUPT = 2.0  # seconds of processor time; a complete solution takes ten times as long
 SOLUTION_TOLERANCE = 1e-5  # relative difference between two solutions whose solver tolerance is 1e-6
 
 
@@ -214,7 +214,7 @@ def test_westergaard_pressure_and_gap_and_contact_fraction_agree_with_each_other
     x = np.linspace(-1, 1, 20_001)[:-1]
     for load in (0.001, 0.1, 0.2):
         p = westergaard_pressure(x, load, **wave_arguments)
-        # The integration over square-root edges has this relative error.
+        # Integrating a pressure with square-root edges numerically has a relative error of 2e-5.
         assert p.mean() == pytest.approx(load, rel=2e-5)
         assert np.mean(p > 0) == pytest.approx(
             min(1.0, float(westergaard_contact_fraction(load, **wave_arguments))), abs=2e-4
@@ -251,7 +251,7 @@ def test_half_space_solution_of_a_point_contact_equals_hertz_solution(radii):
         curve = half_space(gap, flat_like(gap), [float(force)], tolerance=1e-8)
         approach = curve.approach[0] + gap.heights.min()
         errors.append(abs(approach / 0.01 - 1))
-        # After the perimeter correction, an error of some tenths of a cell along the perimeter remains.
+        # After the perimeter correction of the area, an error of some tenths of a cell along the perimeter remains.
         assert curve.contact_area[0] == pytest.approx(float(area), rel=0.3 * 1.6 / n / axes[0])
     assert errors[-1] < 3e-4
     assert errors[-1] < errors[0] / 4
@@ -385,7 +385,7 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
     load = pressed * EFFECTIVE_MODULUS * 0.1
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
     model.E, model.nu = EFFECTIVE_MODULUS, 0.0
-    # the iteration might never end with a tolerance below 1e-12
+    # With a tolerance below 1e-12, the iteration of tamaas might never end.
     solver = tamaas.PolonskyKeerRey(model, lower.heights.copy(), 1e-11)
     if boundary == "free":
         tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
@@ -394,7 +394,7 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
     assert solver.solve(load) < 1e-11
     result = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-9).contact(0).pressure
     exact = np.array(model.traction).reshape(n, n)
-    # Both solvers limit an error of the energy. Errors of pressures are larger.
+    # Both solvers limit the error of the energy, so errors of pressures are larger than the tolerance.
     assert np.abs(result - exact).max() < 1e-7 * exact.max()
 
 
@@ -483,7 +483,7 @@ def test_pressure_with_hardness_agrees_with_tamaas():
     exact = np.array(model.traction).reshape(n, n)
     curve = half_space(flat_like(lower), lower, [load], boundary="periodic", hardness=hardness, tolerance=1e-9)
     assert 0 < curve.load_share_at_hardness[0] < 1
-    # the tolerance includes the error of the reference solution
+    # The tolerance of 1e-4 includes the error of the tamaas solution.
     assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness
 
 
@@ -526,7 +526,7 @@ def friction_on_random_slopes(sigma_along, sigma_across, m, *, rule):
     tangents."""
     nodes, weights = np.polynomial.hermite_e.hermegauss(60)
     nodes_of_half, quadrature_weights = np.polynomial.legendre.leggauss(200)
-    # the sum covers uphill slopes of up to ten deviations; downhill slopes are the mirror image
+    # The sum covers uphill slopes of up to ten standard deviations. Downhill slopes are their mirror image.
     slopes_along = 5 * (nodes_of_half + 1) * sigma_along
     probability = 5 * quadrature_weights * np.exp(-((slopes_along / sigma_along) ** 2) / 2) / np.sqrt(2 * np.pi)
     normal = tangential = 0.0
@@ -611,7 +611,7 @@ def test_mean_slope_of_contacts_is_independent_of_compliance_fraction():
         )
         mean_slopes.append((curve.tangential_elastic / curve.normal_elastic).mean())
     assert np.ptp(mean_slopes) < 0.05 * np.mean(mean_slopes)
-    # A patch opposes with a slope below the mean slope of its points. The difference is largest for broad spectra.
+    # A patch opposes the motion with less than the mean slope of its points, most so for broad spectra.
     assert 0.7 < np.mean(mean_slopes) / (slope / np.sqrt(4 * np.pi) * ratio / (1 + ratio**2)) < 1.0
 
 
@@ -874,7 +874,7 @@ def test_half_space_solver_stops_soon_after_ctrl_c():
     with pytest.raises(KeyboardInterrupt):
         solve()
     timer.join()
-    assert time.process_time() - signal_times[0] < MAX_SECONDS_TO_END
+    assert time.process_time() - signal_times[0] < MAX_SECONDS_AFTER_INTERRUPT
 
 
 def test_half_space_solver_converges_if_extrapolated_steps_are_very_long():

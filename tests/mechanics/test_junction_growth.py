@@ -198,7 +198,7 @@ def test_fraction_in_bulk_shear_agrees_with_the_quantiles_of_the_distribution_of
         unlimited = (-np.log1p(-probabilities)) ** (1 / shape)
         pressures = limit_pressures(brentq(excess_of_mean, -9, 9, args=(unlimited, mean)), unlimited)
         hardness, ratio, mu0, tau0 = 1.0, 5.6, random.uniform(0.4, 1.5), random.uniform(0.0, 0.05)
-        # the pressure of contacts that yield is half the hardness, because the interface is stronger than the body
+        # Contacts yield at half the hardness, because the interface is stronger than the body.
         traction = mu0 * 0.5 * hardness * pressures + tau0
         expected = np.minimum(traction, hardness / ratio).mean() / traction.mean()
         onset = FrictionLaw(mu0, tau0, ratio, True).onset(0.5 * mean, hardness, 1e3, np.ones_like)

@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 from stiction import Profile, approach_at_load, press
 
-# Relative error of the load.
-# The root is bracketed to 1e-12 of the approach, and the load is a low power of the approach.
+# Relative error of the load at an approach whose relative error is 1e-12, if the load is a low power of the approach.
 LOAD_TOLERANCE = 1e-11
 ARC_TOLERANCE = 1e-6  # relative error of the Hertzian force of two arcs, as in the contact tests
 

@@ -25,7 +25,7 @@ from support.rough_surfaces import flat_like, periodic_body, rough_maps
 
 EFFECTIVE_MODULUS = 10.0
 ROUND_OFF = 1e-12
-# relative to the largest value, compared with dense matrices at a solver tolerance of 1e-6
+# Error relative to the largest value of a solution by dense matrices, at a solver tolerance of 1e-6.
 DENSE_SOLUTION_TOLERANCE = 1e-6
 MINDLIN_TOLERANCE = 1e-3  # relative to the displacement of a ball whose contact radius is 24 points
 TRACTION_TOLERANCE = 0.01  # relative difference from the independent Ciavarella-Jäger principle for rough bodies
@@ -100,7 +100,7 @@ def test_slip_under_a_ball_spreads_from_the_contact_edge_inwards(ball_curve_and_
     assert np.isnan(slip_loads[~is_in_contact]).all()
     is_inside = is_in_contact & (distance < radius)
     errors = slip_loads[is_inside] - (1 - (distance[is_inside] / radius) ** 3)
-    # The tolerance is one step of the load, and one cell at the edge.
+    # The tolerated error is one load step, plus one grid cell at the edge of the stick zone.
     assert np.abs(errors).max() < 1 / 50 + 3 / (96 * radius)
     assert np.abs(np.median(errors)) < 1 / 50
     early_slip_loads = curve.onset(0, mu0=0.3, steps=[0.2, 0.3]).slip_load()
@@ -147,7 +147,7 @@ def test_stick_area_has_the_shape_of_the_elliptical_contact():
     for i, stick_axis_ratio in enumerate((1 - load_fractions) ** (1 / 3)):
         is_sticking = ((pressure > 0) & (onset.traction(i) < 0.2 * pressure)).reshape(128, 128)
         for axis, semi_axis in enumerate(axes):
-            # The tolerance is one cell at each end of the zone.
+            # The tolerated error is one grid cell at each end of the stick zone.
             assert abs(is_sticking.any(axis=1 - axis).sum() / 2 - stick_axis_ratio * semi_axis * 128) <= 1
 
 
@@ -621,7 +621,7 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
         result = fit_iwan(displacement, true_model.load(displacement), **known_values)
         assert np.abs(result.residual).max() < 1e-8
         assert (result.chi, result.beta) == pytest.approx((chi, beta), rel=1e-4)
-        # The curve ends at F_S without a jump, and its stiffness decreases.
+        # The curve of an Iwan model ends at the sliding load F_S without a jump, and its stiffness decreases.
         sliding_displacement = true_model.displacement_at_sliding
         assert true_model.load(sliding_displacement) == 2.0
         assert true_model.load(sliding_displacement * (1 - 1e-9)) == pytest.approx(2.0, rel=1e-6)

@@ -130,8 +130,7 @@ def test_variables_at_a_load_have_the_dimensions_listed_in_the_table_of_quantiti
             if name == "status":  # The status describes the coefficient of friction, not the contact.
                 assert normalized_dims(name, dataset) == normalized_dims("friction_coefficient", dataset)
             else:
-                # The mean load of an ensemble depends on the sliding rule, mu0 and tau0.
-                # Therefore all quantities at a load depend on the sliding rule, mu0 and tau0.
+                # The mean load depends on the sliding rule, mu0 and tau0, and so do all quantities at this load.
                 extra_dims = {"sliding", "mu0", "tau0"} if dataset.attrs["load_definition"] == "mean" else set()
                 missing = {"sliding", "direction"} - set(dataset.dims)
                 assert (

@@ -183,7 +183,7 @@ def test_rms_slope_at_the_longest_yielding_wavelength_corresponds_to_the_hardnes
     assert low <= value <= high
     # The wavelength is long enough to be resolved by the scan.
     assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)
-    # The pair has few contacts, so κ agrees only within a factor.
+    # Because the pair has few contacts, κ agrees only within a factor.
     curve = half_space(upper, lower, [load], effective_modulus=115.0, boundary="periodic")
     kappa_factor = float(kappa_uncertainty_factor(curve.contact_count)[0])
     assert 1.1 <= kappa_factor <= math.exp(1)

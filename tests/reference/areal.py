@@ -61,7 +61,7 @@ def _find_minima(values, shape, spacing):
                 / determinant
             ).T  # fmt: skip
         position = position - newton_step
-        # Drop distant points, because other starting points are nearer to the minima.
+        # Drop iterations that moved far away, because other starting points are nearer to the minima.
         is_near = (
             (np.abs(position - start) < 1.5 * step).all(axis=1)
             & (position > 0).all(axis=1)
@@ -92,7 +92,7 @@ def solve_axis_ratio(longer_radius, shorter_radius):
         return k**2 * (integral_k - integral_e) / (integral_e - k**2 * integral_k)
 
     if longer_radius / shorter_radius < 1 + 1e-5:
-        # In this range, the integrals cancel, but the limit is accurate to 1e-11.
+        # For nearly equal radii, the integrals lose digits by cancellation, but their limit is accurate to 1e-11.
         k = (shorter_radius / longer_radius) ** (2 / 3)
     else:
         k = brentq(lambda k: radius_ratio(k) - shorter_radius / longer_radius, 1e-9, 1 - 1e-7, xtol=1e-16, rtol=1e-14)

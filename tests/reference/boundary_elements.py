@@ -148,6 +148,6 @@ class PeriodicAsperities:
                 is_stable = np.linalg.eigvalsh(tangent_matrix)[0] > 0
                 stiffness = np.linalg.solve(tangent_matrix, np.ones(active_indices.size)).sum() if is_stable else np.nan
                 return 2 * half_width[active_indices].sum() / self.period, active_indices.size, stiffness / self.period
-            # First activate all overlapping asperities, later only the one with the largest overlap, to avoid cycles.
+            # After 20 iterations, activate only the asperity with the largest overlap, so that iterations do not cycle.
             is_active |= (violation > 1e-9 * self.height) & (violation >= (0 if iteration < 20 else violation.max()))
         raise RuntimeError(f"no interacting solution at {pressure} GPa")

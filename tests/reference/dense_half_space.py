@@ -64,7 +64,7 @@ def compute_displacement(pressure, spacing, modulus, *, periodic):
         k = np.sqrt(sum(wave**2 for wave in waves))
         k.flat[0] = np.inf
         return np.fft.ifftn(np.fft.fftn(pressure) * 2 / (modulus * k)).real
-    # corners of cells at distances of -n to n - 1 points
+    # Positions of cell corners, for cells at distances of -n to n - 1 points.
     corners = [(np.arange(-n, n + 1) - 0.5) * step for n, step in zip(shape, spacing, strict=True)]
     if len(shape) == 1:
         (x,) = corners

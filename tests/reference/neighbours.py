@@ -11,7 +11,7 @@ DISTRIBUTION_NAMES = ("normal", "half zeros", "bounded", "lognormal 0.5", "logno
 def simulate_correlated_positions(distribution, num_trials, positions, correlation, random):
     """Return simulated values of shape (trials, positions) in which neighbouring positions are correlated."""
     if distribution == "half zeros":
-        # The values form a Markov chain of no contact (0) and contact (about 0.35), which are equally frequent.
+        # Values form a Markov chain of two states, no contact (0) and contact (about 0.35), which are equally frequent.
         is_unchanged = random.random((num_trials, positions)) < (1 + correlation) / 2
         is_unchanged[:, 0] = random.random(num_trials) < 0.5
         in_contact = (~is_unchanged).cumsum(axis=1) % 2 == 1
