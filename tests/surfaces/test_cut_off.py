@@ -45,7 +45,7 @@ def test_low_pass_filter_smooths_a_surface_along_both_axes():
     surface = self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))
     filtered_rows = np.array([weighted_line_by_definition(row, 0.25, 4.0) for row in surface.heights])
     filtered_heights = np.array([weighted_line_by_definition(column, 0.5, 4.0) for column in filtered_rows.T]).T
-    # For cutoffs of at least eight points, the error is below 2^-16 of the height range.
+    # For cutoffs of at least eight points, the error of the fast filter is below 2^-16 of the height range.
     assert np.abs(cut_off(surface, 4.0).heights - filtered_heights).max() < 2**-16 * np.ptp(surface.heights)
 
 

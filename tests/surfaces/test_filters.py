@@ -105,7 +105,7 @@ class TestRobustFilter:
         scratched_heights[:, 20:22] -= 1.0
         result = filtered(Surface(scratched_heights, spacing=0.1), cutoff=2.0, robust=True).heights
         linear = filtered(Surface(scratched_heights, spacing=0.1), cutoff=2.0).heights
-        # The limit is three standard deviations of the noise. The largest errors occur in corners.
+        # The error limit is three standard deviations of the noise. The largest errors occur in corners of the map.
         assert np.abs(result - form).max() < 3e-3
         assert np.abs(linear - form).max() > 0.05
 

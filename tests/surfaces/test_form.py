@@ -50,7 +50,7 @@ def test_levelling_removes_a_sphere_and_leaves_the_noise(sign, word):
     noise = noise_heights(spherical_heights.shape)
     result = levelled(Surface(spherical_heights + noise, spacing=0.5), "sphere")
     assert radius_from_history(result) == (pytest.approx(300, rel=1e-3), word)
-    # The scatter decreases slightly, because four parameters are fitted to 4800 points.
+    # Levelling slightly reduces the noise, because a sphere with four parameters is fitted to 4800 points.
     assert result.heights.std() == pytest.approx(noise.std(), rel=2e-3)
     assert result.heights.mean() == pytest.approx(0, abs=1e-12)
 
@@ -60,7 +60,7 @@ def test_levelling_removes_a_tilted_cylinder_and_leaves_the_noise():
     x_across, x_along = (x - 12) * 0.6 + (y - 20) * 0.8, 0.8 * x - 0.6 * y
     noise = noise_heights((60, 80))
     result = levelled(Surface(np.sqrt(200.0**2 - x_across**2) + 0.02 * x_along + noise, spacing=0.5), "cylinder")
-    # The expected radius is that of a vertical section, because the axis rises by 2 %.
+    # The expected radius of the cylinder is that of a vertical section, because its axis rises by 2 %.
     assert radius_from_history(result)[0] == pytest.approx(200, rel=2e-3)
     assert result.heights.std() == pytest.approx(noise.std(), rel=2e-3)
 

@@ -60,7 +60,7 @@ class TestProfileHurstExponent:
     def test_fitted_band_extends_from_roll_off_to_cut_off(self):
         profile = rough_profile(points=60_000, longest_wavelength=10.0, shortest_wavelength=0.1)
         result = estimate_hurst_exponent(profile)
-        # One bin, which is a fifth of the wavelength, is omitted at the edge where the pieces meet.
+        # Next to the cutoff, the estimate omits one bin, whose width is a fifth of the wavelength.
         assert 0.1 <= result.shortest_wavelength < 0.1 * 1.5
         assert 10.0 / 2 < result.longest_wavelength < 10.0 * 1.5
         assert result.lower < 0.8 < result.upper
@@ -73,7 +73,7 @@ class TestProfileHurstExponent:
         assert result.lower < 0.8 < result.upper
 
     def test_fitted_band_excludes_gradually_increasing_noise(self):
-        # With all wavelengths, the mean H is 0.20, and only one of forty intervals covers the true value.
+        # A fit to all wavelengths would give a mean H of 0.20, and one of forty intervals would contain the true value.
         result, num_covered = [], 0
         for repetition in range(30):
             options = {"points": 4096, "repetition": repetition, "longest_wavelength": 10.0}

@@ -7,7 +7,7 @@ import pytest
 from stiction import Profile, Surface, joined_spectrum, scale_dependent_roughness, self_affine_surface, surface_spectrum
 
 NUM_POINTS, SPACING = 1024, 0.01
-# Relative error of a bin with at least a hundred Fourier coefficients, for a few pieces of the surface.
+# Relative error of a spectrum from a few pieces of a surface, in bins with at least a hundred Fourier coefficients.
 BIN_TOLERANCE = 0.1
 
 

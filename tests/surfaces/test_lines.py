@@ -79,7 +79,7 @@ def test_hurst_exponents_of_all_lines_are_fitted_in_a_common_band():
     assert shortest < 0.1
     assert 1.5 < longest < 6
     mean, spread = result.hurst_exponents.mean(), result.hurst_exponents.std()
-    # The tolerance is that of independent lines. The roll-off slightly bends the spectrum at the end of the band.
+    # The tolerance is three standard errors of independent lines, plus 0.02, because the roll-off bends the spectrum.
     assert mean == pytest.approx(hurst, abs=3 * spread / np.sqrt(result.fitted) + 0.02)
     assert spread < 0.1
 

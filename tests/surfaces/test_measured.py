@@ -274,7 +274,7 @@ def test_declared_spacing_that_disagrees_with_positions_is_reported(write_file):
     assert profile.spacing == pytest.approx(0.1)
     assert profile.history[1] == "spacing 0.1 µm from its positions, declared as 0.2 µm"
     assert "header and positions agree" in read_profile(write_file("Resolution,0.10 um/sample\n" + data)).history[1]
-    # The declared resolution may belong to the heights.
+    # A resolution declared in the header may be that of the heights instead of the positions.
     assert "says" not in read_profile(write_file("Resolution,20 nm\n" + data)).history[1]
 
 

@@ -43,7 +43,7 @@ def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions,
     ]
     scans[1] = scans[1] + 0.3 + 1e-5 * np.indices(shape).sum(axis=0)
     result = compare_repeated_scans(*(body_class(scan, spacing=spacing) for scan in scans))
-    # The tolerance is in points. Pink noise has ten times the slope of the surface.
+    # Largest error of the shift in points. Pink noise has ten times the slope of the surface.
     max_shift_error = 1.0 if colour == "pink" else 0.3
     assert np.abs(np.array(result.shift) / spacing - np.array(shift_in_points) / 2).max() < max_shift_error
     assert result.correlation > 0.99

@@ -42,7 +42,7 @@ class TestRoughnessParameters:
             relative_error = (
                 1 - roughness_parameters(sinusoid(n, waves=40_000), derivative=derivative).Pdq / exact_slope
             )
-            # The next term of the error is smaller by a factor of about (2π/n)².
+            # The next term of the error of the difference formula is smaller by a factor of about (2π/n)².
             assert relative_error == pytest.approx(
                 (2 * np.pi / n) ** order / factor, rel=(2 * np.pi / n) ** 2, abs=2e-6
             )
@@ -50,7 +50,7 @@ class TestRoughnessParameters:
     def test_roughness_parameters_of_normal_heights_equal_closed_forms(self):
         result = roughness_parameters(rough_profile(points=200_000, longest_wavelength=1.0))
         # The map has about 2000 independent heights.
-        # The tolerances are four times the standard errors of 0.05 and 0.11.
+        # Tolerances of Psk and Pku are four times their standard errors of 0.05 and 0.11.
         assert result.Psk == pytest.approx(0, abs=0.2)
         assert result.Pku == pytest.approx(3, abs=0.45)
         assert result.Pa / result.Pq == pytest.approx(np.sqrt(2 / np.pi), rel=0.02)
@@ -148,7 +148,7 @@ def parameters_by_definition(surface):
     for j in range(rows - 1):
         for i in range(columns - 1):
             corners = [np.array([x * dx, y * dy, z[j + y, i + x]]) for y, x in ((0, 0), (0, 1), (1, 0), (1, 1))]
-            # the mesh is divided into triangles in both possible ways
+            # Each mesh of four points is divided into triangles in both possible ways.
             for a, b, c in ((0, 1, 2), (3, 1, 2), (1, 0, 3), (2, 0, 3)):
                 area += np.linalg.norm(np.cross(corners[b] - corners[a], corners[c] - corners[a])) / 4
     return {
@@ -216,7 +216,7 @@ def test_texture_direction_equals_the_direction_of_grooves(angle):
     assert result.Sal == pytest.approx(2.0 * math.acos(0.2) / (2 * math.pi), rel=0.02)
     assert math.isnan(result.Str)  # Along the grooves the autocorrelation never falls to 0.2.
     angle_error = abs((result.Std - angle + 90) % 180 - 90)
-    assert angle_error <= 3  # a sector of two degrees, and the spread of the window
+    assert angle_error <= 3  # half a sector of two degrees, plus the spread due to the window
 
 
 def test_core_roughness_of_known_distributions_equals_closed_forms():

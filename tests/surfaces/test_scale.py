@@ -79,7 +79,7 @@ def test_scale_dependent_roughness_is_independent_of_tilt_and_units():
     )
     result = scale_dependent_roughness(profile)
     rms_slope = math.sqrt(np.mean(np.square(np.diff(profile.heights) / 0.01)))
-    # The window changes the weights of about a hundred wavelengths, which causes scatter.
+    # The window weights about a hundred wavelengths unequally, so the slope scatters by a few per cent.
     assert result.gradient[-1] == pytest.approx(rms_slope, rel=0.05)
     tilted_roughness = scale_dependent_roughness(Profile(5 + profile.heights + 0.3 * profile.x, spacing=0.01))
     assert tilted_roughness.gradient == pytest.approx(result.gradient, rel=1e-6)
@@ -265,7 +265,7 @@ class TestMachinedTexture:
             for seed in range(30)
         ]
         assert not any(instrument_limit(each).matters for each in profiles)
-        # Noise that contributes most of the mean square slope is still found at the shorter feed.
+        # At the shorter feed, noise that contributes most of the mean square slope is still found.
         rng = np.random.default_rng(1)
         noisy_profiles = [
             Profile(each.heights + 0.1 * each.heights.std() * rng.normal(size=len(each)), spacing=each.spacing)

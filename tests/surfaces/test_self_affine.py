@@ -33,7 +33,7 @@ class TestSelfAffineProfile:
             for r in range(100)
         ]
         # The mean square of 100 profiles with about ten independent sections scatters by 4 %.
-        # Subtraction of the mean reduces it by another 4 %.
+        # Subtracting the mean height reduces the mean square by another 4 %.
         assert np.mean(squares) == pytest.approx(0.1**2, rel=0.12)
 
     def test_profile_on_a_finer_grid_contains_the_points_of_the_coarser_grid(self):
@@ -114,9 +114,9 @@ def test_surface_spectrum_is_a_power_law_with_plateau_and_cutoff(hurst):
     level = mean[(q > 0) & (q < 2 * np.pi / 0.08)].sum() / law[(q > 0) & (q < 2 * np.pi / 0.08)].sum()
     for low, high in ((0.5, 4.0), (6.0, 10.0), (10.0, 20.0), (20.0, 40.0), (40.0, 75.0)):
         is_in_ring = (q > low) & (q < high)
-        # Powers are exponentially distributed.
-        # The tolerance is four standard errors for n / 2 independent coefficients in each of 8 surfaces.
-        # The few longest wavelengths determine the level and scatter as much.
+        # The squared Fourier coefficients are exponentially distributed.
+        # The tolerance is four standard errors of a mean over n / 2 independent coefficients of each of 8 surfaces.
+        # The level of the plateau has the same tolerance, because few of the longest wavelengths determine it.
         ratio = np.mean(mean[is_in_ring] / law[is_in_ring]) / level
         assert ratio == pytest.approx(1, abs=4 / np.sqrt(4 * is_in_ring.sum()) + 0.15)
 

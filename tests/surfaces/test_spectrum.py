@@ -159,7 +159,7 @@ def test_steepest_direction_of_a_surface_is_perpendicular_to_its_lay():
     assert spectrum.steepest_direction() == pytest.approx(math.degrees(math.atan2(1, 2)), abs=0.5)
     for angle in (10.0, 70.0, 130.0):
         for seed in range(4):
-            # The roughness is longer along y than along x.
+            # The roughness wavelengths are twice as long along y as along x.
             surface = self_affine_map(seed, 0.7, (160, 160), whole=2, longest=20.0, stretch=2.0)
             rotated_spectrum = surface_spectrum(levelled(rotated(surface, angle), "plane"))
             angle_error = (rotated_spectrum.steepest_direction() - angle + 90) % 180 - 90
@@ -173,7 +173,7 @@ def test_radial_spectrum_includes_every_coefficient_exactly_once():
     assert (np.diff(q) >= 0).all()
     assert angle.min() >= 0
     assert angle.max() < 180
-    # The ring contains both a coefficient and its conjugate.
+    # Each ring of the spectrum contains both a Fourier coefficient and its complex conjugate.
     area = (2 * np.pi / 32) * (2 * np.pi / 24.3)
     is_inside = np.hypot(spectrum.wave_number_y[:, np.newaxis], spectrum.wave_number_x) < np.pi / 0.5 * (1 - 1e-9)
     assert 2 * density.sum() * area == pytest.approx(spectrum.density[is_inside].sum() * area, rel=AREAL_ROUND_OFF)

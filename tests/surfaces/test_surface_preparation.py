@@ -91,7 +91,7 @@ def test_common_grid_has_the_finer_spacing_along_each_axis():
     assert fine_resampled.spacing == coarse_resampled.spacing == (0.1, 0.1)
     # The common length is 5.9 µm along y and 7.8 µm along x.
     assert fine_resampled.heights.shape == coarse_resampled.heights.shape == (60, 79)
-    # The second map is unchanged along x. Along y it is the natural spline of each column.
+    # Along x, the coarse map is unchanged. Along y, each of its columns is interpolated by a natural spline.
     splined_heights = CubicSpline(0.25 * np.arange(30), coarse_surface.heights[:, :79], bc_type="natural")(
         0.1 * np.arange(60)
     )
