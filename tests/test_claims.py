@@ -95,7 +95,7 @@ def test_loads_of_claims_are_reached_at_every_fractal_dimension(result, resample
         < resampled_means.heavy_load
     )
     assert resampled_means.heavy_load < float(mean_loads.max("approach").min())
-    # The middle load is the geometric mean of the other two.
+    # The middle load is the geometric mean of the lowest and the highest load.
     assert resampled_means.middle_load**2 == pytest.approx(
         (resampled_means.light_load * resampled_means.heavy_load), rel=1e-9
     )
@@ -357,7 +357,7 @@ def test_tables_of_claims_are_written_from_stored_results(tmp_path):
     claims.write_tables(tmp_path, tmp_path, changes=small | {"ensemble.repetitions": 20})
     text = (tmp_path / "claims.md").read_text(encoding="utf-8")
     assert text.count("| **") == 2 * len(CLAIMS)
-    # Without changes, the tables are written from the stored results, and nothing is computed.
+    # If all results are stored, the tables are written from these results, and nothing is computed.
     claims.write_tables(tmp_path, tmp_path)
     assert (tmp_path / "claims.md").read_text(encoding="utf-8") == text
     assert "| amplitude 0.05 µm |" in (tmp_path / "variants.md").read_text(encoding="utf-8").splitlines()[0]

@@ -332,7 +332,7 @@ def test_commands_of_index_and_tutorials_work_in_a_clone_in_which_readme_was_fol
 )
 def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name in ("upper", "lower", "lapped"):  # Create the files that the pages assume to exist.
+    for name in ("upper", "lower", "lapped"):  # Create the scan files that the commands on the pages read.
         side = "lower" if name == "lapped" else name
         scan = stiction.self_affine(1, hurst_exponent=0.8, rms=0.1, points=4000, spacing=0.05, side=side)
         stiction.write_profile(scan, tmp_path / f"{name}.csv")

@@ -50,7 +50,7 @@ def imported_names(source):
             names = [name.name for name in node.names]
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{source} imports {node.module} relatively; write the full name"
-            # The package defines its public names last, which is too late for imports of its own modules.
+            # The package defines its public names after all modules are loaded, so modules cannot import these names.
             assert node.module != "stiction", (
                 f"{source}, line {node.lineno}: import names from the module that defines them"
             )

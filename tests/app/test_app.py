@@ -751,7 +751,7 @@ def test_app_has_no_accessibility_violations(empty_page, map_files):
         set_window_size(empty_page)
 
     try:
-        for section in ("#made", "#there", "details[name=what]"):  # Open each section with the Enter key.
+        for section in ("#made", "#there", "details[name=what]"):  # Open each section of the form with the Enter key.
             empty_page.find_element("css selector", f"{section} > summary").send_keys("\n")
             check_accessibility()
         for side, path in zip(("upper", "lower"), map_files, strict=True):

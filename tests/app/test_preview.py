@@ -60,7 +60,7 @@ def test_compare_scans_reads_each_scan_with_its_own_options(tmp_path):
     micrometres, millimetres = ({"unit": unit, "spacing": "50 um"} for unit in ("um", "mm"))
     assert compare_scans((mate, lower), (micrometres, millimetres)) == {"fits": True, "path": "240 µm"}
     assert not compare_scans((mate, other), (micrometres, micrometres))["fits"]
-    assert not compare_scans((mate, lower), (micrometres, {"unit": "mm"}))["fits"]  # these options contain no spacing
+    assert not compare_scans((mate, lower), (micrometres, {"unit": "mm"}))["fits"]  # lower scan without spacing
     command = [sys.executable, "-m", "stiction.app.preview"]
     command += [mate, json.dumps(micrometres), lower, json.dumps(millimetres)]
     assert json.loads(subprocess.check_output(command))["fits"] is True

@@ -343,7 +343,7 @@ def test_unfinished_uploads_are_included_in_the_storage_limit(app):
         f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
     )
     (private_directory,) = app.find_private_directories()
-    for _ in range(2):  # The second round of uploads can only succeed if the first round has released its storage.
+    for _ in range(2):  # The second round of uploads succeeds only if the storage of the first round has been released.
         with ExitStack() as stack:
             for _ in range(6):
                 client = stack.enter_context(socket.create_connection(("127.0.0.1", int(app.port))))
@@ -438,9 +438,9 @@ def fake_pair_command(monkeypatch):
     answers = [{"reported": False, "caveats": []}, {"reported": True, "caveats": [{"text": "use --tip"}]}]
 
     async def run_module(arguments, on_record=None, **_):
-        if '"preview"' in arguments[1]:  # this preview takes longer than the command itself
+        if '"preview"' in arguments[1]:  # a preview that takes longer than the command itself
             await asyncio.Event().wait()
-        if arguments[0] != "stiction":  # this process reads the finished part of a stopped job
+        if arguments[0] != "stiction":  # a process that reads the finished part of a stopped job
             return '{"answer": "finished part", "finished": 1, "total": 2}'
         assert arguments[1] == "pair"
         directory = Path(arguments[-1].removeprefix("--output="))

@@ -229,7 +229,7 @@ def test_friction_tests_at_several_dwell_times_separate_mu0_from_tau0() -> None:
 
 
 def test_calibration_infers_the_true_modulus_within_its_range() -> None:
-    # The true modulus is 1.8 standard deviations above the middle of its range; a ball of exact modulus reveals it.
+    # The true modulus is 1.8 standard deviations above the middle of its range, as tests with an exact ball reveal.
     ranged_ball, exact_ball = Ball("5 mm", "2..4.5 GPa"), Ball("5 mm", "30 GPa")
     modulus = 3.0 * 1.5 ** (1.8 / 1.96)
     true_ball = Ball("5 mm", modulus)
@@ -243,7 +243,7 @@ def test_calibration_infers_the_true_modulus_within_its_range() -> None:
     fit = interface.fits[0]
     (score,) = fit.scores.values()
     assert np.median(score) == pytest.approx(1.8, abs=0.2)
-    # The errors are not scaled, because the tests agree with the best modulus, though not with the middle of its range.
+    # Errors of the tests are not scaled up, because the tests agree with some modulus inside the range.
     assert fit.scale == 1.0
     assert interface.mu0[1] < MU0 < interface.mu0[2]
     assert interface.tau0[1] < TAU0 < interface.tau0[2]
@@ -352,7 +352,7 @@ def test_unknown_uncertainties_of_friction_tests_are_estimated_from_their_scatte
     tests_without_errors = [FrictionTest(BALL, test.load, coefficient=test.coefficient) for test in tests]
     expected, result = (calibrate(item, sliding="all", common=0.0) for item in (tests, tests_without_errors))
     ratio = (result.identified[2] - result.identified[1]) / (expected.identified[2] - expected.identified[1])
-    # The estimated variance has six degrees of freedom, and Student's t makes the interval wider.
+    # The variance is estimated with six degrees of freedom, so Student's t makes the interval wider.
     assert 0.5 < ratio < 2.5
 
 
@@ -499,7 +499,7 @@ def test_prediction_that_neglects_junction_growth_exceeds_the_direct_solution() 
     interface = calibrate(simulate_junction_growth_tests(0, 20.0), sliding="all")
     predicted, *_ = interface.predict(compute_plastic_pair(0, 0.02, "1.25 GPa"), "20 MPa")
     assert predicted > 1.05 * solve_coefficient(0.2, 0.05, 20.0, 0.02, 1.25)
-    # Without junction growth, the tests on the ball contradict the tests on the pair.
+    # If junction growth is neglected, the tests on the ball contradict the tests on the pair.
     assert interface.fits[0].scale > 1.5
     assert interface.about[GROWTH_HEADER_ENTRY] == "0"
 
@@ -529,7 +529,7 @@ def test_interface_file_preserves_junction_growth(tmp_path) -> None:
     expected = interface.predict(compute_plastic_pair("0..27"), "20 MPa")
     table = result.at("20 MPa")["friction_combined"].sel(sliding="all").squeeze()
     assert table.values[0] == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.02)
-    # The given range of α alone would give an interval that is four times as wide.
+    # Without the tests, the given range of α would make the interval four times as wide.
     assert np.ptp(table.values[1:]) < 2 * np.ptp(expected[1:])
     contradicting_result = pair(*rough_surface_pair(0.03), **options, interface=path, junction_growth=20)
     assert any("calibrated with junction growth 0..27" in caveat.text for caveat in contradicting_result.caveats)
@@ -670,7 +670,7 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
 def test_predictions_from_ball_tests_contain_the_true_friction() -> None:
     assert (
         simulate_coverage("ball", 40)[:, 1].sum() >= 34
-    )  # At a coverage of 95 %, the probability of fewer than 34 of 40 is 0.4 %.
+    )  # At a coverage of 95 %, fewer than 34 of 40 intervals contain the true value with a probability of 0.4 %.
 
 
 @pytest.mark.soak

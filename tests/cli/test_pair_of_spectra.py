@@ -34,7 +34,7 @@ MATERIAL_OPTIONS = {
     "tau0": "200 MPa",
     "load": "20 MPa",
 }
-FEW_DIRECTION_OPTIONS = {"direction": [0.0, 90.0], "onset": 0}
+TWO_DIRECTION_OPTIONS = {"direction": [0.0, 90.0], "onset": 0}
 COMMAND_OPTIONS = [
     "--effective-modulus", "100 GPa", "--hardness", "4 GPa", "--mu0", "0.2", "--tau0", "200 MPa", "--load", "20 MPa",
     "--direction", "0,90", "--onset", "0",
@@ -110,10 +110,10 @@ def test_friction_interval_from_joined_spectra_contains_the_friction_of_the_comp
     elastic_options = {name: value for name, value in MATERIAL_OPTIONS.items() if name != "hardness"} | {
         "load": "200 MPa"
     }
-    result_of_spectra = pair(*spectra, surrogates=8, **elastic_options, **FEW_DIRECTION_OPTIONS)
-    result_of_surfaces = pair(*surfaces, shifts=8, **elastic_options, **FEW_DIRECTION_OPTIONS)
+    result_of_spectra = pair(*spectra, surrogates=8, **elastic_options, **TWO_DIRECTION_OPTIONS)
+    result_of_surfaces = pair(*surfaces, shifts=8, **elastic_options, **TWO_DIRECTION_OPTIONS)
     result_of_coarse_scans = pair(
-        *(create_scans(surface)[0] for surface in surfaces), shifts=8, **elastic_options, **FEW_DIRECTION_OPTIONS
+        *(create_scans(surface)[0] for surface in surfaces), shifts=8, **elastic_options, **TWO_DIRECTION_OPTIONS
     )
     for quantity in ("mean_friction", "contact_area_fraction"):
         estimates = []
@@ -255,7 +255,7 @@ def test_pair_command_accepts_a_spectrum_from_a_table_without_metadata(tmp_path)
     body = spectrum.surface(1, shape=(64, 64), spacing=0.06)
     assert body.history[0].startswith("power spectrum at wavelengths of ")
     elastic_options = MATERIAL_OPTIONS | {"hardness": None, "mechanics": "asperities"}
-    result = pair(spectrum, spectrum, **elastic_options, **FEW_DIRECTION_OPTIONS, surrogates=2)
+    result = pair(spectrum, spectrum, **elastic_options, **TWO_DIRECTION_OPTIONS, surrogates=2)
     assert result.assessment in ("Quote it", "Quote with care", "Do not quote")
 
 

@@ -150,7 +150,7 @@ def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical
     with pytest.raises(KeyboardInterrupt):
         shear_test(*faces, directory=tmp_path / "test", progress=interruption, **options)
     whole = shear_test(*faces, progress=(counts := Interruption(-1)), **options)
-    # Seven curves: the test, two hardness limits and four strips.
+    # Seven shear curves are computed: the test itself, two limits of the hardness and four strips.
     assert sorted(set(counts.calls)) == list(range(3 * 7 + 1))
     calls = count_solved_contacts(monkeypatch)
     resumed = shear_test(*faces, directory=tmp_path / "test", **options)

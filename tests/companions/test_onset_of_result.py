@@ -64,7 +64,7 @@ def test_onset_of_a_result_is_the_mean_over_its_members(study, onset):
         options = {"mu0": 0.3, "tau0": 0.05, "steps": steps, "poisson": [0.3, 0.4]}
         curves.append(curve.onset(0, **options, tolerance=TRACTION_TOLERANCE))
         exact_displacements.append(curve.onset(0, **options).displacement)
-    # Displacements with the looser tolerance of the study agree to 1e-6 with those of the default tolerance.
+    # The study solves with a looser tolerance, whose displacements agree to 1e-6 with those of the default tolerance.
     np.testing.assert_allclose(
         onset["displacement"].sel(statistic="mean"), np.mean(exact_displacements, axis=0), rtol=1e-6
     )

@@ -83,7 +83,7 @@ def test_resolution_result_stored_for_another_hardness_is_ignored(study, tmp_pat
     rows = cut_off_rows(find_resolution_effect(result, small_study, result.isel(tau0=[1])), 4.0)
     assert [row[0] for row in rows[1:]] == ["none", "200 nm", "400 nm", "plastic limit"]
     assert rows[-1][-1] == f"{0.3 + 0.05 / 4:.3f}"
-    # If an interface was fitted under the other rule, the limit still belongs to friction at all contacts.
+    # Even for an interface fitted at opposing contacts, the limit belongs to friction at all contacts.
     interface = {"file": "film.csv", "mu0": 0.3, "tau0": "50 MPa", "sliding": "opposing"}
     opposing_study = small_study.with_changes({"friction.interface": interface})
     opposing_rows = cut_off_rows(find_resolution_effect(result, opposing_study, result.isel(tau0=[1])), 4.0)

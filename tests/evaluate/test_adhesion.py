@@ -96,7 +96,7 @@ def test_friction_coefficient_with_adhesion_increases_as_the_load_decreases(adhe
     assert (np.diff(coefficient) < 0).all()
     assert coefficient[0] > 3 * coefficient[-1]
     contact_load, area = (table[name].sel(statistic="mean").values for name in ("contact_load", "contact_area"))
-    # At the lightest load, friction on slopes adds to the contact load; the formula omits this term.
+    # The formula omits friction on slopes, which adds to the contact load at the smallest load.
     assert (coefficient * table["load"].values)[1:] == pytest.approx((0.3 * contact_load + 0.02 * area)[1:], rel=0.03)
     assert table["mean_pressure"].sel(statistic="mean").values == pytest.approx(contact_load / area, rel=0.2)
 
@@ -272,7 +272,7 @@ def test_work_of_adhesion_given_as_zero_leaves_values_unchanged_and_adds_no_cave
         for result in (default_result, zero_adhesion_result, adhesive_result)
     ]
     assert has_caveat == [True, False, False]
-    # The estimate is a lower bound only if it exceeds the load itself.
+    # The estimated pull-off force is a lower bound only if it exceeds the load itself.
     (text,) = (caveat.text for caveat in default_result.caveats if caveat_text in caveat.text)
     assert re.search(r"by (about [\d.]+|more than 100) %$", text)
     steep_result = pair(rough_surface("upper", 0.03), rough_surface("lower", 0.03), **PAIR_OPTIONS | {"load": "20 MPa"})

@@ -154,7 +154,7 @@ GENERATED_STUDIES = {
     "yielding": ("half-space", f'{LOADS}\nhardness = "0.5 GPa"'),
     "adhesive": ("half-space", f'{LOADS}\nwork_of_adhesion = "50 mJ/m^2"'),
 }
-LOADS_ON_CONTACTS = {"normal_load", "tangential_load"}  # both follow from the mean load and the coefficient
+MEAN_LOAD_QUANTITIES = {"normal_load", "tangential_load"}  # both follow from the mean load and the coefficient
 RATIOS_OF_THE_NOMINAL_AREA = {"contact_area_fraction", "nominal_pressure", *STIFFNESS_PER_AREA_QUANTITIES}
 
 
@@ -170,7 +170,7 @@ def test_data_frame_and_csv_file_of_an_ensemble_contain_every_quantity(name):
     quantities_of_members = {
         str(each) for each in result.at(load_definition="elastic").data_vars if QUANTITIES[str(each)].shown
     }
-    expected = quantities_of_members - LOADS_ON_CONTACTS - {"share_opposing"}
+    expected = quantities_of_members - MEAN_LOAD_QUANTITIES - {"share_opposing"}
     expected -= {"approach"} if name == "asperities" else set()  # asperity studies prescribe the approach
     summary = result.summary()
     frame, table = values_frame(summary.at), summary_table(summary)
@@ -439,7 +439,7 @@ def test_evaluation_at_a_load_rejects_invalid_input(areal_study_and_dataset):
 
 
 INTERPOLATED_QUANTITIES = ("contact_area", "contact_count", "stiffness_per_area", "closure", "mean_friction")
-MAX_WIDENING = 2.2  # largest width of an interval between computed loads, relative to the width without its error
+MAX_INTERVAL_WIDTH_RATIO = 2.2  # largest ratio of interval widths with and without the error
 MIN_COVERAGE = 0.93  # minimum fraction of solved values within the interpolation error, which is a 95 % error
 
 
@@ -498,7 +498,7 @@ def test_interval_between_computed_loads_contains_the_solution_for_few_contacts(
 def test_interval_between_computed_loads_is_narrow_for_many_contacts():
     rows = compute_interpolation_errors(3, points=128, longest_wavelength=0.8, shifts=8, hardness=None)
     widening = np.array([np.hypot(1, error / half_width) for _, _, error, half_width in rows])
-    assert widening.max() < MAX_WIDENING
+    assert widening.max() < MAX_INTERVAL_WIDTH_RATIO
     friction_errors = [error for name, _, error, _ in rows if name == "mean_friction"]
     assert min(friction_errors) < 0.01
     assert max(friction_errors) < 0.05

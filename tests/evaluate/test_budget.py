@@ -381,7 +381,7 @@ def test_interval_contains_the_friction_coefficient_for_truncated_distributions_
 
 def test_combined_interval_contains_the_interval_of_the_mean_for_random_statistics(monkeypatch) -> None:
     monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # skip the budgets to save time
-    # Replace values by random statistics. Some have a bracket wider than the interval of the inputs.
+    # Replace the results by random statistics. Some ranges for finer scans are wider than the interval of the inputs.
     random = np.random.default_rng(5)
     result = pair(
         *rough_surfaces(),

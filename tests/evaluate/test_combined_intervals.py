@@ -195,7 +195,7 @@ def test_friction_samples_have_no_upper_limit_if_tau0_exceeds_the_shear_strength
     changes = {"friction.tau0": "uniform 0.15 .. 0.2 GPa", "contact.junction_growth": "slip-line 5.6"}
     intervals = build_intervals(changes, hardness=1.0, tau0=0.175, area=0.5, growth=5.6)
     strength = 1 / 5.6
-    # The reduction of the force is neglected up to 5 %.
+    # The model neglects a reduction of the friction force of up to 5 %.
     expected = (0.2 - strength / 0.95) / 0.05
     assert intervals.unlimited_fraction == pytest.approx(expected, abs=0.02)
 

@@ -178,7 +178,7 @@ def test_mean_of_a_column_over_positions_is_independent_of_other_columns(lines):
     assert np.array_equal(all_columns, np.array(single_columns).T)
 
 
-# Round-off of logarithms of ratios near 1, relative to the differences of the logarithms.
+# Relative round-off of differences of logarithms whose arguments are ratios near 1.
 JACKKNIFE_TOLERANCE = 1e-10
 
 

@@ -201,7 +201,7 @@ def simulate_ensembles(repetitions, ensembles, *, spread, scatter, seed, touchin
     [item if item == (0.8, 0.5) else pytest.param(*item, marks=pytest.mark.soak) for item in MIN_COVERAGE],
 )
 def test_friction_map_intervals_have_nominal_coverage(repetitions, spread, scatter):
-    # The load is the true mean load at one of the approaches, so interpolation adds no error.
+    # The requested load is the true mean load at one of the approaches, so interpolation adds no error.
     load = APPROACHES[5] ** 1.5
     truth = 0.3 * APPROACHES[5] ** 1.35 / load
     result = simulate_ensembles(repetitions, NUM_ENSEMBLES, spread=spread, scatter=scatter, seed=repetitions)

@@ -129,7 +129,7 @@ def test_interval_of_pair_with_spikes_includes_result_for_masked_outliers(spiked
         *files, unit="um", spacing=SPACING, outliers="mask", cutoff="none", **PAIR_OPTIONS | {"load": "20 MPa"}
     )
     alternative = spiked_result.alternatives["spikes"]
-    # Both results have the same load; the masked points do not belong to the nominal area.
+    # Both results have the same load in mN, because masked points do not belong to the nominal area.
     assert alternative.value == pytest.approx(masked_result.value, rel=1e-2)
     assert covers(spiked_result.interval, alternative.interval)
     result_without_estimate = open_without_alternatives(spiked_result)

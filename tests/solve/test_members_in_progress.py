@@ -41,7 +41,7 @@ def estimate_iterations():
     return 100.0
 
 
-class InterruptedCalls:
+class InterruptedMethod:
     """Method of a class that raises `KeyboardInterrupt` after a number of calls."""
 
     def __init__(self, monkeypatch, owner, name):
@@ -73,7 +73,7 @@ class InterruptedCalls:
 def test_interrupted_solution_continues_with_bit_identical_results(
     study, owner, name, calls_per_attempt, tmp_path, monkeypatch
 ):
-    calls = InterruptedCalls(monkeypatch, owner, name)
+    calls = InterruptedMethod(monkeypatch, owner, name)
     expected = compute_member_arrays(study, 0)
     num_calls, calls.num_calls = calls.num_calls, 0
     num_attempts, counts = 0, []
@@ -101,7 +101,7 @@ def test_interrupted_solution_continues_with_bit_identical_results(
 @pytest.mark.parametrize("study", [(ADHESION, True)], indirect=True)
 def test_interrupted_run_resumes_inside_a_partly_solved_pair(study, tmp_path, monkeypatch):
     expected = run(study).dataset
-    calls = InterruptedCalls(monkeypatch, AdhesionSolver, "attraction_at_gap")
+    calls = InterruptedMethod(monkeypatch, AdhesionSolver, "attraction_at_gap")
     run(study)
     num_calls, calls.num_calls, calls.max_calls = calls.num_calls, 0, calls.num_calls // 2
     directory = tmp_path / "result"
@@ -117,7 +117,7 @@ def test_interrupted_run_resumes_inside_a_partly_solved_pair(study, tmp_path, mo
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
 def test_interrupted_companion_study_resumes_inside_a_partly_solved_pair(study, tmp_path, monkeypatch):
-    calls = InterruptedCalls(monkeypatch, ContactSolver, "at")
+    calls = InterruptedMethod(monkeypatch, ContactSolver, "at")
     scaled_study = scale_study_heights(study, 2.0, "both").with_checksums()
     companion_study = CompanionStudy(scaled_study, tmp_path / "pair/height_scale/both-2")
     expected = run(scaled_study).dataset
@@ -146,7 +146,7 @@ def test_next_run_removes_leftover_steps_of_a_member_with_a_stored_block(study, 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
 def test_stored_load_steps_that_are_damaged_or_of_another_study_are_computed_again(study, tmp_path, monkeypatch):
     expected = compute_member_arrays(study, 0)
-    calls = InterruptedCalls(monkeypatch, ContactSolver, "at")
+    calls = InterruptedMethod(monkeypatch, ContactSolver, "at")
     compute_member_arrays(study, 0, MembersInProgress(study, tmp_path, estimate_iterations).add(0))
     (member_directory,) = (tmp_path / IN_PROGRESS_DIRECTORY).iterdir()
     paths = sorted(member_directory.iterdir())

@@ -253,7 +253,7 @@ def test_remaining_time_is_estimated_from_the_time_of_the_first_block():
     assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
     assert (
         runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 480.0, 2, 300.0) == ""
-    )  # the second estimate is close to the first one
+    )  # the estimate after the first block is close to the estimate before it
     assert runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 8.0, 2, 1.0) == ""  # little time remains
     assert runner._format_revised_time_estimate(TINY_STUDY, missing, 4, 480.0, 4, 8.5) == ""  # no repetitions remain
 
@@ -287,7 +287,7 @@ def test_error_other_than_a_missing_solution_ends_a_run(tmp_path, monkeypatch):
         compute_member_arrays(study, 0)
 
 
-class AgeingExecutor(Executor):
+class PartialFileAgeingExecutor(Executor):
     """Executor that is not local; before a task, it makes all partial files old and waits until they are recent."""
 
     def __init__(self, directory, wait_until_recent):
@@ -316,7 +316,7 @@ def test_run_refreshes_its_claim_of_a_directory_while_it_computes(tmp_path, monk
             time.sleep(0.01)
         return False
 
-    executor = AgeingExecutor(tmp_path, wait_until_recent)
+    executor = PartialFileAgeingExecutor(tmp_path, wait_until_recent)
     run(with_repetitions(2), store=tmp_path / "result", executor=executor)
     # The first task only tests whether the directory can be accessed. All tasks find the claims of the directory and of
     # its blocks.

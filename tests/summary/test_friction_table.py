@@ -103,7 +103,7 @@ def test_fit_of_laws_recovers_exact_power_laws(dataset):
     exact_dataset = dataset.copy(deep=True)
     pressure = exact_dataset["load"].values / 100
     exact_dataset["contact_area"].values[...] = 100 * 1.5 * pressure
-    # an approach that follows the stiffness law k = p / 0.02
+    # The approach follows the stiffness law k = p / (0.02 µm).
     exact_dataset["approach"].values[...] = 0.02 * np.log(pressure) + 1
     result = friction_table(exact_dataset)
     assert result["area_factor"].values == pytest.approx(1.5)
@@ -185,7 +185,7 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     assert (len(frame), frame["mu0"].unique().tolist()) == (2 * 3, [0.1])
     for text, count in frame["assessment"].value_counts().items():
         assert f"{text} ({count})" in " ".join(completed.stdout.split())
-    # The stored study has this mu0 too, so that other commands print values for it.
+    # The stored study has mu0 = 0.1 too, so that other commands print values at 0.1.
     assert open_result(tmp_path / "table").study.friction.mu0 == (0.1,)
     assert "μ0 = 0.1," in check_stiction("info", "table", cwd=tmp_path).stdout
 

@@ -21,7 +21,7 @@ def test_parameter_axes_of_a_report_contain_mu0_and_tau0_of_the_study():
         SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]})
     )
     assert {0.0, 0.37, 1.0} <= set(mu0.values)
-    # In a report of generated surfaces, tau0 is limited.
+    # A report of generated surfaces has no tau0 above the maximum for generated surfaces.
     assert tau0.values.tolist() == [0.0, 0.003, 0.005, 0.01, 0.015, 0.02, 0.021]
     assert not any(axis.has_range.any() for axis in (mu0, tau0))
 
@@ -54,7 +54,7 @@ def test_report_slider_marks_only_values_of_the_study_as_uncertain(tmp_path):
     mu0, tau0 = build_parameter_axes(study.with_changes(changes))
     (study_value,) = study.with_changes(changes).friction.mu0
     assert mu0.values[mu0.has_range].tolist() == [study_value]
-    # The range applies up to a small difference, so that a round value as close as this would have the range, too.
+    # A mu0 within 1e-3 of the value of the study has the range of the study, so no other mu0 may be so close.
     assert np.sort(np.abs(mu0.values - study_value))[1] > 1e-3 * study_value
     assert not tau0.has_range.any()
 

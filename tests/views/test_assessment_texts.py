@@ -391,7 +391,7 @@ def test_summary_without_an_interval_has_no_budget_entry_of_possible_noise():
 def test_faults_of_the_unfiltered_result_also_apply_to_the_filtered_result():
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     dataset["mean_friction"].loc[{"cut_off": 0.0, "statistic": "upper"}] = (
-        2.0  # The interval of the unfiltered scan is too wide.
+        2.0  # Half width of the interval of the unfiltered scan, which is too wide for a quotable result.
     )
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
     filtered_point, raw_point = summarize(dataset, study).points

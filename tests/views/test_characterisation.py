@@ -305,7 +305,7 @@ def test_small_slope_estimate_of_one_scan_assumes_two_equal_surfaces():
         return text
 
     friction_text = friction_text_of(Profile(heights, spacing=0.01), periodic=True, band=(0.02, 20.0))
-    # The text names the sliding rules in the words and the order of the output of a pair.
+    # The text lists the sliding rules in the same words and order as the output of a pair.
     assert re.match(
         rf"friction at all contacts: μ0; friction at opposing contacts only: {expected_friction:.3f} if μ0 = 0.4",
         friction_text,

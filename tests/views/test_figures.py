@@ -482,7 +482,7 @@ def test_unfiltered_scans_are_drawn_to_the_left_of_the_first_cutoff(maps_at_two_
         (axes, _) = cut_off_figure(replace(limits, shortest=shortest_wavelength)).axes
         position, *_ = axes.lines[0].get_xdata()
         assert position < first_cutoff / 1.01
-        # the grey area of wavelengths that are not resolved contains no point
+        # No point of the curve lies in the grey area of wavelengths that are not resolved.
         (unresolved,) = (each for each in axes.patches if each.get_label() == "not resolved")
         assert unresolved.get_x() + unresolved.get_width() < position
 

@@ -165,7 +165,7 @@ def test_noise_and_spectral_lines_add_caveats_unless_unfiltered_scans_are_accept
             expected_words in other_caveat.text
             for other_caveat in find_input_caveats(profile, profile, study_without_filter)
         )
-    # A weak noise floor contributes little to the slope.
+    # The noise floor is so weak that it contributes little to the slope.
     profile_with_faint_noise = Profile(
         clean_profile.heights + 1e-5 * np.random.default_rng(1).normal(size=4096), spacing=0.01
     )

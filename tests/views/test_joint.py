@@ -190,7 +190,7 @@ def test_csv_file_of_a_joint_contains_the_numbers_of_all_its_other_files(result,
         card = export_text(result, directory / f"card{ending}", units=units)
         numbers = read_card_numbers(card)
         assert len(numbers) > 5 * len(frame)
-        # The origin of the curve, and numbers of materials, constants, points and atom types.
+        # Other numbers in a card: the origin of the curve, and counts of materials, constants, points and atom types.
         assert set(numbers) - rounded <= {"0", "1", "2", str(len(frame))}, ending
         assert card.isascii()
         assert max(map(len, card.splitlines())) < 256

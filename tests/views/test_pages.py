@@ -467,7 +467,7 @@ def test_friction_displayed_for_maps_equals_library_values_after_controls_are_ch
         reference = reference if direction_index == 0 else reference.isel(direction=direction_index - 1)
         expected = {rule: float(reference.sel(sliding=rule)) for rule in ("all", "opposing")}
         assert read_values_by_rule(maps_report) == pytest.approx(expected, rel=1e-4)
-    # The report has assessments for the conditions of the study only; the button returns to such a condition.
+    # A report contains assessments only for the loads, mu0 and tau0 of the study. The button returns to these values.
     maps_report.find_element("css selector", "#judgement button").click()
     browser.wait_for_drawing(maps_report)
     assert maps_report.find_element("css selector", ".assessment").text == point.assessment
