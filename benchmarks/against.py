@@ -75,7 +75,7 @@ def compare_profile_generators() -> list[tuple[str, str]]:
     def generate_by_finufft():
         phase_groups = np.empty((40, NUM_POINTS))
         for k in range(40):
-            # Modes start at -N/2; the strengths include the phase of the first point.
+            # FINUFFT numbers modes from -N/2, so the amplitudes include the phase of the first point.
             amplitudes = np.exp(1j * (phases[:, k] + angle[:, k] * (NUM_POINTS // 2)))
             sums = finufft.nufft1d1(
                 np.ascontiguousarray(angle[:, k]), amplitudes, NUM_POINTS, eps=1e-12, isign=1, nthreads=1
@@ -121,7 +121,7 @@ def compare_with_boundary_elements() -> list[tuple[str, str]]:
         return float((model.traction > 0).mean())
 
     area = compute_contact_fraction()
-    # Without interaction between asperities, the area is smaller.
+    # The asperity model, without interaction between asperities, has a smaller area than the half-space model.
     assert 0.05 < float(curve.contact_area[20]) / area < 1
     stiction_time = median_time(
         lambda: press(upper, lower, approaches, law=HertzCylinder(), detection="gap-minimum"), 20

@@ -8,7 +8,7 @@ from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
 from stiction.solve.member_solution import _get_reused_array, compute_member_arrays
 from stiction.study.members import fill_profile_family
 
-# The number of repetitions is large, so that the last one, which a single thread computes, takes little of the time.
+# With many repetitions, the last repetition, which a single thread computes, takes little of the time.
 NUM_REPETITIONS = 60
 STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": NUM_REPETITIONS})
 NUM_PAIRS = NUM_REPETITIONS * 50

@@ -53,7 +53,7 @@ nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_merge_streams = True
 nb_output_stderr = "remove"  # Standard error is discarded, because it contains progress and times.
-# IPython passes on the output of `%%sh` cells in pieces of 100 bytes; join them, so that lines are not broken.
+# IPython passes on the output of `%%sh` cells in pieces of 100 bytes. They are joined, so that lines are not broken.
 direct.single_nb_execution = functools.partial(direct.single_nb_execution, coalesce_streams=True)
 # Cells run the commands of the environment that builds the pages, without progress bars.
 os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"

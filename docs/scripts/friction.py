@@ -36,7 +36,7 @@ def gap_gradients(dimensions: np.ndarray) -> np.ndarray:
             for repetition in range(10)
         ]  # fmt: skip
         moments = weierstrass_mandelbrot_moments(dimension, shortest_wavelength=2 * EXTENT / MAP_SIDE_POINTS)
-        # The factor 4 is for two directions and two bodies.
+        # The variance of the slope is multiplied by 4, for two directions and two bodies.
         values.append(AMPLITUDE * np.mean(1 / np.array(heights)) * np.sqrt(4 * moments.slope))
     return np.array(values)
 

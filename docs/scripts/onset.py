@@ -174,7 +174,7 @@ def _sticking_contact_stiffness(is_contact: np.ndarray, *, is_fixed_along_y: boo
     num_unknowns = count * (1 + is_fixed_along_y)
     expected = np.zeros(num_unknowns)
     expected[:count] = 1.0
-    # The kernel has zero mean. An added constant makes it positive definite, and is subtracted from the result.
+    # The kernel has zero mean. A constant makes the kernel positive definite, and is subtracted from the displacements.
     mean_compliance = 10.0 / EFFECTIVE_MODULUS
 
     def compute_displacement_with_mean(q: np.ndarray) -> np.ndarray:
@@ -310,7 +310,7 @@ def draw_figure() -> None:
     slip_axes.set(xlabel="tangential load / sliding load", ylabel="slips (%)", xlim=(0, 1), ylim=(0, 100))
     slip_axes.legend(frameon=False, fontsize=6, title="dashed: one ball", title_fontsize=6)
     slip_fraction = onset.slip_load().reshape(n, n) / onset.sliding_load
-    # Show the window with the largest contact area.
+    # Show the square section of the surface with the largest contact area.
     is_contact = curve.contact(0).pressure > 0
     contact_density = uniform_filter(is_contact.astype(float), window_size)[
         window_size // 2 : -window_size // 2, window_size // 2 : -window_size // 2

@@ -122,7 +122,7 @@ def compute_extrapolations():
         for index in range(NUM_EXTRAPOLATION_TEST_PAIRS):
             fine_bodies = create_pair(hurst, 1000 + index, SMALL_MAP_SIDE_POINTS, SMALL_MAP_SIDE_POINTS)
             coarse_bodies = [simulate_coarser_scan(body, 32, 4) for body in fine_bodies]
-            # The mean elastic contact pressure reaches this hardness at about 10 points.
+            # The mean elastic contact pressure reaches `hardness` at a wavelength of about 10 points.
             hardness = EFFECTIVE_MODULUS * GAP_GRADIENTS_BY_HURST_EXPONENT[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
             options = {
                 "mu0": MU0,

@@ -146,13 +146,13 @@ def run_case(case: RoughMap | PeriodicBall) -> dict[str, list[float]]:
     plastic_solver = DFSANECXXSolver(residual)
     plastic_solver.tolerance = 1e-5 * yield_strength
     constraint = tamaas.PolonskyKeerRey.pressure
-    # This call changes the heights.
+    # The solver of tamaas changes the array of heights, so it gets a copy.
     contact_solver = tamaas.PolonskyKeerRey(solid, heights.copy(), 1e-10, constraint, constraint)
     solver = tamaas.AndersonMixing(contact_solver, plastic_solver, 1e-5)
     elastic_solver = tamaas.PolonskyKeerRey(elastic_solid, heights.copy(), 1e-10)
     result: dict[str, list[float]] = {"pressure": [], "area": [], "elastic_area": []}
     for pressure in case.pressures():
-        solver.solve(float(pressure))  # this call also updates the plastic strain
+        solver.solve(float(pressure))  # `solve` also updates the plastic strain of the solid
         elastic_solver.solve(float(pressure))
         result["pressure"].append(float(pressure))
         result["area"].append(measure_area_fraction(solid.traction[..., 2] > 0))
